@@ -1,0 +1,61 @@
+//! How the estimator works: one type whose defaults work.
+
+/// Which kinds of wall the map may have.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum WallPolicy {
+    /// Every wall is a free line (rho, theta): the report's section 3.1.
+    Free,
+    /// Every wall is a line (rho, theta) whose direction is snapped to the grid (report 3.2, eqs. 2-4).
+    Snapped {
+        /// Also move theta_i with the innovation, dh/dtheta_i = dh/dalpha, as eq. 5 can be read; otherwise
+        /// dh/dtheta_i = 0, which is what beta(alpha) in eq. 3 gives.
+        theta_moves: bool,
+    },
+    /// Walls on the grid have rho alone; lines that the data put off the grid are free.
+    #[default]
+    Grid,
+}
+
+/// How outliers are grouped into candidate walls.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Clustering {
+    /// Readings of one sensor that follow each other.
+    #[default]
+    BySensor,
+    /// Density-based over all sensors (Ester et al. 1996).
+    Dbscan,
+}
+
+/// Settings of the estimator.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Config {
+    /// Wall kinds.
+    pub walls: WallPolicy,
+    /// Outlier clustering.
+    pub clustering: Clustering,
+    /// Estimate sensor gains whose prior sigma is not zero.
+    pub calibrate_gains: bool,
+    /// Estimate wheel scales or odometry scales whose prior sigma is not zero.
+    pub calibrate_scales: bool,
+    /// Estimate the track where its prior sigma is not zero.
+    pub calibrate_track: bool,
+    /// Association gate: largest squared innovation over its variance (chi-square with one degree of freedom).
+    pub gate: f32,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self {
+            walls: WallPolicy::default(),
+            clustering: Clustering::default(),
+            calibrate_gains: true,
+            calibrate_scales: true,
+            calibrate_track: true,
+            // 99.9 % of a chi-square distribution with one degree of freedom.
+            gate: 10.83,
+        }
+    }
+}

@@ -1,0 +1,26 @@
+//! EKF-SLAM for robots with a few infrared range sensors.
+//!
+//! Samples in, estimate out: [`Slam::step`] takes what the robot sensed since the last step (encoder ticks or a
+//! dead-reckoned increment, and one reading per range sensor) and keeps a pose, a map of walls, the direction of the
+//! home's wall grid and the calibration of the robot's own sensors in one extended Kalman filter.
+//!
+//! Frames: *map* is the robot's start pose (origin at the wheel axle's centre, x forward, y left, theta
+//! counter-clockwise); *robot* is the same, moving with the robot. Units are metres, radians, seconds and volts.
+#![no_std]
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+
+pub mod angle;
+pub mod config;
+pub mod pose;
+pub mod report;
+pub mod rig;
+pub mod sample;
+mod slam;
+
+pub use config::{Clustering, Config, WallPolicy};
+pub use pose::Pose;
+pub use report::{Counters, Outcome, ReadingReport, Refusal, StepReport};
+pub use rig::{Adc, DriveModel, Mount, RangeModel, RangeSensor, Rig, RigError};
+pub use sample::{Increment, Motion, RangeInput, Sample, Ticks};
+pub use slam::{HostSlam, Parameter, RobotSlam, Slam, WallKind, WallView};

@@ -1,0 +1,131 @@
+//! What became of each reading, and counts of everything refused.
+
+/// Why a reading was not used by the filter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Refusal {
+    /// Not a number, negative, over the converter's full scale, or of the wrong kind for the sensor.
+    Invalid,
+    /// Shorter than the sensor's minimum.
+    TooNear,
+    /// Longer than the sensor's maximum.
+    TooFar,
+    /// The floor voltage of an analogue sensor that sees nothing.
+    Floor,
+    /// The same reading as before, held by an analogue sensor.
+    Held,
+    /// Under the minimum range, folded back to a longer one.
+    FoldBack,
+    /// A jump that no motion explains.
+    Spike,
+    /// Meets a wall at an angle the sensor does not support.
+    Incidence,
+    /// Outside the gate of the wall that the beam meets first.
+    Gated,
+    /// Two walls explain it equally well.
+    Ambiguous,
+    /// The innovation variance is not a positive number.
+    Degenerate,
+}
+
+impl Refusal {
+    /// Number of reasons.
+    pub const COUNT: usize = 11;
+
+    /// Every reason, in the order of [`Counters::refused`].
+    pub const ALL: [Refusal; Self::COUNT] = [
+        Self::Invalid,
+        Self::TooNear,
+        Self::TooFar,
+        Self::Floor,
+        Self::Held,
+        Self::FoldBack,
+        Self::Spike,
+        Self::Incidence,
+        Self::Gated,
+        Self::Ambiguous,
+        Self::Degenerate,
+    ];
+}
+
+/// What became of one sensor's input in one step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Outcome {
+    /// There was none.
+    #[default]
+    Missing,
+    /// Refused at the door, or by association without being kept.
+    Refused(Refusal),
+    /// Used: one scalar update with this wall.
+    Updated {
+        /// Identifier of the wall.
+        wall: u16,
+        /// Innovation, metres.
+        innovation_m: f32,
+        /// Innovation variance, m^2.
+        variance_m2: f32,
+    },
+    /// Met this wall but fell outside the gate; kept in the outlier buffer.
+    Gated {
+        /// Identifier of the wall.
+        wall: u16,
+        /// Innovation, metres.
+        innovation_m: f32,
+        /// Innovation variance, m^2.
+        variance_m2: f32,
+    },
+    /// Met no wall; kept in the outlier buffer.
+    Unexplained,
+}
+
+/// One sensor's part of a [`StepReport`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ReadingReport {
+    /// What became of it.
+    pub outcome: Outcome,
+    /// The range, metres, corrected by the sensor's estimated gain, where the input was a valid one.
+    pub range_m: Option<f32>,
+    /// Where the beam ended in the map frame, metres, with the pose after the step.
+    pub hit_m: Option<[f32; 2]>,
+}
+
+/// What one step did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepReport<const S: usize> {
+    /// The readings, in the rig's order.
+    pub readings: [ReadingReport; S],
+    /// Walls born in this step.
+    pub births: u8,
+    /// Pairs of walls merged in this step.
+    pub merges: u8,
+    /// Walls removed in this step.
+    pub prunes: u8,
+}
+
+/// Counts since the start. They saturate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Counters {
+    /// Steps taken.
+    pub steps: u32,
+    /// Readings used in updates.
+    pub updates: u32,
+    /// Readings refused, by reason, in the order of [`Refusal::ALL`].
+    pub refused: [u32; Refusal::COUNT],
+    /// Readings put into the outlier buffer.
+    pub buffered: u32,
+    /// Buffered readings overwritten by newer ones before they became a wall.
+    pub overwritten: u32,
+    /// Walls born.
+    pub births: u32,
+    /// Births refused because the map was full.
+    pub map_full: u32,
+    /// Pairs of walls merged.
+    pub merges: u32,
+    /// Walls removed.
+    pub prunes: u32,
+    /// Samples with a time that did not increase, or a motion that was not a number, of the wrong kind or impossible.
+    pub bad_motion: u32,
+}
