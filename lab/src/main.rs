@@ -1,1 +1,3 @@
+//! The workbench's command line.
+
 fn main() {}

@@ -1,0 +1,200 @@
+//! Everything that one run or replay did, in memory: what the outputs, the scores and the report page are made from.
+//!
+//! Frames and units: poses, walls and hits are in the map frame (the robot's start pose), metres and radians; times are
+//! seconds. The true path and plan are moved so that the first true pose is the map frame's origin.
+
+use slam_core::{Counters, Outcome, ReadingReport, WallView};
+
+/// A planar pose: metres, radians in (-pi, pi].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pose2 {
+    /// x in the map frame, metres.
+    pub x_m: f64,
+    /// y in the map frame, metres.
+    pub y_m: f64,
+    /// Heading, radians counter-clockwise.
+    pub theta_rad: f64,
+}
+
+/// One run of the estimator over one log or simulated drive.
+#[derive(Clone, Debug, Default)]
+pub struct Recording {
+    /// What was run, for people: a floor plan's or a log's name.
+    pub title: String,
+    /// Seed of a simulated drive.
+    pub seed: Option<u64>,
+    /// The range sensors, in the rig's order.
+    pub sensors: Vec<SensorInfo>,
+    /// One entry per log row.
+    pub steps: Vec<Step>,
+    /// What became of each reading: `sensors.len()` entries per step, see [`Recording::readings`].
+    pub readings: Vec<ReadingReport>,
+    /// The map over time: whenever its structure changed, and about once a second; the last entry is the final map.
+    pub maps: Vec<MapSnapshot>,
+    /// The calibration parameters that are estimated.
+    pub parameters: Vec<ParameterInfo>,
+    /// The calibration about once a second; the last entry is the final one.
+    pub calibration: Vec<CalibrationSnapshot>,
+    /// The true floor plan, where known.
+    pub true_walls: Vec<Segment>,
+    /// The estimator's own counts at the end.
+    pub counters: Counters,
+    /// The run's figures, filled in when it is over.
+    pub figures: Figures,
+}
+
+/// One range sensor as the rig file describes it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SensorInfo {
+    /// Its name.
+    pub name: String,
+    /// Where the beam starts in the robot's frame, metres forward.
+    pub x_m: f64,
+    /// Where the beam starts in the robot's frame, metres left.
+    pub y_m: f64,
+    /// Beam direction, radians counter-clockwise from straight ahead.
+    pub bearing_rad: f64,
+    /// Shortest and longest range that is a reading, metres.
+    pub span_m: [f64; 2],
+}
+
+/// One log row and the estimate after it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Step {
+    /// Time as the log writes it.
+    pub t_text: String,
+    /// Time since the first row, seconds.
+    pub t_s: f64,
+    /// Estimated pose.
+    pub pose: Pose2,
+    /// Covariance of (x, y, theta): m^2, m rad, rad^2.
+    pub covariance: [[f32; 3]; 3],
+    /// Direction of the wall grid and its 1-sigma, radians; none before there is a grid.
+    pub alpha: Option<(f32, f32)>,
+    /// Pose by the motion input alone.
+    pub dead_reckoning: Pose2,
+    /// True pose, where known at this time.
+    pub truth: Option<Pose2>,
+    /// Number of walls in the map.
+    pub walls: usize,
+    /// Walls born in this step.
+    pub births: u8,
+    /// Pairs of walls merged in this step.
+    pub merges: u8,
+    /// Walls removed in this step.
+    pub prunes: u8,
+}
+
+/// The map after one step.
+#[derive(Clone, Debug, Default)]
+pub struct MapSnapshot {
+    /// Index into [`Recording::steps`].
+    pub step: usize,
+    /// The walls.
+    pub walls: Vec<WallView>,
+}
+
+/// One calibration parameter: a factor, 1 where exact.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ParameterInfo {
+    /// Its name as in `calibration.csv`: `gain_NAME`, `scale_left`, ...
+    pub name: String,
+    /// Its true value, where known (simulation).
+    pub truth: Option<f64>,
+}
+
+/// The calibration after one step.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CalibrationSnapshot {
+    /// Index into [`Recording::steps`].
+    pub step: usize,
+    /// Estimate and 1-sigma of each of [`Recording::parameters`].
+    pub values: Vec<(f32, f32)>,
+}
+
+/// A straight piece of the true plan, metres in the map frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Segment {
+    /// One end.
+    pub from_m: [f64; 2],
+    /// The other end.
+    pub to_m: [f64; 2],
+}
+
+/// Figures of a whole run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Figures {
+    /// Length of the path by dead reckoning, metres.
+    pub path_m: f64,
+    /// Time from first to last row, seconds.
+    pub duration_s: f64,
+    /// Time that the estimator took, seconds of this machine.
+    pub estimator_s: f64,
+    /// Walls in the final map.
+    pub walls: usize,
+    /// Readings used in updates.
+    pub updates: u64,
+    /// Readings that no wall explained: outside the gate, or meeting none.
+    pub outliers: u64,
+    /// Mean normalised innovation squared of the updates (1 is ideal).
+    pub mean_nis: Option<f64>,
+    /// The estimate against the truth.
+    pub estimate: Option<PathScore>,
+    /// Dead reckoning against the truth.
+    pub odometry: Option<PathScore>,
+    /// The map against the true plan.
+    pub map: Option<MapScore>,
+}
+
+/// Errors of a path against the truth.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PathScore {
+    /// Number of poses compared.
+    pub poses: usize,
+    /// RMSE of position after the best rigid alignment (rotation and translation, no scale), metres.
+    pub ate_m: f64,
+    /// RMSE of position in the start frame, metres.
+    pub start_m: f64,
+    /// RMSE of heading after removing the alignment's rotation, degrees.
+    pub heading_deg: f64,
+    /// Mean normalised pose error squared in the start frame (3 is ideal); of the estimate only.
+    pub nees: Option<f64>,
+    /// The alignment: true position = R(`alignment.theta_rad`) estimated position + translation.
+    pub alignment: Pose2,
+}
+
+/// The map against the true plan.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MapScore {
+    /// RMS of the mapped walls' offsets from the true walls that they match, metres.
+    pub offset_m: f64,
+    /// Mapped walls that match a true wall.
+    pub matched: usize,
+    /// True walls longer than 1 m that the robot passed within range and that the map lacks.
+    pub missed: usize,
+    /// Mapped walls that match no true wall.
+    pub invented: usize,
+}
+
+impl Recording {
+    /// The readings of one step, in the rig's order.
+    pub fn readings(&self, step: usize) -> &[ReadingReport] {
+        let n = self.sensors.len();
+        self.readings.get(step * n..(step + 1) * n).unwrap_or(&[])
+    }
+
+    /// The final map.
+    pub fn walls(&self) -> &[WallView] {
+        self.maps.last().map_or(&[], |map| &map.walls)
+    }
+}
+
+/// Normalised innovation squared of a reading that was used or gated.
+pub fn nis(outcome: &Outcome) -> Option<f64> {
+    match *outcome {
+        Outcome::Updated { innovation_m, variance_m2, .. } | Outcome::Gated { innovation_m, variance_m2, .. } => {
+            Some(f64::from(innovation_m) * f64::from(innovation_m) / f64::from(variance_m2))
+        }
+        Outcome::Missing | Outcome::Refused(_) | Outcome::Unexplained => None,
+    }
+}
