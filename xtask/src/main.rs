@@ -1,1 +1,34 @@
-fn main() {}
+//! `cargo xtask`: set-up, tests and checks of the workspace.
+#![forbid(unsafe_code)]
+
+mod apt;
+mod run;
+mod setup;
+mod test;
+mod thumb;
+
+use std::process::ExitCode;
+
+const HELP: &str = "\
+cargo xtask setup            install what the tests need (asks first, unless the variable CI is set)
+cargo xtask test [STEP...]   set up what is missing, then run every step, or only the named ones";
+
+fn main() -> ExitCode {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let result = match args.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
+        ["setup"] => setup::setup(),
+        ["test", steps @ ..] => test::test(steps),
+        [] | ["help" | "--help" | "-h"] => {
+            println!("{HELP}\n\nsteps: {}", test::step_names());
+            Ok(())
+        }
+        other => Err(format!("cargo xtask {}: no such command\n{HELP}", other.join(" "))),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("error: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! Every test and check, in the order of how soon they fail.
+
+use crate::run::{Result, cargo, run};
+use crate::setup;
+use crate::thumb::Thumb;
+use std::time::Instant;
+
+type Step = (&'static str, fn() -> Result);
+
+const STEPS: &[Step] = &[("fmt", fmt), ("clippy", clippy), ("doc", doc), ("no-std", no_std), ("host", host)];
+
+/// The steps' names, for the help text.
+pub fn step_names() -> String {
+    STEPS.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ")
+}
+
+/// Installs what is missing, then runs the named steps, or all.
+pub fn test(wanted: &[&str]) -> Result {
+    if let Some(unknown) = wanted.iter().find(|name| STEPS.iter().all(|(step, _)| step != *name)) {
+        return Err(format!("no step is called '{unknown}'; there are: {}", step_names()));
+    }
+    setup::setup()?;
+    let mut times = Vec::new();
+    for (name, step) in STEPS.iter().filter(|(name, _)| wanted.is_empty() || wanted.contains(name)) {
+        println!("== {name}");
+        let start = Instant::now();
+        step().map_err(|error| format!("step '{name}': {error}"))?;
+        times.push(format!("{name} {:.0} s", start.elapsed().as_secs_f64()));
+    }
+    println!("== all passed: {}", times.join(", "));
+    Ok(())
+}
+
+fn fmt() -> Result {
+    run(&mut cargo(&["fmt", "--all", "--check"]))
+}
+
+fn clippy() -> Result {
+    run(&mut cargo(&["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]))
+}
+
+fn doc() -> Result {
+    run(cargo(&["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"))
+}
+
+fn host() -> Result {
+    run(&mut cargo(&["test", "--workspace"]))
+}
+
+/// The robot's crates build for a processor that has no standard library.
+fn no_std() -> Result {
+    let mut build = Thumb::require()?.cargo(".", "build");
+    run(build.args(["--release", "--package", "slam-core", "--package", "robot"]))?;
+    let mut with_defmt = Thumb::require()?.cargo(".", "build");
+    run(with_defmt.args(["--release", "--package", "slam-core", "--features", "defmt"]))
+}
