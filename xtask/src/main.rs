@@ -2,22 +2,28 @@
 #![forbid(unsafe_code)]
 
 mod apt;
+mod qemu;
 mod run;
 mod setup;
 mod test;
 mod thumb;
+mod timing;
 
 use std::process::ExitCode;
 
 const HELP: &str = "\
 cargo xtask setup            install what the tests need (asks first, unless the variable CI is set)
-cargo xtask test [STEP...]   set up what is missing, then run every step, or only the named ones";
+cargo xtask test [STEP...]   set up what is missing, then run every step, or only the named ones
+cargo xtask timing           count the instructions of slam-core's routines and compare with docs/timing.csv
+cargo xtask timing --update  write the counts into docs/timing.csv";
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let result = match args.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
         ["setup"] => setup::setup(),
         ["test", steps @ ..] => test::test(steps),
+        ["timing"] => timing::timing(false),
+        ["timing", "--update"] => timing::timing(true),
         [] | ["help" | "--help" | "-h"] => {
             println!("{HELP}\n\nsteps: {}", test::step_names());
             Ok(())

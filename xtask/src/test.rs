@@ -3,11 +3,20 @@
 use crate::run::{Result, cargo, run};
 use crate::setup;
 use crate::thumb::Thumb;
+use crate::timing;
 use std::time::Instant;
 
 type Step = (&'static str, fn() -> Result);
 
-const STEPS: &[Step] = &[("fmt", fmt), ("clippy", clippy), ("doc", doc), ("no-std", no_std), ("host", host)];
+const STEPS: &[Step] = &[
+    ("fmt", fmt),
+    ("clippy", clippy),
+    ("doc", doc),
+    ("no-std", no_std),
+    ("host", host),
+    ("firmware-lint", firmware_lint),
+    ("timing", || timing::timing(false)),
+];
 
 /// The steps' names, for the help text.
 pub fn step_names() -> String {
@@ -32,7 +41,8 @@ pub fn test(wanted: &[&str]) -> Result {
 }
 
 fn fmt() -> Result {
-    run(&mut cargo(&["fmt", "--all", "--check"]))
+    run(&mut cargo(&["fmt", "--all", "--check"]))?;
+    run(&mut cargo(&["fmt", "--all", "--check", "--manifest-path", "firmware/Cargo.toml"]))
 }
 
 fn clippy() -> Result {
@@ -53,4 +63,13 @@ fn no_std() -> Result {
     run(build.args(["--release", "--package", "slam-core", "--package", "robot"]))?;
     let mut with_defmt = Thumb::require()?.cargo(".", "build");
     run(with_defmt.args(["--release", "--package", "slam-core", "--features", "defmt"]))
+}
+
+/// Clippy of the firmware's workspace; Debian's compiler comes without clippy, so that one checks with its own warnings.
+fn firmware_lint() -> Result {
+    let thumb = Thumb::require()?;
+    match thumb {
+        Thumb::Host => run(thumb.cargo("firmware", "clippy").args(["--release", "--locked", "--", "-D", "warnings"])),
+        Thumb::Debian => run(thumb.cargo("firmware", "check").args(["--release", "--locked"])),
+    }
 }

@@ -61,6 +61,14 @@ impl Thumb {
         command
     }
 
+    /// Major and minor version of the compiler, for instance `1.95`.
+    pub fn version(self) -> Result<String> {
+        let program = if self == Self::Host { "rustc" } else { DEBIAN_RUSTC };
+        let printed = output(Command::new(program).arg("--version").current_dir(root()))?;
+        let (major, minor) = rust_version(&printed).ok_or_else(|| format!("`{program} --version`: {printed}"))?;
+        Ok(format!("{major}.{minor}"))
+    }
+
     /// Where this compiler's output goes: two compilers in one directory would rebuild each other's work.
     pub fn target_dir(self) -> PathBuf {
         let dir = target_dir();

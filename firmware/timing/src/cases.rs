@@ -1,0 +1,11 @@
+//! What is measured. A case's name appears in docs/timing.csv.
+
+use crate::bench::Bench;
+use core::hint::black_box;
+use slam_core::angle;
+
+/// Runs every case.
+pub fn run(bench: &Bench) {
+    bench.worst("sin_cos", 64, |call| angle::sin_cos(black_box(call as f32 * 0.1 - 3.2)));
+    bench.case("wrap", || angle::wrap(black_box(4.0)));
+}

@@ -1,0 +1,28 @@
+//! A bare program that runs each case once on the robot's processor and prints what it cost.
+#![no_std]
+#![no_main]
+#![forbid(unsafe_code)]
+
+mod bench;
+mod cases;
+
+use core::panic::PanicInfo;
+use cortex_m_semihosting::{debug, hprintln};
+
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    cases::run(&bench::Bench::new());
+    exit(debug::EXIT_SUCCESS)
+}
+
+#[panic_handler]
+fn panic(info: &PanicInfo) -> ! {
+    hprintln!("{}", info);
+    exit(debug::EXIT_FAILURE)
+}
+
+fn exit(status: debug::ExitStatus) -> ! {
+    loop {
+        debug::exit(status);
+    }
+}

@@ -1,0 +1,156 @@
+//! Instruction counts of the estimator's routines, held against the committed ones.
+
+use crate::qemu;
+use crate::run::{Result, root, run};
+use crate::thumb::{TARGET, Thumb};
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+const FILE: &str = "docs/timing.csv";
+const HEADER: &str = "case,compiler,instructions";
+/// Largest growth over the committed figure with the same compiler.
+const GROWTH: f64 = 1.05;
+/// The same where only another compiler's figure is committed.
+const OTHER_COMPILER_GROWTH: f64 = 1.25;
+/// Counts that must not be exceeded, by whatever compiler.
+const BARS: &[(&str, u32)] = &[];
+
+/// By case, then by compiler.
+type Figures = BTreeMap<String, BTreeMap<String, u32>>;
+
+/// Measures, prints, and compares; with `update`, writes the figures down instead of comparing.
+pub fn timing(update: bool) -> Result {
+    let thumb = Thumb::require()?;
+    run(thumb.cargo("firmware", "build").args(["--release", "--locked", "--package", "timing"]))?;
+    let elf = thumb.target_dir().join(TARGET).join("release/timing");
+    let measured = parse_output(&qemu::run(&elf, Duration::from_secs(300))?)?;
+    let compiler = thumb.version()?;
+    let path = root().join(FILE);
+    let mut committed = match std::fs::read_to_string(&path) {
+        Ok(text) => parse_file(&text)?,
+        Err(_) if update => Figures::new(),
+        Err(error) => return Err(format!("{FILE}: {error}; `cargo xtask timing --update` writes it")),
+    };
+    let verdict = compare(&measured, &committed, &compiler);
+    if !update {
+        return verdict;
+    }
+    committed.retain(|case, _| measured.contains_key(case));
+    for (case, count) in measured {
+        committed.entry(case).or_default().insert(compiler.clone(), count);
+    }
+    std::fs::write(&path, write_file(&committed)).map_err(|error| format!("{FILE}: {error}"))?;
+    println!("{FILE} is up to date with compiler {compiler}");
+    Ok(())
+}
+
+/// Prints a table and lists what is wrong.
+fn compare(measured: &BTreeMap<String, u32>, committed: &Figures, compiler: &str) -> Result {
+    let mut wrong = Vec::new();
+    println!("{:<40} {:>14} {:>14} {:>9}", "case", "instructions", "committed", "change");
+    for (case, &count) in measured {
+        let figures = committed.get(case);
+        let (figure, allowed) = match figures.and_then(|by| by.get(compiler)) {
+            Some(&figure) => (Some(figure), GROWTH),
+            None => (figures.and_then(|by| by.values().copied().max()), OTHER_COMPILER_GROWTH),
+        };
+        let Some(figure) = figure else {
+            println!("{case:<40} {count:>14} {:>14} {:>9}", "-", "-");
+            wrong.push(format!("{case} has no figure in {FILE}"));
+            continue;
+        };
+        let change = f64::from(count) / f64::from(figure.max(1));
+        println!("{case:<40} {count:>14} {figure:>14} {:>8.1}%", (change - 1.0) * 100.0);
+        if change > allowed {
+            wrong.push(format!("{case} grew from {figure} to {count} (at most {:.0} %)", (allowed - 1.0) * 100.0));
+        }
+    }
+    for (case, bar) in BARS {
+        match measured.get(*case) {
+            Some(count) if count <= bar => {}
+            Some(count) => wrong.push(format!("{case} takes {count}, over the bar of {bar}")),
+            None => wrong.push(format!("{case}, which has a bar of {bar}, was not measured")),
+        }
+    }
+    let gone = committed.keys().filter(|case| !measured.contains_key(*case));
+    wrong.extend(gone.map(|case| format!("{case} of {FILE} was not measured")));
+    if wrong.is_empty() {
+        return Ok(());
+    }
+    Err(format!("{}\nif this is meant, `cargo xtask timing --update` writes the new figures", wrong.join("\n")))
+}
+
+fn parse_output(printed: &str) -> Result<BTreeMap<String, u32>> {
+    let mut cases = BTreeMap::new();
+    for line in printed.lines() {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let ["timing", case, count, "instructions"] = words.as_slice() else {
+            return Err(format!("the timing program printed '{line}'"));
+        };
+        let count = count.parse().map_err(|_| format!("the timing program printed '{line}'"))?;
+        cases.insert((*case).to_owned(), count);
+    }
+    if cases.is_empty() { Err("the timing program printed nothing".into()) } else { Ok(cases) }
+}
+
+fn parse_file(text: &str) -> Result<Figures> {
+    let mut figures = Figures::new();
+    for (at, line) in text.lines().enumerate() {
+        if at == 0 && line == HEADER {
+            continue;
+        }
+        let bad = || format!("{FILE} line {}: '{line}' is not `{HEADER}`", at + 1);
+        let mut fields = line.split(',');
+        let (Some(case), Some(compiler), Some(count), None) =
+            (fields.next(), fields.next(), fields.next(), fields.next())
+        else {
+            return Err(bad());
+        };
+        let count = count.parse().map_err(|_| bad())?;
+        figures.entry(case.to_owned()).or_default().insert(compiler.to_owned(), count);
+    }
+    Ok(figures)
+}
+
+fn write_file(figures: &Figures) -> String {
+    let mut text = format!("{HEADER}\n");
+    for (case, by_compiler) in figures {
+        for (compiler, count) in by_compiler {
+            text.push_str(&format!("{case},{compiler},{count}\n"));
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn measured(count: u32) -> BTreeMap<String, u32> {
+        parse_output(&format!("timing step {count} instructions\n")).unwrap()
+    }
+
+    #[test]
+    fn growth_over_five_percent_fails() {
+        let committed = parse_file("case,compiler,instructions\nstep,1.95,1000\n").unwrap();
+        assert!(compare(&measured(1050), &committed, "1.95").is_ok());
+        assert!(compare(&measured(1051), &committed, "1.95").is_err());
+        assert!(compare(&measured(1051), &committed, "1.96").is_ok(), "another compiler has more room");
+        assert!(compare(&measured(1251), &committed, "1.96").is_err());
+    }
+
+    #[test]
+    fn cases_must_match_the_file() {
+        let committed = parse_file("case,compiler,instructions\nother,1.95,1000\n").unwrap();
+        let error = compare(&measured(1000), &committed, "1.95").unwrap_err();
+        assert!(error.contains("step has no figure") && error.contains("other of"), "{error}");
+        assert!(parse_file("case,compiler,instructions\nstep,1.95\n").unwrap_err().contains("line 2"));
+        assert!(parse_output("panicked").is_err());
+    }
+
+    #[test]
+    fn a_file_written_reads_back() {
+        let text = "case,compiler,instructions\na,1.95,7\na,1.96,8\nb,1.95,9\n";
+        assert_eq!(write_file(&parse_file(text).unwrap()), text);
+    }
+}
