@@ -1,4 +1,21 @@
 //! What a small robot is, for firmware and simulator alike.
+//!
+//! [`traits`] says what a board offers: a bank of range sensors, two wheel encoders, two motors, a bumper and a cliff
+//! sensor. [`h_bridge`] drives motors through `embedded-hal` outputs, [`wheel_control`] holds a wheel speed, [`contact`]
+//! stops the wheels without waiting for anyone, and [`pilot`] decides where to go.
+//!
+//! One rule: nothing here knows the true pose or the true walls. Lengths are metres, angles radians, times seconds
+//! unless a name says otherwise; the robot's frame has its origin at the wheel axle's centre, x forward, y left.
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
+
+pub mod contact;
+pub mod h_bridge;
+pub mod traits;
+pub mod wheel_control;
+
+pub use contact::{ContactPins, Contacts};
+pub use h_bridge::{HBridge, HBridgeError, MotorPair};
+pub use traits::{DriveMotors, Duty, RangeSensorBank, WheelCounter, WheelEncoders, WheelSpeeds};
+pub use wheel_control::{WheelControl, WheelControlConfig};

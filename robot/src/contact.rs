@@ -1,0 +1,67 @@
+//! Bumper and cliff: inputs that stop the wheels without waiting for the estimator.
+
+use embedded_hal::digital::InputPin;
+
+use crate::traits::WheelSpeeds;
+
+/// What the robot touches, or is about to fall over.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Contacts {
+    /// The left half of the front bumper is pressed.
+    pub bump_left: bool,
+    /// The right half of the front bumper is pressed.
+    pub bump_right: bool,
+    /// There is no floor under the front.
+    pub cliff: bool,
+}
+
+impl Contacts {
+    /// Whether driving on is forbidden.
+    pub fn any(&self) -> bool {
+        self.bump_left || self.bump_right || self.cliff
+    }
+
+    /// The command that may be carried out: while anything is touched the robot may turn or back off, not advance.
+    pub fn guard(&self, command: WheelSpeeds) -> WheelSpeeds {
+        if self.any() && command.is_forward() { WheelSpeeds::STOP } else { command }
+    }
+}
+
+/// Bumper switches and cliff sensor on digital inputs, high when pressed or when the floor is gone.
+#[derive(Debug)]
+pub struct ContactPins<L, R, C> {
+    /// Left half of the bumper.
+    pub bump_left: L,
+    /// Right half of the bumper.
+    pub bump_right: R,
+    /// Cliff sensor.
+    pub cliff: C,
+}
+
+impl<L: InputPin, R: InputPin, C: InputPin> ContactPins<L, R, C> {
+    /// The state of all three. An input that cannot be read counts as touched: the robot stands rather than falls.
+    pub fn read(&mut self) -> Contacts {
+        Contacts {
+            bump_left: self.bump_left.is_high().unwrap_or(true),
+            bump_right: self.bump_right.is_high().unwrap_or(true),
+            cliff: self.cliff.is_high().unwrap_or(true),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pressed_bumper_lets_the_robot_back_off_and_turn_only() {
+        let touched = Contacts { bump_left: true, ..Contacts::default() };
+        let back = WheelSpeeds { left_mps: -0.1, right_mps: -0.1 };
+        let turn = WheelSpeeds { left_mps: -0.1, right_mps: 0.1 };
+        let on = WheelSpeeds { left_mps: 0.1, right_mps: 0.2 };
+        assert_eq!(touched.guard(on), WheelSpeeds::STOP);
+        assert_eq!(touched.guard(back), back);
+        assert_eq!(touched.guard(turn), turn);
+        assert_eq!(Contacts::default().guard(on), on);
+    }
+}
