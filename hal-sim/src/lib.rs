@@ -1,1 +1,28 @@
 //! A simulated robot board and home.
+//!
+//! [`Plan`] is the home, [`Simulation`] the robot in it: wheel speeds in, [`Sample`](slam_core::Sample)s out, and the
+//! truth beside them. Everything random follows from one seed, bit for bit and on every machine: own random streams,
+//! `libm` for every transcendental function.
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+
+mod body;
+pub mod coverage;
+pub mod options;
+pub mod plan;
+pub mod plan_file;
+pub mod pose;
+pub mod rig;
+pub mod rng;
+pub mod sharp;
+mod simulation;
+pub mod world;
+
+pub use body::TrueDrive;
+pub use coverage::{Coverage, SeenWall};
+pub use options::{DriveOptions, SharpOptions, SimOptions};
+pub use plan::{Face, Plan};
+pub use plan_file::PlanError;
+pub use pose::TruePose;
+pub use rig::{default_rig, default_rig_with};
+pub use simulation::{MAX_SENSORS, SimError, Simulation, TrueCalibration};

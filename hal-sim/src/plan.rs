@@ -1,0 +1,148 @@
+//! A floor plan: what stands where in a simulated home.
+
+use crate::pose::TruePose;
+
+/// A flat piece of wall or furniture, seen from its left side (looking from `from_m` to `to_m`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Face {
+    /// One end, metres.
+    pub from_m: [f64; 2],
+    /// The other end, metres.
+    pub to_m: [f64; 2],
+    /// Whether it is seen from its right side, too.
+    pub two_sided: bool,
+}
+
+impl Face {
+    /// Length, metres.
+    pub fn length_m(&self) -> f64 {
+        libm::hypot(self.to_m[0] - self.from_m[0], self.to_m[1] - self.from_m[1])
+    }
+
+    /// Unit normal towards the side from which the face is seen.
+    pub fn normal(&self) -> [f64; 2] {
+        let length_m = self.length_m();
+        [-(self.to_m[1] - self.from_m[1]) / length_m, (self.to_m[0] - self.from_m[0]) / length_m]
+    }
+
+    /// The same face in the frame of `origin`, which is given in the face's frame.
+    pub fn seen_from(&self, origin: &TruePose) -> Face {
+        Face { from_m: origin.inverse_transform(self.from_m), to_m: origin.inverse_transform(self.to_m), ..*self }
+    }
+}
+
+/// A round thing: a chair leg, a column, a flower pot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Round {
+    /// Centre, metres.
+    pub centre_m: [f64; 2],
+    /// Radius, metres.
+    pub radius_m: f64,
+}
+
+/// A part of the home that a drive should visit: a rectangle along the plan's axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Room {
+    /// What it is called.
+    pub name: String,
+    /// Lower corner, metres.
+    pub min_m: [f64; 2],
+    /// Upper corner, metres.
+    pub max_m: [f64; 2],
+}
+
+impl Room {
+    /// Whether a point lies in it.
+    pub fn contains(&self, x_m: f64, y_m: f64) -> bool {
+        (self.min_m[0]..=self.max_m[0]).contains(&x_m) && (self.min_m[1]..=self.max_m[1]).contains(&y_m)
+    }
+}
+
+/// A door leaf that stands in its frame from one time to another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Door {
+    /// One end of the closed leaf, metres.
+    pub from_m: [f64; 2],
+    /// The other end, metres.
+    pub to_m: [f64; 2],
+    /// When it closes, seconds since the start.
+    pub closes_at_s: f64,
+    /// When it opens again, seconds since the start.
+    pub opens_at_s: f64,
+}
+
+/// Somebody who walks to and fro along a path.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Person {
+    /// Radius as the sensors see it, metres.
+    pub radius_m: f64,
+    /// Walking speed, m/s.
+    pub speed_mps: f64,
+    /// Corners of the path, metres; at least one.
+    pub path_m: Vec<[f64; 2]>,
+}
+
+impl Person {
+    /// Where they are at a time (seconds since the start), metres.
+    pub fn position(&self, time_s: f64) -> [f64; 2] {
+        let legs = || self.path_m.windows(2).map(|p| (p[0], p[1], libm::hypot(p[1][0] - p[0][0], p[1][1] - p[0][1])));
+        let length_m: f64 = legs().map(|leg| leg.2).sum();
+        let start_m = self.path_m.first().copied().unwrap_or_default();
+        if length_m <= 0.0 {
+            return start_m;
+        }
+        let phase_m = libm::fmod(self.speed_mps * time_s.max(0.0), 2.0 * length_m);
+        let mut left_m = phase_m.min(2.0 * length_m - phase_m);
+        for (from, to, leg_m) in legs() {
+            if left_m <= leg_m && leg_m > 0.0 {
+                let share = left_m / leg_m;
+                return [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];
+            }
+            left_m -= leg_m;
+        }
+        self.path_m.last().copied().unwrap_or(start_m)
+    }
+}
+
+/// A rectangle without a floor, along the plan's axes: stairs going down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cliff {
+    /// Lower corner, metres.
+    pub min_m: [f64; 2],
+    /// Upper corner, metres.
+    pub max_m: [f64; 2],
+}
+
+/// A home and where the robot starts in it. Metres, in the plan's own frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// What it is called.
+    pub name: String,
+    /// The robot's start pose.
+    pub start: TruePose,
+    /// Walls and flat sides of furniture.
+    pub faces: Vec<Face>,
+    /// Round things.
+    pub rounds: Vec<Round>,
+    /// Rooms to visit.
+    pub rooms: Vec<Room>,
+    /// Doors that close.
+    pub doors: Vec<Door>,
+    /// People.
+    pub people: Vec<Person>,
+    /// Places without a floor.
+    pub cliffs: Vec<Cliff>,
+}
+
+impl Plan {
+    /// Every face in the robot's start frame, in the order of [`Plan::faces`]: what a map can be compared with.
+    pub fn faces_in_start_frame(&self) -> Vec<Face> {
+        self.faces.iter().map(|face| face.seen_from(&self.start)).collect()
+    }
+
+    /// Every round thing in the robot's start frame.
+    pub fn rounds_in_start_frame(&self) -> Vec<Round> {
+        let moved = |r: &Round| Round { centre_m: self.start.inverse_transform(r.centre_m), ..*r };
+        self.rounds.iter().map(moved).collect()
+    }
+}

@@ -1,0 +1,384 @@
+//! The simulated robot in its home: commands in, what its sensors and encoders show out, and the truth beside it.
+
+use core::fmt;
+
+use robot::{Contacts, Duty, WheelControl, WheelControlConfig, WheelCounter, WheelSpeeds};
+use slam_core::{Adc, Motion, RangeInput, RangeModel, RangeSensor, Rig, Sample, Ticks};
+
+use crate::body::{Body, TrueDrive, Wheels};
+use crate::coverage::Coverage;
+use crate::options::SimOptions;
+use crate::plan::{Cliff, Plan};
+use crate::pose::TruePose;
+use crate::rng::Rng;
+use crate::sharp::{CycleEvent, SharpCurve, SharpCycle, counts};
+use crate::world::{Hit, World};
+
+/// Most range sensors of a simulated robot.
+pub const MAX_SENSORS: usize = 16;
+
+/// Longest step of the physics, seconds.
+const TICK_S: f64 = 0.01;
+
+/// Period of the wheel-speed controller, in steps of the physics.
+const CONTROL_TICKS: usize = 2;
+
+/// Why a simulation cannot start.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SimError {
+    /// The rig has dead-reckoned odometry; only wheels can be simulated.
+    NeedsWheels,
+    /// The rig has an analogue sensor (its index) and no converter.
+    NeedsAdc(usize),
+    /// The sample rate is not in 1 to 100 Hz.
+    Rate(f64),
+    /// The robot would start inside something: nearest thing and body radius, metres.
+    StartBlocked(f64, f64),
+}
+
+impl fmt::Display for SimError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NeedsWheels => {
+                write!(f, "rig: the simulator drives [wheels]; a rig with [odometry] can only be replayed")
+            }
+            Self::NeedsAdc(sensor) => {
+                write!(
+                    f,
+                    "rig: range_sensor {sensor} is analogue (scale_m, exponent, noise_v): an [adc] section is needed"
+                )
+            }
+            Self::Rate(rate_hz) => write!(f, "sample rate {rate_hz} Hz: 1 to 100 is allowed"),
+            Self::StartBlocked(clearance_m, radius_m) => write!(
+                f,
+                "plan: [start] is {clearance_m:.2} m from the nearest wall or thing; the robot's radius is {radius_m:.2} m"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for SimError {}
+
+/// What the robot's calibration really is, as against what its rig says: factors, 1 where exact.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrueCalibration {
+    /// Gain of each range sensor, in the rig's order: reported range = gain x true range.
+    pub gains: Vec<f64>,
+    /// Wheels and track.
+    pub drive: TrueDrive,
+}
+
+/// One simulated range sensor.
+#[derive(Clone, Debug)]
+struct SimSensor {
+    sensor: RangeSensor,
+    cos_lost: f64,
+    gain: f64,
+    analogue: Option<(SharpCurve, SharpCycle)>,
+    noise: Rng,
+    spikes: Rng,
+}
+
+/// A robot in a home.
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    world: World,
+    cliffs: Vec<Cliff>,
+    start: TruePose,
+    adc: Option<Adc>,
+    options: SimOptions,
+    body: Body,
+    last_pose: TruePose,
+    sensors: Vec<SimSensor>,
+    coverage: Coverage,
+    calibration: TrueCalibration,
+    counter_offset: [u16; 2],
+    counters: [WheelCounter; 2],
+    control: WheelControl,
+    track_m: f64,
+    duty: Duty,
+    time_s: f64,
+    samples: u64,
+}
+
+impl Simulation {
+    /// A robot at the plan's start. Every random number follows from `seed`.
+    ///
+    /// # Errors
+    /// The rig cannot be simulated or the robot does not fit where the plan puts it.
+    pub fn new(plan: &Plan, rig: &Rig<MAX_SENSORS>, options: SimOptions, seed: u64) -> Result<Self, SimError> {
+        let wheels = Wheels::of(&rig.drive).ok_or(SimError::NeedsWheels)?;
+        if !(1.0..=100.0).contains(&options.rate_hz) {
+            return Err(SimError::Rate(options.rate_hz));
+        }
+        let analogue = |sensor: &RangeSensor| matches!(sensor.model, RangeModel::Sharp { .. });
+        if let (None, Some(index)) = (rig.adc, rig.sensors.iter().position(analogue)) {
+            return Err(SimError::NeedsAdc(index));
+        }
+        let world = World::new(plan);
+        let clearance_m = world.clearance_m([plan.start.x_m, plan.start.y_m]);
+        if clearance_m < options.body_radius_m {
+            return Err(SimError::StartBlocked(clearance_m, options.body_radius_m));
+        }
+        let sensors: Vec<_> =
+            rig.sensors.iter().enumerate().map(|(i, sensor)| SimSensor::new(sensor, i, &options, seed)).collect();
+        let gains = sensors.iter().map(|sensor| sensor.gain).collect();
+        let drive = wheels.draw(seed);
+        let mut offsets = Rng::stream(seed, "encoder-offset", 0);
+        let counter_offset = [offsets.next_u64() as u16, offsets.next_u64() as u16];
+        let mut simulation = Self {
+            coverage: Coverage::new(&plan.faces),
+            world,
+            cliffs: plan.cliffs.clone(),
+            start: plan.start,
+            adc: rig.adc,
+            body: Body::new(plan.start, wheels, drive, seed),
+            last_pose: plan.start,
+            sensors,
+            calibration: TrueCalibration { gains, drive },
+            counter_offset,
+            counters: counter_offset.map(WheelCounter::starting_at),
+            control: WheelControl::new(WheelControlConfig {
+                metres_per_tick: wheels.metres_per_tick as f32,
+                full_speed_mps: options.drive.full_speed_mps as f32,
+                ..WheelControlConfig::default()
+            }),
+            track_m: wheels.track_m,
+            duty: Duty::default(),
+            time_s: 0.0,
+            samples: 0,
+            options,
+        };
+        simulation.first_light();
+        Ok(simulation)
+    }
+
+    /// The sensors have been on for a while when the run begins: their outputs show the view from the start.
+    fn first_light(&mut self) {
+        for i in 0..self.sensors.len() {
+            let hit = self.look(i, &self.start.clone());
+            let sensor = &mut self.sensors[i];
+            if let Some((curve, cycle)) = &mut sensor.analogue {
+                let volts = curve.volts(hit.map(|hit| hit.range_m)) + sensor.sensor.noise_v() * sensor.noise.gaussian();
+                cycle.integrate(volts);
+                cycle.show_pending();
+            }
+        }
+    }
+
+    /// What a sensor's light meets from this pose of the robot; none where nothing comes back.
+    fn look(&mut self, sensor: usize, pose: &TruePose) -> Option<Hit> {
+        let SimSensor { sensor, cos_lost, .. } = &self.sensors[sensor];
+        let mount = sensor.mount;
+        let origin_m = pose.transform([mount.x_m.into(), mount.y_m.into()]);
+        let (s, c) = libm::sincos(pose.theta_rad + f64::from(mount.bearing_rad));
+        let hit = self.world.cast(origin_m, [c, s]).filter(|hit| hit.cos_incidence >= *cos_lost)?;
+        if let Some(face) = hit.face
+            && (f64::from(sensor.min_m)..=f64::from(sensor.max_m)).contains(&hit.range_m)
+        {
+            self.coverage.record(face, [origin_m[0] + hit.range_m * c, origin_m[1] + hit.range_m * s]);
+        }
+        Some(hit)
+    }
+
+    /// Drives with these wheel speeds until the next sample is due, and takes it. The wheel-speed controller runs at
+    /// 50 Hz; a touched bumper or a cliff stops the wheels at once.
+    pub fn step(&mut self, command: WheelSpeeds) -> Sample<MAX_SENSORS> {
+        self.samples += 1;
+        let until_s = self.samples as f64 / self.options.rate_hz;
+        let ticks = (libm::ceil((until_s - self.time_s) / TICK_S - 1e-6) as usize).max(1);
+        let tick_s = (until_s - self.time_s) / ticks as f64;
+        for tick in 0..ticks {
+            if tick % CONTROL_TICKS == 0 {
+                let allowed = self.contacts().guard(command);
+                let counts = self.ticks();
+                self.duty = self.control.update(allowed, counts, (CONTROL_TICKS.min(ticks) as f64 * tick_s) as f32);
+            } else if self.contacts().any() && command.is_forward() {
+                self.duty = Duty::default();
+            }
+            self.tick(tick_s);
+        }
+        self.time_s = until_s;
+        self.sample()
+    }
+
+    /// Lets time pass with the duty set last, without control: for code that owns the motors itself.
+    pub fn advance(&mut self, period_s: f64) {
+        let ticks = (libm::ceil(period_s / TICK_S - 1e-6) as usize).max(1);
+        for _ in 0..ticks {
+            self.tick(period_s / ticks as f64);
+        }
+    }
+
+    /// Sets both motors' duty for [`Simulation::advance`].
+    pub fn set_duty(&mut self, duty: Duty) {
+        self.duty = duty;
+    }
+
+    fn tick(&mut self, period_s: f64) {
+        self.last_pose = self.body.pose;
+        let (begin_s, end_s) = (self.time_s, self.time_s + period_s);
+        self.world.set_time(end_s);
+        self.body.advance(self.duty, period_s, &self.world, &self.options);
+        self.time_s = end_s;
+        for i in 0..self.sensors.len() {
+            self.run_cycle(i, begin_s, end_s);
+        }
+        self.body.contacts.cliff = self.over_cliff();
+    }
+
+    fn run_cycle(&mut self, index: usize, begin_s: f64, end_s: f64) {
+        loop {
+            let sensor = &mut self.sensors[index];
+            let Some((_, cycle)) = &mut sensor.analogue else { return };
+            match cycle.poll(end_s, &mut sensor.noise) {
+                None => return,
+                Some(CycleEvent::Output) => {}
+                Some(CycleEvent::Middle(middle_s)) => {
+                    let share = ((middle_s - begin_s) / (end_s - begin_s)).clamp(0.0, 1.0);
+                    let pose = self.last_pose.interpolate(&self.body.pose, share);
+                    let hit = self.look(index, &pose);
+                    let sensor = &mut self.sensors[index];
+                    let noise_v = sensor.sensor.noise_v() * sensor.noise.gaussian();
+                    if let Some((curve, cycle)) = &mut sensor.analogue {
+                        cycle.integrate(curve.volts(hit.map(|hit| hit.range_m)) + noise_v);
+                    }
+                }
+            }
+        }
+    }
+
+    fn over_cliff(&self) -> bool {
+        if self.cliffs.is_empty() {
+            return false;
+        }
+        let [x_m, y_m] = self.body.pose.transform([self.options.body_radius_m, 0.0]);
+        let inside = |c: &Cliff| (c.min_m[0]..=c.max_m[0]).contains(&x_m) && (c.min_m[1]..=c.max_m[1]).contains(&y_m);
+        self.cliffs.iter().any(inside)
+    }
+
+    /// Everything sensed now.
+    pub fn sample(&mut self) -> Sample<MAX_SENSORS> {
+        let ranges = self.read_ranges();
+        let time_us = libm::round(self.time_s * 1e6) as u64;
+        Sample { time_us, motion: Motion::Ticks(self.ticks()), ranges }
+    }
+
+    /// One conversion of every range sensor.
+    pub fn read_ranges(&mut self) -> [RangeInput; MAX_SENSORS] {
+        let mut ranges = [RangeInput::Missing; MAX_SENSORS];
+        for (i, range) in ranges.iter_mut().enumerate().take(self.sensors.len()) {
+            *range = match self.sensors[i].analogue.as_ref().map(|(_, cycle)| cycle.output_v()) {
+                Some(output_v) => self.convert(i, output_v),
+                None => self.read_metric(i),
+            };
+        }
+        ranges
+    }
+
+    fn convert(&mut self, index: usize, output_v: f64) -> RangeInput {
+        let sharp = &self.options.sharp;
+        let spikes = &mut self.sensors[index].spikes;
+        let spike_v = if sharp.spike_probability > 0.0 && spikes.unit() < sharp.spike_probability {
+            spikes.uniform(0.1, 1.0) * sharp.spike_v
+        } else {
+            0.0
+        };
+        self.adc.map_or(RangeInput::Missing, |adc| RangeInput::Counts(counts(adc, output_v + spike_v)))
+    }
+
+    fn read_metric(&mut self, index: usize) -> RangeInput {
+        let pose = self.body.pose;
+        let hit = self.look(index, &pose);
+        let sensor = &mut self.sensors[index];
+        let (RangeModel::Metric { noise_m, noise_rel }, Some(hit)) = (sensor.sensor.model, hit) else {
+            return RangeInput::Missing;
+        };
+        let sigma_m = libm::hypot(noise_m.into(), f64::from(noise_rel) * hit.range_m);
+        let range_m = sensor.gain * hit.range_m + sigma_m * sensor.noise.gaussian();
+        if range_m > 0.0 && range_m <= f64::from(sensor.sensor.max_m) {
+            RangeInput::Metres(range_m as f32)
+        } else {
+            RangeInput::Missing
+        }
+    }
+
+    /// The encoders' 16-bit hardware counters; they start anywhere and wrap.
+    pub fn raw_counters(&self) -> [u16; 2] {
+        let ticks = self.body.ticks();
+        [0, 1].map(|wheel| self.counter_offset[wheel].wrapping_add(ticks[wheel] as u16))
+    }
+
+    /// Cumulative counts, unwrapped from the hardware counters.
+    pub fn ticks(&mut self) -> Ticks {
+        let [left, right] = self.raw_counters();
+        Ticks { left: self.counters[0].update(left), right: self.counters[1].update(right) }
+    }
+
+    /// Bumper and cliff inputs.
+    pub fn contacts(&self) -> Contacts {
+        self.body.contacts
+    }
+
+    /// Time since the start, seconds.
+    pub fn time_s(&self) -> f64 {
+        self.time_s
+    }
+
+    /// The true pose in the plan's frame.
+    pub fn pose_in_plan(&self) -> TruePose {
+        self.body.pose
+    }
+
+    /// The true pose in the start frame: what an estimate can be compared with.
+    pub fn pose(&self) -> TruePose {
+        self.body.pose.relative_to(&self.start)
+    }
+
+    /// What the robot's calibration really is.
+    pub fn calibration(&self) -> &TrueCalibration {
+        &self.calibration
+    }
+
+    /// Which walls were seen so far.
+    pub fn coverage(&self) -> &Coverage {
+        &self.coverage
+    }
+
+    /// Nominal distance between the wheels, metres.
+    pub fn track_m(&self) -> f64 {
+        self.track_m
+    }
+
+    /// The settings.
+    pub fn options(&self) -> &SimOptions {
+        &self.options
+    }
+}
+
+impl SimSensor {
+    fn new(sensor: &RangeSensor, index: usize, options: &SimOptions, seed: u64) -> Self {
+        let draw = Rng::stream(seed, "gain", index).gaussian();
+        let gain = (1.0 + f64::from(sensor.gain_sigma) * draw).clamp(0.5, 1.5);
+        let lost_rad = options.lost_beyond_rad.unwrap_or(f64::from(sensor.max_incidence_rad));
+        let mut noise = Rng::stream(seed, "range-noise", index);
+        let analogue = SharpCurve::new(sensor, gain, &options.sharp)
+            .map(|curve| (curve, SharpCycle::new(&options.sharp, &mut noise, curve.volts(None))));
+        let spikes = Rng::stream(seed, "spike", index);
+        Self { sensor: *sensor, cos_lost: libm::cos(lost_rad), gain, analogue, noise, spikes }
+    }
+}
+
+/// The noise of an analogue sensor.
+trait NoiseVolts {
+    fn noise_v(&self) -> f64;
+}
+
+impl NoiseVolts for RangeSensor {
+    fn noise_v(&self) -> f64 {
+        match self.model {
+            RangeModel::Sharp { noise_v, .. } => noise_v.into(),
+            RangeModel::Metric { .. } => 0.0,
+        }
+    }
+}
