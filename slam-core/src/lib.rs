@@ -11,16 +11,31 @@
 #![deny(missing_docs)]
 
 pub mod angle;
+mod association;
+mod beam;
+mod birth;
+mod buffer;
+mod cluster;
 pub mod config;
+pub mod covariance;
+mod dbscan;
+pub mod ekf;
+mod layout;
+mod line_fit;
+mod map;
+mod motion;
 pub mod pose;
+mod range;
 pub mod report;
 pub mod rig;
 pub mod sample;
 mod slam;
+mod wall;
 
 pub use config::{Clustering, Config, WallPolicy};
 pub use pose::Pose;
 pub use report::{Counters, Outcome, ReadingReport, Refusal, StepReport};
 pub use rig::{Adc, DriveModel, Mount, RangeModel, RangeSensor, Rig, RigError};
 pub use sample::{Increment, Motion, RangeInput, Sample, Ticks};
-pub use slam::{HostSlam, Parameter, RobotSlam, Slam, WallKind, WallView};
+pub use slam::{HostSlam, Parameter, RobotSlam, Slam, WallView};
+pub use wall::WallKind;

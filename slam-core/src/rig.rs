@@ -117,3 +117,103 @@ pub struct RigError {
     /// What is allowed.
     pub allowed: &'static str,
 }
+
+fn positive(value: f32) -> bool {
+    value.is_finite() && value > 0.0
+}
+
+fn not_negative(value: f32) -> bool {
+    value.is_finite() && value >= 0.0
+}
+
+/// A relative 1-sigma: an error of a half is no calibration error any more.
+fn relative(value: f32) -> bool {
+    (0.0..0.5).contains(&value)
+}
+
+type Check = (bool, &'static str, &'static str);
+
+const POSITIVE: &str = "a number greater than 0";
+const NOT_NEGATIVE: &str = "a number of at least 0";
+const RELATIVE: &str = "a number of at least 0 and less than 0.5";
+
+impl<const S: usize> Rig<S> {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// The first value that cannot be, with the key it has in a rig file.
+    pub fn validate(&self) -> Result<(), RigError> {
+        first_failure(None, &self.drive.checks())?;
+        if let Some(adc) = &self.adc {
+            let checks = [
+                ((1..=16).contains(&adc.bits), "bits", "a whole number from 1 to 16"),
+                (positive(adc.vref_v), "vref_v", POSITIVE),
+            ];
+            first_failure(None, &checks)?;
+        }
+        for (i, sensor) in self.sensors.iter().enumerate() {
+            let analogue_without_adc = matches!(sensor.model, RangeModel::Sharp { .. }) && self.adc.is_none();
+            first_failure(Some(i as u8), &[(!analogue_without_adc, "adc", "a section, for analogue sensors")])?;
+            first_failure(Some(i as u8), &sensor.checks())?;
+        }
+        Ok(())
+    }
+}
+
+fn first_failure(sensor: Option<u8>, checks: &[Check]) -> Result<(), RigError> {
+    match checks.iter().find(|(passed, ..)| !passed) {
+        Some(&(_, key, allowed)) => Err(RigError { sensor, key, allowed }),
+        None => Ok(()),
+    }
+}
+
+impl DriveModel {
+    fn checks(&self) -> [Check; 5] {
+        match *self {
+            Self::Wheels { track_m, track_sigma, metres_per_tick, scale_sigma, noise_m2_per_m } => [
+                (positive(track_m), "track_m", POSITIVE),
+                (relative(track_sigma), "track_sigma", RELATIVE),
+                (positive(metres_per_tick), "metres_per_tick", POSITIVE),
+                (relative(scale_sigma), "scale_sigma", RELATIVE),
+                (not_negative(noise_m2_per_m), "noise_m2_per_m", NOT_NEGATIVE),
+            ],
+            Self::Odometry { scale_sigma, noise_m2_per_m, noise_rad2_per_m, noise_rad2_per_rad } => [
+                (relative(scale_sigma), "scale_sigma", RELATIVE),
+                (not_negative(noise_m2_per_m), "noise_m2_per_m", NOT_NEGATIVE),
+                (not_negative(noise_rad2_per_m), "noise_rad2_per_m", NOT_NEGATIVE),
+                (not_negative(noise_rad2_per_rad), "noise_rad2_per_rad", NOT_NEGATIVE),
+                (true, "", ""),
+            ],
+        }
+    }
+}
+
+impl RangeSensor {
+    fn checks(&self) -> [Check; 8] {
+        let model = match self.model {
+            RangeModel::Sharp { scale_m, exponent, noise_v } => [
+                (positive(scale_m), "scale_m", POSITIVE),
+                (exponent.is_finite() && (-4.0..0.0).contains(&exponent), "exponent", "a number from -4 to below 0"),
+                (positive(noise_v), "noise_v", POSITIVE),
+            ],
+            RangeModel::Metric { noise_m, noise_rel } => [
+                (not_negative(noise_m), "noise_m", NOT_NEGATIVE),
+                (not_negative(noise_rel), "noise_rel", NOT_NEGATIVE),
+                (noise_m + noise_rel > 0.0, "noise_m", "greater than 0 where noise_rel is 0"),
+            ],
+        };
+        let right_angle = core::f32::consts::FRAC_PI_2;
+        let incidence = self.max_incidence_rad > 0.0 && self.max_incidence_rad < right_angle;
+        let bearing = self.mount.bearing_rad.is_finite() && self.mount.bearing_rad.abs() < 8.0;
+        [
+            (self.mount.x_m.is_finite(), "x_m", "a number"),
+            (self.mount.y_m.is_finite(), "y_m", "a number"),
+            (bearing, "bearing_deg", "a number from -360 to 360"),
+            (positive(self.min_m), "min_m", POSITIVE),
+            (self.max_m.is_finite() && self.max_m > self.min_m, "max_m", "a number greater than min_m"),
+            (incidence, "max_incidence_deg", "a number between 0 and 90"),
+            (relative(self.gain_sigma), "gain_sigma", RELATIVE),
+            model.into_iter().find(|(passed, ..)| !passed).unwrap_or((true, "", "")),
+        ]
+    }
+}

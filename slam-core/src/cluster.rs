@@ -1,0 +1,106 @@
+//! From the outlier buffer to at most one new line: clustering, splitting at corners, noise or line (report 3.3, fig. 2).
+//!
+//! Both clusterings are asked for the cluster of one sensor's newest point, every time one is added: other clusters had
+//! their turn when their own newest point came. The points of the cluster are taken from that one backwards for as long
+//! as they stay straight, which splits a cluster that runs around a corner at the corner.
+
+use crate::Clustering;
+use crate::association::PROLONGATION_M;
+use crate::buffer::OutlierBuffer;
+use crate::dbscan::{NOISE, dbscan};
+use crate::line_fit::{FittedLine, Moments, fit};
+
+/// Fewest points of a line: two make any line, and each further one is a test of it.
+const MIN_POINTS: u32 = 5;
+
+/// Fewest points, one's own included, in a core point's neighbourhood: twice the dimension (Sander et al. 1998).
+const DBSCAN_MIN_POINTS: usize = 4;
+
+/// Which points of the buffer belong together, by their position in it.
+pub type Members<const B: usize> = [bool; B];
+
+/// The straight part of the cluster of `sensor`'s newest point, and the line through it; none where it is noise.
+pub fn newest_line<const B: usize>(
+    buffer: &OutlierBuffer<B>,
+    sensor: u8,
+    clustering: Clustering,
+    spacing_m: f32,
+) -> Option<(Members<B>, FittedLine)> {
+    let (anchor, newest) = buffer.newest_of(sensor)?;
+    let mut cluster = [false; B];
+    match clustering {
+        Clustering::BySensor => {
+            for (member, point) in cluster.iter_mut().zip(buffer.iter()) {
+                *member = point.sensor == newest.sensor;
+            }
+        }
+        Clustering::Dbscan => {
+            let mut hits: heapless::Vec<[f32; 2], B> = heapless::Vec::new();
+            for point in buffer.iter() {
+                let _ = hits.push(point.hit_m);
+            }
+            // Neighbours on one wall are `spacing_m` apart along it, and scatter by the noise of both.
+            let epsilon_m = 3.0 * (spacing_m + newest.sigma_m);
+            let labels = dbscan::<B>(&hits, epsilon_m, DBSCAN_MIN_POINTS);
+            let label = labels.get(anchor).copied().filter(|&l| l != NOISE)?;
+            for (member, l) in cluster.iter_mut().zip(labels) {
+                *member = l == label;
+            }
+        }
+    }
+    let mut members = straight_part(buffer, &cluster, anchor)?;
+    let line = fit_members(buffer, &members)?;
+    grow(buffer, &mut members, &line);
+    let line = fit_members(buffer, &members)?;
+    Some((members, line))
+}
+
+/// The longest run of the cluster's points, from the anchor backwards, that is straight and has no gap as wide as a
+/// door.
+fn straight_part<const B: usize>(buffer: &OutlierBuffer<B>, cluster: &Members<B>, anchor: usize) -> Option<Members<B>> {
+    let newest = buffer.get(anchor)?;
+    let mut members = [false; B];
+    let mut moments = Moments::about(newest.hit_m);
+    let mut last = newest.hit_m;
+    for (i, (member, &in_cluster)) in members.iter_mut().zip(cluster).enumerate().take(anchor + 1).rev() {
+        let Some(point) = buffer.get(i).filter(|_| in_cluster) else { continue };
+        let gap = [point.hit_m[0] - last[0], point.hit_m[1] - last[1]];
+        if gap[0] * gap[0] + gap[1] * gap[1] > PROLONGATION_M * PROLONGATION_M {
+            break;
+        }
+        let mut longer = moments;
+        longer.add(point);
+        if !longer.scatter().is_straight() {
+            break;
+        }
+        moments = longer;
+        last = point.hit_m;
+        *member = true;
+    }
+    (moments.scatter().count >= MIN_POINTS).then_some(members)
+}
+
+fn fit_members<const B: usize>(buffer: &OutlierBuffer<B>, members: &Members<B>) -> Option<FittedLine> {
+    let points = buffer.iter().zip(members).filter(|(_, m)| **m).map(|(p, _)| p);
+    let mut moments = Moments::about(points.clone().next()?.hit_m);
+    for point in points.clone() {
+        moments.add(point);
+    }
+    Some(fit(points, &moments.scatter()))
+}
+
+/// Adds every point, of whichever sensor, that lies on the line within its noise and the line's, close enough to what
+/// the line has already.
+fn grow<const B: usize>(buffer: &OutlierBuffer<B>, members: &mut Members<B>, line: &FittedLine) {
+    for (member, point) in members.iter_mut().zip(buffer.iter()) {
+        let along = line.along(point.hit_m);
+        let (residual, sigma) = line.residual(point.hit_m);
+        let cos = point.direction[0] * line.normal[0] + point.direction[1] * line.normal[1];
+        let noise = point.sigma_m * cos;
+        let near = along > line.lo_m - PROLONGATION_M && along < line.hi_m + PROLONGATION_M;
+        // 95 % of a chi-square distribution with one degree of freedom: a corner's other wall must not creep in.
+        if near && cos > 0.0 && residual * residual < 3.84 * (noise * noise + sigma * sigma) {
+            *member = true;
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! The extended Kalman filter: a mean and a covariance, and the four things that ever happen to them.
+//!
+//! Prediction touches the rows of the pose only; a scalar update has a sparse Jacobian; a state can be added with its
+//! full cross-covariance, and removed. The costs are O(n) but for the update's downdate, which is n (n + 1) / 2.
+
+use crate::covariance::{Covariance, LANES, Vector};
+use heapless::Vec;
+
+/// Most entries of a Jacobian row that are not zero: pose, grid direction and every sensor's gain in a birth.
+pub const MAX_ENTRIES: usize = 24;
+
+/// A sparse row of a Jacobian: (state index, derivative).
+pub type Jacobian = Vec<(usize, f32), MAX_ENTRIES>;
+
+/// Number of leading states that a prediction may read: pose, grid direction, motion calibration, all in one block.
+pub const LEADING: usize = LANES;
+
+/// Rows of the pose in the Jacobian of the motion model, over the leading states.
+pub type MotionJacobian = [[f32; LEADING]; 3];
+
+/// An update that cannot be done: the innovation variance is not a positive number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Degenerate;
+
+/// State estimate of at most `8 NB` entries.
+#[derive(Clone, Debug)]
+pub struct Ekf<const NB: usize, const BLOCKS: usize> {
+    len: usize,
+    mean: Vector<NB>,
+    covariance: Covariance<NB, BLOCKS>,
+}
+
+impl<const NB: usize, const BLOCKS: usize> Ekf<NB, BLOCKS> {
+    /// No states yet.
+    pub const EMPTY: Self = Self { len: 0, mean: Vector::ZERO, covariance: Covariance::ZERO };
+
+    /// Most states it can hold.
+    pub const CAPACITY: usize = LANES * NB;
+
+    /// Number of states.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Estimate of state `i`.
+    #[inline]
+    pub fn mean(&self, i: usize) -> f32 {
+        self.mean.get(i)
+    }
+
+    /// Moves the estimate of state `i` without touching its uncertainty (an angle's whole turns).
+    pub fn set_mean(&mut self, i: usize, value: f32) {
+        self.mean.set(i, value);
+    }
+
+    /// Covariance of states `i` and `j`.
+    #[inline]
+    pub fn covariance(&self, i: usize, j: usize) -> f32 {
+        self.covariance.get(i, j)
+    }
+
+    /// J P J^T of a sparse row: the variance of what it measures. O(entries^2), no pass over the state.
+    pub fn variance(&self, jacobian: &Jacobian) -> f32 {
+        let mut sum = 0.0;
+        for (a, &(i, ji)) in jacobian.iter().enumerate() {
+            let mut row = 0.5 * ji * self.covariance.get(i, i);
+            for &(j, jj) in jacobian.iter().skip(a + 1) {
+                row += jj * self.covariance.get(i, j);
+            }
+            sum += 2.0 * ji * row;
+        }
+        sum
+    }
+
+    /// P J^T of a sparse row.
+    fn cross(&self, jacobian: &Jacobian) -> Vector<NB> {
+        let mut column = Vector::ZERO;
+        for &(i, derivative) in jacobian {
+            self.covariance.add_column(i, derivative, self.len, &mut column);
+        }
+        for i in self.len..self.len.div_ceil(LANES) * LANES {
+            column.set(i, 0.0);
+        }
+        column
+    }
+
+    /// Prediction: the pose becomes `pose`, its rows and columns F P, its own block F P F^T + Q.
+    ///
+    /// `jacobian` is d(pose')/d(leading states); `noise` is Q, symmetric.
+    pub fn predict(&mut self, pose: [f32; 3], jacobian: &MotionJacobian, noise: &[[f32; 3]; 3]) {
+        let mut rows = [Vector::ZERO, Vector::ZERO, Vector::ZERO];
+        for (row, derivatives) in rows.iter_mut().zip(jacobian) {
+            for (i, &derivative) in derivatives.iter().enumerate().take(self.len) {
+                if derivative != 0.0 {
+                    self.covariance.add_column(i, derivative, self.len, row);
+                }
+            }
+        }
+        let mut pose_block = *noise;
+        for ((out, row), noise) in pose_block.iter_mut().zip(&rows).zip(noise) {
+            for ((out, derivatives), noise) in out.iter_mut().zip(jacobian).zip(noise) {
+                let mut sum = *noise;
+                for (i, &derivative) in derivatives.iter().enumerate() {
+                    sum += row.get(i) * derivative;
+                }
+                *out = sum;
+            }
+        }
+        for (i, ((row, block), value)) in rows.iter().zip(&pose_block).zip(pose).enumerate() {
+            for j in 3..self.len {
+                self.covariance.set(i, j, row.get(j));
+            }
+            for (j, entry) in block.iter().enumerate().skip(i) {
+                self.covariance.set(i, j, *entry);
+            }
+            self.mean.set(i, value);
+        }
+    }
+
+    /// One scalar measurement: innovation (measured minus predicted), its Jacobian row, its noise variance.
+    ///
+    /// # Errors
+    /// [`Degenerate`] and nothing changed where the innovation variance is not a positive number.
+    pub fn update(&mut self, innovation: f32, jacobian: &Jacobian, noise: f32) -> Result<(), Degenerate> {
+        let column = self.cross(jacobian);
+        let mut variance = noise;
+        for &(i, derivative) in jacobian {
+            variance += derivative * column.get(i);
+        }
+        let inverse = 1.0 / variance;
+        if !(inverse > 0.0 && inverse.is_finite() && innovation.is_finite()) {
+            return Err(Degenerate);
+        }
+        self.mean.add_scaled(innovation * inverse, &column, self.len);
+        self.covariance.downdate(&column, inverse, self.len);
+        Ok(())
+    }
+
+    /// Adds a state whose derivative by the others is `jacobian`, with `noise` of its own. Returns its index.
+    pub fn augment(&mut self, value: f32, jacobian: &Jacobian, noise: f32) -> Option<usize> {
+        let i = self.len;
+        if i >= Self::CAPACITY {
+            return None;
+        }
+        self.len += 1;
+        self.initialise(i, value, jacobian, noise);
+        Some(i)
+    }
+
+    /// Gives state `i`, which nothing depends on yet, a value that depends on other states by `jacobian`.
+    pub fn initialise(&mut self, i: usize, value: f32, jacobian: &Jacobian, noise: f32) {
+        let column = self.cross(jacobian);
+        let mut variance = noise;
+        for &(j, derivative) in jacobian {
+            variance += derivative * column.get(j);
+        }
+        self.mean.set(i, value);
+        self.covariance.set_column(i, &column, variance, self.len);
+    }
+
+    /// Adds covariance between two states (noise that the initialisations of both share).
+    pub fn correlate(&mut self, i: usize, j: usize, covariance: f32) {
+        self.covariance.set(i, j, self.covariance.get(i, j) + covariance);
+    }
+
+    /// Removes state `i` by moving the last one into its place; returns the index that the moved one had.
+    pub fn remove(&mut self, i: usize) -> usize {
+        let last = self.len.saturating_sub(1);
+        self.covariance.move_state(last, i, self.len);
+        self.mean.set(i, self.mean.get(last));
+        self.mean.set(last, 0.0);
+        self.len = last;
+        last
+    }
+}

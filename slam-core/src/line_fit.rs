@@ -1,0 +1,203 @@
+//! A straight line through outliers: is it one, and which one with what uncertainty.
+
+use crate::angle::sin_cos;
+use crate::buffer::Outlier;
+
+/// Weighted first and second moments of points, about a reference point (so that f32 suffices).
+#[derive(Clone, Copy, Debug)]
+pub struct Moments {
+    reference_m: [f32; 2],
+    count: u32,
+    weight: f32,
+    first: [f32; 2],
+    xx: f32,
+    xy: f32,
+    yy: f32,
+}
+
+/// Scatter of weighted points along and across their main direction.
+#[derive(Clone, Copy, Debug)]
+pub struct Scatter {
+    /// Centroid, metres.
+    pub centroid_m: [f32; 2],
+    /// Direction of the least scatter (the line's normal), radians.
+    pub normal_rad: f32,
+    /// Sum of squared distances across the line over their variances: chi-square with `count - 2` degrees of freedom.
+    pub across: f32,
+    /// Number of points.
+    pub count: u32,
+}
+
+impl Moments {
+    /// No points yet.
+    pub fn about(reference_m: [f32; 2]) -> Self {
+        Self { reference_m, count: 0, weight: 0.0, first: [0.0; 2], xx: 0.0, xy: 0.0, yy: 0.0 }
+    }
+
+    /// Adds a point.
+    pub fn add(&mut self, point: &Outlier) {
+        let weight = 1.0 / (point.sigma_m * point.sigma_m).max(1e-8);
+        let x = point.hit_m[0] - self.reference_m[0];
+        let y = point.hit_m[1] - self.reference_m[1];
+        self.count += 1;
+        self.weight += weight;
+        self.first[0] += weight * x;
+        self.first[1] += weight * y;
+        self.xx += weight * x * x;
+        self.xy += weight * x * y;
+        self.yy += weight * y * y;
+    }
+
+    /// Centroid, directions and scatter.
+    pub fn scatter(&self) -> Scatter {
+        let inverse = 1.0 / self.weight.max(1e-8);
+        let [x, y] = [self.first[0] * inverse, self.first[1] * inverse];
+        let xx = self.xx - self.first[0] * x;
+        let xy = self.xy - self.first[0] * y;
+        let yy = self.yy - self.first[1] * y;
+        let half_difference = 0.5 * (xx - yy);
+        let mean = 0.5 * (xx + yy);
+        let radius = libm::sqrtf(half_difference * half_difference + xy * xy);
+        let along_rad = 0.5 * libm::atan2f(xy, half_difference);
+        Scatter {
+            centroid_m: [self.reference_m[0] + x, self.reference_m[1] + y],
+            normal_rad: along_rad + core::f32::consts::FRAC_PI_2,
+            across: (mean - radius).max(0.0),
+            count: self.count,
+        }
+    }
+}
+
+impl Scatter {
+    /// Noise or line (report 3.3): the scatter across is what the measurement noise makes of a straight line, to 3 sigma
+    /// of its chi-square distribution.
+    pub fn is_straight(&self) -> bool {
+        let freedom = self.count.saturating_sub(2) as f32;
+        self.across <= freedom + 3.0 * libm::sqrtf(2.0 * freedom)
+    }
+}
+
+/// A line fitted to outliers, in the odometry frame.
+#[derive(Clone, Copy, Debug)]
+pub struct FittedLine {
+    /// Weighted centroid, metres.
+    pub centroid_m: [f32; 2],
+    /// Direction of the normal away from the robot, radians.
+    pub normal_rad: f32,
+    /// Unit normal.
+    pub normal: [f32; 2],
+    /// Variance of the centroid along the normal, m^2.
+    pub variance_m2: f32,
+    /// Variance of the direction, rad^2.
+    pub direction_variance: f32,
+    /// Number of points.
+    pub count: u32,
+    /// Extent along (-sin, cos) of the normal about the centroid, metres.
+    pub lo_m: f32,
+    /// End of the extent, metres.
+    pub hi_m: f32,
+    /// Mean position variance of the points, m^2.
+    pub position_variance: f32,
+    /// Mean heading variance of the points, rad^2.
+    pub heading_variance: f32,
+}
+
+fn across_variance(point: &Outlier, normal: [f32; 2]) -> f32 {
+    let cos = point.direction[0] * normal[0] + point.direction[1] * normal[1];
+    // A grazing beam would have no noise across the line; a tenth of its range noise stands for what is not modelled.
+    let sigma = point.sigma_m * cos.abs().max(0.1);
+    (sigma * sigma).max(1e-8)
+}
+
+/// Least squares across the line, with each point's noise along its own beam; one Gauss-Newton step from `scatter`.
+pub fn fit<'a>(points: impl Iterator<Item = &'a Outlier> + Clone, scatter: &Scatter) -> FittedLine {
+    let (s, c) = sin_cos(scatter.normal_rad);
+    // Beams run into the wall: the normal points away from the robot.
+    let facing: f32 = points.clone().map(|p| p.direction[0] * c + p.direction[1] * s).sum();
+    let sign = if facing < 0.0 { -1.0 } else { 1.0 };
+    let normal = [sign * c, sign * s];
+    let tangent = [-normal[1], normal[0]];
+    let reference = scatter.centroid_m;
+    let local = |p: &Outlier| {
+        let d = [p.hit_m[0] - reference[0], p.hit_m[1] - reference[1]];
+        (d[0] * tangent[0] + d[1] * tangent[1], d[0] * normal[0] + d[1] * normal[1])
+    };
+    let (mut weight, mut st, mut sn) = (0.0f32, 0.0f32, 0.0f32);
+    for p in points.clone() {
+        let (t, n) = local(p);
+        let w = 1.0 / across_variance(p, normal);
+        weight += w;
+        st += w * t;
+        sn += w * n;
+    }
+    let inverse = 1.0 / weight.max(1e-8);
+    let (t0, n0) = (st * inverse, sn * inverse);
+    let (mut stt, mut stn) = (0.0f32, 0.0f32);
+    let (mut lo_m, mut hi_m) = (f32::MAX, f32::MIN);
+    let (mut count, mut position, mut heading) = (0u32, 0.0f32, 0.0f32);
+    for p in points {
+        let (t, n) = local(p);
+        let w = 1.0 / across_variance(p, normal);
+        let (t, n) = (t - t0, n - n0);
+        stt += w * t * t;
+        stn += w * t * n;
+        lo_m = lo_m.min(t);
+        hi_m = hi_m.max(t);
+        count += 1;
+        position += p.position_variance;
+        heading += p.heading_variance;
+    }
+    let slope = stn / stt.max(1e-8);
+    let normal_rad = scatter.normal_rad + if sign < 0.0 { core::f32::consts::PI } else { 0.0 } - slope;
+    let (s, c) = sin_cos(normal_rad);
+    let each = 1.0 / count.max(1) as f32;
+    FittedLine {
+        centroid_m: [reference[0] + t0 * tangent[0] + n0 * normal[0], reference[1] + t0 * tangent[1] + n0 * normal[1]],
+        normal_rad,
+        normal: [c, s],
+        variance_m2: inverse,
+        direction_variance: 1.0 / stt.max(1e-8),
+        count,
+        lo_m,
+        hi_m,
+        position_variance: position * each,
+        heading_variance: heading * each,
+    }
+}
+
+impl FittedLine {
+    /// d(centroid along the normal, direction) by a relative growth of the ranges of each point for which `of` is true:
+    /// what a sensor's gain does to the line.
+    pub fn by_gain<'a>(&self, points: impl Iterator<Item = &'a Outlier>, gain: f32) -> (f32, f32) {
+        let tangent = [-self.normal[1], self.normal[0]];
+        let (mut offset, mut slope) = (0.0f32, 0.0f32);
+        for p in points {
+            let w = 1.0 / across_variance(p, self.normal);
+            let cos = p.direction[0] * self.normal[0] + p.direction[1] * self.normal[1];
+            // hit = origin + range / gain * direction
+            let by_gain = -p.range_m / (gain * gain) * cos;
+            let t = (p.hit_m[0] - self.centroid_m[0]) * tangent[0] + (p.hit_m[1] - self.centroid_m[1]) * tangent[1];
+            offset += w * by_gain;
+            slope += w * t * by_gain;
+        }
+        (offset * self.variance_m2, -slope * self.direction_variance)
+    }
+
+    /// Signed distance of a point from the line along the normal, metres, and the line's own standard deviation there.
+    pub fn residual(&self, point: [f32; 2]) -> (f32, f32) {
+        let d = [point[0] - self.centroid_m[0], point[1] - self.centroid_m[1]];
+        let t = d[1] * self.normal[0] - d[0] * self.normal[1];
+        let variance = self.variance_m2 + t * t * self.direction_variance;
+        (d[0] * self.normal[0] + d[1] * self.normal[1], libm::sqrtf(variance))
+    }
+
+    /// Coordinate of a point along the line about the centroid, metres.
+    pub fn along(&self, point: [f32; 2]) -> f32 {
+        (point[1] - self.centroid_m[1]) * self.normal[0] - (point[0] - self.centroid_m[0]) * self.normal[1]
+    }
+
+    /// Length of the extent, metres.
+    pub fn length_m(&self) -> f32 {
+        self.hi_m - self.lo_m
+    }
+}

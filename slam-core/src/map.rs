@@ -1,0 +1,202 @@
+//! The list of walls and its upkeep: merging, removing, what happens when it is full.
+
+use crate::ekf::{Ekf, Jacobian};
+use crate::layout::ALPHA;
+use crate::wall::{Direction, GridDirection, Line, Wall};
+use heapless::Vec;
+
+/// Two stretches of one wall stand in one plane to within this, metres: plaster, skirting boards.
+const FLUSH_M: f32 = 0.005;
+
+/// Merging gate: 99 % of a chi-square distribution with one degree of freedom.
+const MERGE_GATE: f32 = 6.63;
+
+/// Collinear walls are one where the unseen gap between them is too narrow for a door, metres.
+const MERGE_GAP_M: f32 = crate::association::PROLONGATION_M;
+
+/// Score of a new wall: so many more beams must pass through it than meet it before it goes.
+const BIRTH_SCORE: i8 = 5;
+const MAX_SCORE: i8 = 20;
+
+/// A wall that was met by fewer readings than this, and not for [`FORGET_AFTER_M`] of path, was noise.
+const FORGET_BELOW: u32 = 10;
+const FORGET_AFTER_M: f32 = 3.0;
+
+/// At most `W` walls.
+#[derive(Clone, Debug, Default)]
+pub struct Map<const W: usize> {
+    walls: Vec<Wall, W>,
+    next_id: u16,
+}
+
+impl<const W: usize> Map<W> {
+    /// The walls.
+    pub fn walls(&self) -> &[Wall] {
+        &self.walls
+    }
+
+    /// True where no wall can be added.
+    pub fn is_full(&self) -> bool {
+        self.walls.is_full()
+    }
+
+    /// Adds a wall whose states exist.
+    pub fn add(&mut self, rho: usize, direction: Direction, (lo_m, hi_m): (f32, f32), updates: u32, path_m: f32) {
+        let id = self.next_id;
+        self.next_id = self.next_id.wrapping_add(1);
+        let wall = Wall { id, rho, direction, lo_m, hi_m, updates, score: BIRTH_SCORE, seen_at_m: path_m };
+        let _ = self.walls.push(wall);
+    }
+
+    /// A reading met wall `index` at `along_m`.
+    pub fn met(&mut self, index: usize, along_m: f32, path_m: f32) {
+        if let Some(wall) = self.walls.get_mut(index) {
+            wall.lo_m = wall.lo_m.min(along_m);
+            wall.hi_m = wall.hi_m.max(along_m);
+            wall.updates = wall.updates.saturating_add(1);
+            wall.score = wall.score.saturating_add(1).min(MAX_SCORE);
+            wall.seen_at_m = path_m;
+        }
+    }
+
+    /// A reading went through wall `index`.
+    pub fn passed_through(&mut self, index: usize) {
+        if let Some(wall) = self.walls.get_mut(index) {
+            wall.score = wall.score.saturating_sub(1);
+        }
+    }
+
+    /// Removes the first wall that beams pass through or that was noise; true where there was one.
+    pub fn prune<const NB: usize, const BLOCKS: usize>(&mut self, ekf: &mut Ekf<NB, BLOCKS>, path_m: f32) -> bool {
+        let gone = self
+            .walls
+            .iter()
+            .position(|w| w.score < 0 || (w.updates < FORGET_BELOW && path_m - w.seen_at_m > FORGET_AFTER_M));
+        gone.is_some_and(|index| {
+            self.remove(ekf, index);
+            true
+        })
+    }
+
+    /// Removes wall `index` and its states.
+    fn remove<const NB: usize, const BLOCKS: usize>(&mut self, ekf: &mut Ekf<NB, BLOCKS>, index: usize) {
+        let Some(&wall) = self.walls.get(index) else { return };
+        let last = self.walls.len() - 1;
+        let moved = self.walls.get(last).copied();
+        if let (Some(moved), Some(slot)) = (moved, self.walls.get_mut(index)) {
+            *slot = moved;
+        }
+        self.walls.truncate(last);
+        let mut states: Vec<usize, 2> = Vec::new();
+        let _ = states.push(wall.rho);
+        if let Direction::Free(theta) | Direction::Snapped(theta) = wall.direction {
+            let _ = states.push(theta);
+        }
+        // The higher index first: the state moved into its place is then never the other one.
+        states.sort_unstable_by(|a, b| b.cmp(a));
+        for state in states {
+            let moved = ekf.remove(state);
+            for wall in &mut self.walls {
+                wall.follow(moved, state);
+            }
+        }
+    }
+
+    /// Merges wall `index` with the first other wall that is the same one: collinear within the uncertainty of both, and
+    /// overlapping or nearly so. True where there was one.
+    pub fn merge<const NB: usize, const BLOCKS: usize>(&mut self, ekf: &mut Ekf<NB, BLOCKS>, index: usize) -> bool {
+        let grid = GridDirection::of(ekf);
+        let Some(&wall) = self.walls.get(index) else { return false };
+        let line = wall.line(ekf, &grid);
+        let twin = self.walls.iter().enumerate().find_map(|(other, candidate)| {
+            if other == index {
+                return None;
+            }
+            Tie::between(ekf, &grid, (&wall, &line), candidate).map(|tie| (other, tie))
+        });
+        let Some((other, tie)) = twin else { return false };
+        for (difference_m, jacobian) in &tie.differences {
+            // A tie that is numerically impossible leaves the filter as it was.
+            let _ = ekf.update(-difference_m, jacobian, FLUSH_M * FLUSH_M);
+        }
+        let (kept, gone) = if wall.updates >= tie.updates { (index, other) } else { (other, index) };
+        let Some(&lost) = self.walls.get(gone) else { return false };
+        if let Some(kept) = self.walls.get_mut(kept) {
+            kept.lo_m = kept.lo_m.min(lost.lo_m);
+            kept.hi_m = kept.hi_m.max(lost.hi_m);
+            kept.updates = kept.updates.saturating_add(lost.updates);
+            kept.score = kept.score.max(lost.score);
+            kept.seen_at_m = kept.seen_at_m.max(lost.seen_at_m);
+        }
+        self.remove(ekf, gone);
+        true
+    }
+}
+
+/// The statement that two walls are one, as scalar measurements of zero.
+struct Tie {
+    /// Distance of the two lines from one another at points they share, and its Jacobian.
+    differences: Vec<(f32, Jacobian), 2>,
+    /// Readings that the other wall has.
+    updates: u32,
+}
+
+impl Tie {
+    fn between<const NB: usize, const BLOCKS: usize>(
+        ekf: &Ekf<NB, BLOCKS>,
+        grid: &GridDirection,
+        (wall, line): (&Wall, &Line),
+        other: &Wall,
+    ) -> Option<Self> {
+        let other_line = other.line(ekf, grid);
+        let cos = line.normal[0] * other_line.normal[0] + line.normal[1] * other_line.normal[1];
+        // Within eight degrees of each other, facing the same way.
+        if cos < 0.99 || (line.rho_m - other_line.rho_m).abs() > 1.0 {
+            return None;
+        }
+        let gap_m = wall.lo_m.max(other.lo_m) - wall.hi_m.min(other.hi_m);
+        if gap_m > MERGE_GAP_M {
+            return None;
+        }
+        // Between the two, or the ends of what they share; for walls with the same direction one point tells all.
+        let (a, b) = (wall.lo_m.max(other.lo_m), wall.hi_m.min(other.hi_m));
+        let same_direction = matches!(
+            (wall.direction, other.direction),
+            (Direction::Grid(_) | Direction::Snapped(_), Direction::Grid(_) | Direction::Snapped(_))
+        );
+        let points = if same_direction { [0.5 * (a + b), f32::NAN] } else { [a, b] };
+        let mut differences = Vec::new();
+        for along_m in points.into_iter().filter(|p| p.is_finite()) {
+            let point = [
+                line.rho_m * line.normal[0] - along_m * line.normal[1],
+                line.rho_m * line.normal[1] + along_m * line.normal[0],
+            ];
+            let difference_m = line.distance(point) - other_line.distance(point);
+            let mut jacobian = Jacobian::new();
+            let _ = jacobian.push((wall.rho, 1.0));
+            let _ = jacobian.push((other.rho, -1.0));
+            // The direction turns the line about the origin: d(distance)/dbeta = -along.
+            let (by_wall, by_other) = (-line.along(point), other_line.along(point));
+            match (direction_state(wall), direction_state(other)) {
+                (i, j) if i == j => {}
+                (i, j) => {
+                    let _ = jacobian.push((i, by_wall));
+                    let _ = jacobian.push((j, by_other));
+                }
+            }
+            let variance = ekf.variance(&jacobian) + FLUSH_M * FLUSH_M;
+            if !(difference_m * difference_m <= MERGE_GATE * variance) {
+                return None;
+            }
+            let _ = differences.push((difference_m, jacobian));
+        }
+        Some(Self { differences, updates: other.updates })
+    }
+}
+
+fn direction_state(wall: &Wall) -> usize {
+    match wall.direction {
+        Direction::Free(theta) => theta,
+        Direction::Snapped(_) | Direction::Grid(_) => ALPHA,
+    }
+}

@@ -1,0 +1,185 @@
+//! From ticks or dead-reckoned increments to the predicted pose, its Jacobian and its noise.
+//!
+//! Differential drive as in Zunino and Christensen (2001), sec. 2, with the exact arc instead of its chord's direction
+//! only, and with the wheels' scales and the track as parameters.
+
+use crate::angle::sin_cos;
+use crate::ekf::MotionJacobian;
+use crate::layout::{THETA, X, Y};
+use crate::{DriveModel, Increment, Motion, Ticks};
+
+/// Fastest motion that is believed, metres per second: no cleaning robot drives at 10 m/s, so more is a broken counter.
+const MAX_SPEED_M_S: f32 = 10.0;
+
+/// Calibration factors in use, and where their derivatives go.
+#[derive(Clone, Copy, Debug)]
+pub struct Factor {
+    /// Present value.
+    pub value: f32,
+    /// State index; none where the factor is known.
+    pub state: Option<usize>,
+}
+
+/// The calibration factors of a drive model.
+#[derive(Clone, Copy, Debug)]
+pub struct Factors {
+    /// Scale of the left wheel, or of distance.
+    pub first: Factor,
+    /// Scale of the right wheel, or of turning.
+    pub second: Factor,
+    /// Factor of the track.
+    pub track: Factor,
+}
+
+/// Travel of the two wheels, or a body-frame increment, before calibration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Travel {
+    /// Metres of each wheel.
+    Wheels {
+        /// Left wheel.
+        left_m: f32,
+        /// Right wheel.
+        right_m: f32,
+    },
+    /// Motion in the robot's frame.
+    Body(Increment),
+}
+
+/// One step of motion in the robot's frame, with its derivatives and noise.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Step {
+    /// Displacement and turn in the robot's frame at the step's start.
+    pub increment: Increment,
+    /// d(forward, left, turn) by the first scale, the second scale and the track.
+    pub by_factor: [[f32; 3]; 3],
+    /// Covariance of (forward, left, turn).
+    pub noise: [[f32; 3]; 3],
+    /// Length of the path, metres.
+    pub path_m: f32,
+}
+
+/// Remembers the last ticks and turns inputs into travel.
+#[derive(Clone, Debug, Default)]
+pub struct Encoders {
+    last: Option<Ticks>,
+}
+
+impl Encoders {
+    /// Travel since the last sample, nothing for the first one; none where the input is not a motion of this drive.
+    pub fn travel(&mut self, drive: &DriveModel, motion: &Motion, dt_s: f32) -> Option<Travel> {
+        let limit_m = MAX_SPEED_M_S * dt_s.max(0.01);
+        match (drive, motion) {
+            (DriveModel::Wheels { metres_per_tick, .. }, Motion::Ticks(now)) => {
+                let last = self.last.replace(*now).unwrap_or(*now);
+                let left_m = now.left.wrapping_sub(last.left) as f32 * metres_per_tick;
+                let right_m = now.right.wrapping_sub(last.right) as f32 * metres_per_tick;
+                (left_m.abs() <= limit_m && right_m.abs() <= limit_m).then_some(Travel::Wheels { left_m, right_m })
+            }
+            (DriveModel::Odometry { .. }, Motion::Increment(i)) => {
+                let possible = i.forward_m.abs() <= limit_m && i.left_m.abs() <= limit_m && i.turn_rad.is_finite();
+                possible.then_some(Travel::Body(*i))
+            }
+            _ => None,
+        }
+    }
+}
+
+/// sin(h) / h and its derivative, for the half turn h of one step.
+fn sinc(h: f32) -> (f32, f32) {
+    let h2 = h * h;
+    (1.0 - h2 * (1.0 / 6.0 - h2 * (1.0 / 120.0)), -h * (1.0 / 3.0 - h2 * (1.0 / 30.0)))
+}
+
+/// The step that `travel` makes with the factors at hand.
+pub fn step(drive: &DriveModel, travel: &Travel, factors: &Factors) -> Step {
+    match (drive, travel) {
+        (&DriveModel::Wheels { track_m, noise_m2_per_m, .. }, &Travel::Wheels { left_m, right_m }) => {
+            wheel_step(track_m, noise_m2_per_m, left_m, right_m, factors)
+        }
+        (&DriveModel::Odometry { noise_m2_per_m, noise_rad2_per_m, noise_rad2_per_rad, .. }, &Travel::Body(raw)) => {
+            let (distance, turn) = (factors.first.value, factors.second.value);
+            let path_m = distance * libm::sqrtf(raw.forward_m * raw.forward_m + raw.left_m * raw.left_m);
+            let position = noise_m2_per_m * path_m;
+            let heading = noise_rad2_per_m * path_m + noise_rad2_per_rad * (turn * raw.turn_rad).abs();
+            Step {
+                increment: Increment {
+                    forward_m: distance * raw.forward_m,
+                    left_m: distance * raw.left_m,
+                    turn_rad: turn * raw.turn_rad,
+                },
+                by_factor: [[raw.forward_m, raw.left_m, 0.0], [0.0, 0.0, raw.turn_rad], [0.0; 3]],
+                noise: [[position, 0.0, 0.0], [0.0, position, 0.0], [0.0, 0.0, heading]],
+                path_m,
+            }
+        }
+        _ => Step::default(),
+    }
+}
+
+fn wheel_step(track_m: f32, noise_m2_per_m: f32, left_m: f32, right_m: f32, factors: &Factors) -> Step {
+    let track_m = track_m * factors.track.value;
+    let (left, right) = (factors.first.value * left_m, factors.second.value * right_m);
+    let distance = 0.5 * (left + right);
+    let turn = (right - left) / track_m;
+    // The chord of the arc: length distance * sinc(turn / 2), direction turn / 2.
+    let (sin, cos) = sin_cos(0.5 * turn);
+    let (chord, chord_slope) = sinc(0.5 * turn);
+    let (forward_m, left_m_body) = (distance * chord * cos, distance * chord * sin);
+    // Derivatives of (forward, left, turn) by distance and by turn.
+    let by_distance = [chord * cos, chord * sin, 0.0];
+    let by_turn =
+        [0.5 * distance * (chord_slope * cos - chord * sin), 0.5 * distance * (chord_slope * sin + chord * cos), 1.0];
+    let mut by_left = [0.0; 3];
+    let mut by_right = [0.0; 3];
+    for i in 0..3 {
+        by_left[i] = 0.5 * by_distance[i] - by_turn[i] / track_m;
+        by_right[i] = 0.5 * by_distance[i] + by_turn[i] / track_m;
+    }
+    let (left_variance, right_variance) = (noise_m2_per_m * left.abs(), noise_m2_per_m * right.abs());
+    let mut noise = [[0.0; 3]; 3];
+    for i in 0..3 {
+        for j in 0..3 {
+            noise[i][j] = left_variance * by_left[i] * by_left[j] + right_variance * by_right[i] * by_right[j];
+        }
+    }
+    let by_track = by_turn.map(|d| -d * turn / factors.track.value);
+    Step {
+        increment: Increment { forward_m, left_m: left_m_body, turn_rad: turn },
+        by_factor: [by_left.map(|d| d * left_m), by_right.map(|d| d * right_m), by_track],
+        noise,
+        path_m: distance.abs(),
+    }
+}
+
+impl Step {
+    /// The pose Jacobian and noise in the map frame, for a robot whose heading at the step's start has this sine and
+    /// cosine.
+    pub fn in_map(&self, (sin, cos): (f32, f32), factors: &Factors) -> (MotionJacobian, [[f32; 3]; 3]) {
+        let rotate = |v: [f32; 3]| [cos * v[0] - sin * v[1], sin * v[0] + cos * v[1], v[2]];
+        let moved = rotate([self.increment.forward_m, self.increment.left_m, 0.0]);
+        let mut jacobian = MotionJacobian::default();
+        jacobian[X][X] = 1.0;
+        jacobian[Y][Y] = 1.0;
+        jacobian[THETA][THETA] = 1.0;
+        jacobian[X][THETA] = -moved[1];
+        jacobian[Y][THETA] = moved[0];
+        for (factor, derivative) in [factors.first, factors.second, factors.track].iter().zip(self.by_factor) {
+            let derivative = rotate(derivative);
+            for (row, d) in jacobian.iter_mut().zip(derivative) {
+                if let Some(entry) = factor.state.and_then(|i| row.get_mut(i)) {
+                    *entry = d;
+                }
+            }
+        }
+        // R Q R^T: first the rows, then the columns.
+        let half = [rotate(self.noise[0]), rotate(self.noise[1]), rotate(self.noise[2])];
+        let mut noise = [[0.0; 3]; 3];
+        for i in 0..3 {
+            let column = rotate([half[0][i], half[1][i], half[2][i]]);
+            for j in 0..3 {
+                noise[j][i] = column[j];
+            }
+        }
+        (jacobian, noise)
+    }
+}

@@ -1,0 +1,164 @@
+//! A wall of the map: where its states are, and what is kept about it outside the filter.
+
+use crate::angle::sin_cos;
+use crate::ekf::Ekf;
+use crate::layout::ALPHA;
+use core::f32::consts::FRAC_PI_2;
+
+/// How a wall is represented in the state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum WallKind {
+    /// rho and theta are states.
+    Free,
+    /// rho and theta are states; the direction used is the grid's nearest to theta.
+    Snapped,
+    /// rho is a state; the direction is alpha plus a whole number of quarter turns.
+    Grid,
+}
+
+/// Where a wall's direction comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// The state with this index.
+    Free(usize),
+    /// The grid direction nearest to the state with this index (report eq. 4).
+    Snapped(usize),
+    /// alpha plus this many quarter turns, counter-clockwise, 0 to 3.
+    Grid(u8),
+}
+
+/// A wall. Its normal points from the side it was seen from into the wall, so rho - p . n is positive for a robot at p
+/// that can see it: the two faces of a partition are two walls.
+#[derive(Clone, Copy, Debug)]
+pub struct Wall {
+    /// Identifier, never used again.
+    pub id: u16,
+    /// State index of rho.
+    pub rho: usize,
+    /// Where the direction comes from.
+    pub direction: Direction,
+    /// Start of the observed extent along (-sin beta, cos beta), metres.
+    pub lo_m: f32,
+    /// End of the observed extent, metres.
+    pub hi_m: f32,
+    /// Readings that updated it.
+    pub updates: u32,
+    /// Confidence in its existence: up with readings that meet it, down with those that pass through.
+    pub score: i8,
+    /// Path length at which it was last seen, metres.
+    pub seen_at_m: f32,
+}
+
+/// A wall's line at the present estimate.
+#[derive(Clone, Copy, Debug)]
+pub struct Line {
+    /// Signed distance from the origin along the normal, metres.
+    pub rho_m: f32,
+    /// Direction of the normal, radians.
+    pub beta_rad: f32,
+    /// Unit normal.
+    pub normal: [f32; 2],
+}
+
+impl Line {
+    /// Coordinate of a point along (-sin beta, cos beta), metres.
+    pub fn along(&self, point: [f32; 2]) -> f32 {
+        point[1] * self.normal[0] - point[0] * self.normal[1]
+    }
+
+    /// Signed distance of the line from a point along the normal, metres.
+    pub fn distance(&self, point: [f32; 2]) -> f32 {
+        self.rho_m - (point[0] * self.normal[0] + point[1] * self.normal[1])
+    }
+}
+
+/// Sine and cosine of the grid direction, taken once a step.
+#[derive(Clone, Copy, Debug)]
+pub struct GridDirection {
+    /// alpha, radians.
+    pub alpha_rad: f32,
+    /// (sin alpha, cos alpha).
+    pub sin_cos: (f32, f32),
+}
+
+impl GridDirection {
+    /// At the filter's present estimate.
+    pub fn of<const NB: usize, const BLOCKS: usize>(ekf: &Ekf<NB, BLOCKS>) -> Self {
+        let alpha_rad = ekf.mean(ALPHA);
+        Self { alpha_rad, sin_cos: sin_cos(alpha_rad) }
+    }
+
+    /// Unit normal of the grid direction `quarter` quarter turns from alpha: exact, no second sine.
+    pub fn normal(&self, quarter: u8) -> [f32; 2] {
+        let (s, c) = self.sin_cos;
+        match quarter & 3 {
+            0 => [c, s],
+            1 => [-s, c],
+            2 => [-c, -s],
+            _ => [s, -c],
+        }
+    }
+
+    /// The number of quarter turns, 0 to 3, of the grid direction nearest to an angle (report eq. 4, counted
+    /// counter-clockwise).
+    pub fn quarter(&self, theta_rad: f32) -> u8 {
+        let quarters = libm::floorf((theta_rad - self.alpha_rad) * (1.0 / FRAC_PI_2) + 0.5);
+        (quarters as i32 & 3) as u8
+    }
+
+    /// Direction of grid direction `quarter`, radians.
+    pub fn beta(&self, quarter: u8) -> f32 {
+        crate::angle::wrap(self.alpha_rad + f32::from(quarter) * FRAC_PI_2)
+    }
+}
+
+impl Wall {
+    /// A wall without states or extent.
+    pub const NEW: Self = Self {
+        id: 0,
+        rho: 0,
+        direction: Direction::Grid(0),
+        lo_m: 0.0,
+        hi_m: 0.0,
+        updates: 0,
+        score: 0,
+        seen_at_m: 0.0,
+    };
+
+    /// Its line at the filter's present estimate.
+    pub fn line<const NB: usize, const BLOCKS: usize>(&self, ekf: &Ekf<NB, BLOCKS>, grid: &GridDirection) -> Line {
+        let rho_m = ekf.mean(self.rho);
+        let on_grid = |quarter| Line { rho_m, beta_rad: grid.beta(quarter), normal: grid.normal(quarter) };
+        match self.direction {
+            Direction::Grid(quarter) => on_grid(quarter),
+            Direction::Snapped(theta) => on_grid(grid.quarter(ekf.mean(theta))),
+            Direction::Free(theta) => {
+                let beta_rad = ekf.mean(theta);
+                let (s, c) = sin_cos(beta_rad);
+                Line { rho_m, beta_rad, normal: [c, s] }
+            }
+        }
+    }
+
+    /// Its representation.
+    pub fn kind(&self) -> WallKind {
+        match self.direction {
+            Direction::Free(_) => WallKind::Free,
+            Direction::Snapped(_) => WallKind::Snapped,
+            Direction::Grid(_) => WallKind::Grid,
+        }
+    }
+
+    /// Follows a state that moved from index `from` to `to`.
+    pub fn follow(&mut self, from: usize, to: usize) {
+        if self.rho == from {
+            self.rho = to;
+        }
+        if let Direction::Free(theta) | Direction::Snapped(theta) = &mut self.direction
+            && *theta == from
+        {
+            *theta = to;
+        }
+    }
+}
