@@ -1,3 +1,5 @@
-//! The workbench's command line.
+//! The workbench's binary; everything is in the library.
 
-fn main() {}
+fn main() -> std::process::ExitCode {
+    lab::cli::main()
+}

@@ -1,0 +1,77 @@
+//! The table that a run or a replay ends with.
+
+use std::fmt::Write as _;
+
+use crate::recording::{PathScore, Recording};
+
+/// The table, for people.
+pub fn table(recording: &Recording) -> String {
+    let mut text = String::new();
+    // Writing to a String cannot fail.
+    let _ = write_paths(&mut text, recording);
+    let _ = write_filter(&mut text, recording);
+    let _ = write_calibration(&mut text, recording);
+    text
+}
+
+fn write_paths(text: &mut String, recording: &Recording) -> std::fmt::Result {
+    let figures = &recording.figures;
+    writeln!(
+        text,
+        "{}: {:.1} m in {:.0} s, {} rows",
+        recording.title,
+        figures.path_m,
+        figures.duration_s,
+        recording.steps.len()
+    )?;
+    let (Some(estimate), Some(odometry)) = (&figures.estimate, &figures.odometry) else {
+        return writeln!(text, "  no truth to score against");
+    };
+    writeln!(text, "  {:<34}{:>12}{:>18}", "error against truth", "estimate", "dead reckoning")?;
+    let mut row = |name: &str, unit: &str, value: fn(&PathScore) -> f64| {
+        let (ours, theirs) = (format!("{:.3} {unit}", value(estimate)), format!("{:.3} {unit}", value(odometry)));
+        writeln!(text, "  {name:<34}{ours:>12}{theirs:>18}")
+    };
+    row("position, best alignment (RMSE)", "m", |score| score.ate_m)?;
+    row("position, start frame (RMSE)", "m", |score| score.start_m)?;
+    row("heading (RMSE)", "deg", |score| score.heading_deg)?;
+    match estimate.nees {
+        Some(nees) => writeln!(text, "  {:<34}{nees:>12.2}   3 is ideal", "pose NEES (mean)"),
+        None => Ok(()),
+    }
+}
+
+fn write_filter(text: &mut String, recording: &Recording) -> std::fmt::Result {
+    let figures = &recording.figures;
+    if let Some(nis) = figures.mean_nis {
+        writeln!(text, "  {:<34}{nis:>12.2}   1 is ideal", "innovations NIS (mean)")?;
+    }
+    writeln!(text, "  {:<34}{:>12}", "walls in the map", figures.walls)?;
+    if let Some(map) = &figures.map {
+        let offset = format!("{:.3} m", map.offset_m);
+        writeln!(text, "  {:<34}{offset:>12}   {} of them true walls", "wall offsets (RMS)", map.matched)?;
+        writeln!(text, "  {:<34}{:>12}   passed, longer than 1 m", "walls missed", map.missed)?;
+        writeln!(text, "  {:<34}{:>12}", "walls invented", map.invented)?;
+    }
+    writeln!(text, "  {:<34}{:>12}   {} unexplained", "readings used", figures.updates, figures.outliers)?;
+    if figures.estimator_s > 0.0 && figures.duration_s > 0.0 {
+        let speed = format!("{:.0} x", figures.duration_s / figures.estimator_s);
+        writeln!(text, "  {:<34}{speed:>12}   real time, estimator alone", "speed")?;
+    }
+    Ok(())
+}
+
+fn write_calibration(text: &mut String, recording: &Recording) -> std::fmt::Result {
+    let Some(last) = recording.calibration.last() else { return Ok(()) };
+    let estimated: Vec<_> =
+        recording.parameters.iter().zip(&last.values).filter(|(_, (_, sigma))| *sigma > 0.0).collect();
+    if estimated.is_empty() {
+        return Ok(());
+    }
+    writeln!(text, "  {:<34}{:>12}{:>10}{:>10}", "calibration", "found", "sigma", "true")?;
+    for (parameter, (estimate, sigma)) in estimated {
+        let truth = parameter.truth.map_or("-".to_owned(), |truth| format!("{truth:.4}"));
+        writeln!(text, "  {:<34}{estimate:>12.4}{sigma:>10.4}{truth:>10}", parameter.name)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,137 @@
+//! `summary.json`: the figures of a run, and what is needed to repeat it.
+
+use serde_json::{Map, Value, json};
+use slam_core::{Clustering, Config, Refusal, WallPolicy};
+
+use crate::recording::{MapScore, PathScore, Recording};
+
+/// What was run, for `summary.json`.
+#[derive(Clone, Debug)]
+pub struct Origin {
+    /// The command and its arguments, by name.
+    pub arguments: Vec<(&'static str, Value)>,
+    /// The rig file's text.
+    pub rig_toml: String,
+    /// The estimator's settings.
+    pub config: Config,
+    /// What ended the run early.
+    pub error: Option<String>,
+}
+
+/// The whole summary.
+pub fn summary(recording: &Recording, origin: &Origin) -> Value {
+    let figures = &recording.figures;
+    let mut summary = Map::new();
+    let mut put = |key: &str, value: Value| summary.insert(key.to_owned(), value);
+    put("finished", json!(origin.error.is_none()));
+    if let Some(error) = &origin.error {
+        put("error", json!(error));
+    }
+    put("title", json!(recording.title));
+    put("rows", json!(recording.steps.len()));
+    put("path_m", json!(figures.path_m));
+    put("duration_s", json!(figures.duration_s));
+    put("estimator_s", json!(figures.estimator_s));
+    put("walls", json!(figures.walls));
+    put("updates", json!(figures.updates));
+    put("outliers", json!(figures.outliers));
+    put("mean_nis", json!(figures.mean_nis));
+    if let Some(score) = &figures.estimate {
+        for (key, value) in path(score) {
+            put(key, value);
+        }
+        put("nees", json!(score.nees));
+    }
+    if let Some(score) = &figures.odometry {
+        put("odometry", Value::Object(path(score).map(|(key, value)| (key.to_owned(), value)).into_iter().collect()));
+    }
+    if let Some(score) = &figures.map {
+        put("map", map(score));
+    }
+    put("counters", counters(recording));
+    put("seed", json!(recording.seed));
+    put("configuration", configuration(origin));
+    Value::Object(summary)
+}
+
+fn path(score: &PathScore) -> [(&'static str, Value); 4] {
+    [
+        ("ate_m", json!(score.ate_m)),
+        ("start_m", json!(score.start_m)),
+        ("heading_deg", json!(score.heading_deg)),
+        ("poses_compared", json!(score.poses)),
+    ]
+}
+
+fn map(score: &MapScore) -> Value {
+    json!({
+        "offset_m": score.offset_m,
+        "matched": score.matched,
+        "missed": score.missed,
+        "invented": score.invented,
+    })
+}
+
+fn counters(recording: &Recording) -> Value {
+    let counters = &recording.counters;
+    let refused: Map<String, Value> = Refusal::ALL
+        .iter()
+        .zip(counters.refused)
+        .map(|(refusal, n)| (refusal_name(*refusal).to_owned(), json!(n)))
+        .collect();
+    json!({
+        "refused": refused,
+        "buffered": counters.buffered,
+        "overwritten": counters.overwritten,
+        "births": counters.births,
+        "map_full": counters.map_full,
+        "merges": counters.merges,
+        "prunes": counters.prunes,
+        "bad_motion": counters.bad_motion,
+    })
+}
+
+/// A reason of refusal as the outputs call it.
+pub fn refusal_name(refusal: Refusal) -> &'static str {
+    match refusal {
+        Refusal::Invalid => "invalid",
+        Refusal::TooNear => "too_near",
+        Refusal::TooFar => "too_far",
+        Refusal::Floor => "floor",
+        Refusal::Held => "held",
+        Refusal::FoldBack => "fold_back",
+        Refusal::Spike => "spike",
+        Refusal::Incidence => "incidence",
+        Refusal::Gated => "gated",
+        Refusal::Ambiguous => "ambiguous",
+        Refusal::Degenerate => "degenerate",
+    }
+}
+
+fn configuration(origin: &Origin) -> Value {
+    let arguments: Map<String, Value> =
+        origin.arguments.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect();
+    let config = &origin.config;
+    let walls = match config.walls {
+        WallPolicy::Free => "free",
+        WallPolicy::Snapped { theta_moves: false } => "snapped",
+        WallPolicy::Snapped { theta_moves: true } => "snapped, theta moves",
+        WallPolicy::Grid => "grid",
+    };
+    let clustering = match config.clustering {
+        Clustering::BySensor => "by sensor",
+        Clustering::Dbscan => "dbscan",
+    };
+    json!({
+        "arguments": arguments,
+        "estimator": {
+            "walls": walls,
+            "clustering": clustering,
+            "calibrate_gains": config.calibrate_gains,
+            "calibrate_scales": config.calibrate_scales,
+            "calibrate_track": config.calibrate_track,
+            "gate": config.gate,
+        },
+        "rig_toml": origin.rig_toml,
+    })
+}

@@ -1,0 +1,30 @@
+//! What a run or a replay leaves in its output folder.
+
+pub mod closing;
+pub mod figures;
+pub mod folder;
+pub mod numbers;
+pub mod streams;
+pub mod tables;
+
+use crate::error::FileError;
+use crate::recording::Recording;
+use figures::Origin;
+use folder::Folder;
+
+/// What every run and replay writes, apart from what it adds of its own.
+pub const NAMES: [&str; 7] =
+    ["trajectory.tum", "truth.tum", "estimate.csv", "walls.csv", "calibration.csv", "summary.json", "report.html"];
+
+/// Writes everything that is written when a run is over; what grew with the rows is there already.
+///
+/// # Errors
+/// What the system says about the first file that cannot be written.
+pub fn finish(folder: &Folder, recording: &Recording, origin: &Origin) -> Result<(), FileError> {
+    folder.write("walls.csv", &tables::walls(recording))?;
+    folder.write("calibration.csv", &tables::calibration(recording))?;
+    if let Some(truth) = tables::truth(recording) {
+        folder.write("truth.tum", &truth)?;
+    }
+    folder.write_summary(&figures::summary(recording, origin))
+}

@@ -1,0 +1,126 @@
+//! `lab replay`: the estimator over a recorded log.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::json;
+use slam_core::{Config, RigError};
+
+use crate::error::FileError;
+use crate::log::truth::{self, Truth};
+use crate::log::{self, Rows};
+use crate::output::figures::Origin;
+use crate::output::folder::Folder;
+use crate::output::streams::Streams;
+use crate::output::{self, NAMES};
+use crate::recording::Recording;
+use crate::rig_file::Robot;
+use crate::score;
+use crate::session::Session;
+
+/// What to replay.
+#[derive(Clone, Debug)]
+pub struct Replay {
+    /// The log: `log.csv` or CARMEN, plain or gzipped.
+    pub log: PathBuf,
+    /// The rig file.
+    pub rig: PathBuf,
+    /// The output folder.
+    pub out: PathBuf,
+    /// True poses; `truth.csv` beside the log when not given.
+    pub truth: Option<PathBuf>,
+    /// The estimator's settings.
+    pub config: Config,
+}
+
+/// What a replay ended with.
+#[derive(Debug)]
+pub struct Replayed {
+    /// Everything that was processed.
+    pub recording: Recording,
+    /// What a user should know about the log though it is no error.
+    pub notes: Vec<String>,
+    /// The bad line that the log ended with, where it did not end well. Everything before it is processed and written.
+    pub error: Option<FileError>,
+}
+
+impl Replay {
+    /// Replays the log and writes the output folder; `progress` is told the rows so far.
+    ///
+    /// # Errors
+    /// What keeps the replay from starting, or an output from being written.
+    pub fn run(&self, mut progress: impl FnMut(usize)) -> Result<Replayed, FileError> {
+        let rig_toml = read_text(&self.rig)?;
+        let mut robot = Robot::parse(&self.rig, &rig_toml)?;
+        let mut rows = log::open(&self.log, &mut robot)?;
+        let truth = self.read_truth()?;
+        let title = self.log.display().to_string();
+        let mut session = Session::new(&robot, self.config, title).map_err(|e| rig_error(&self.rig, &e))?;
+        let folder = Folder::prepare(&self.out, &NAMES)?;
+        let mut streams = Streams::create(&folder)?;
+        let mut times_s = Vec::new();
+        let error = feed(&mut *rows, &mut session, &mut streams, &mut times_s, &mut progress)?;
+        streams.close()?;
+        let mut recording = session.finish();
+        score::score(&mut recording, &times_s, truth.as_ref());
+        let origin = Origin {
+            arguments: vec![
+                ("command", json!("replay")),
+                ("log", json!(self.log)),
+                ("rig", json!(self.rig)),
+                ("truth", json!(self.truth)),
+            ],
+            rig_toml,
+            config: self.config,
+            error: error.as_ref().map(ToString::to_string),
+        };
+        output::finish(&folder, &recording, &origin)?;
+        Ok(Replayed { recording, notes: rows.notes(), error })
+    }
+
+    fn read_truth(&self) -> Result<Option<Truth>, FileError> {
+        let beside = self.log.with_file_name("truth.csv");
+        match &self.truth {
+            Some(file) => truth::read(file).map(Some),
+            None if beside.is_file() => truth::read(&beside).map(Some),
+            None => Ok(None),
+        }
+    }
+}
+
+/// Feeds every row to the estimator; the inner error is the bad line that ended the log.
+fn feed(
+    rows: &mut dyn Rows,
+    session: &mut Session,
+    streams: &mut Streams,
+    times_s: &mut Vec<f64>,
+    progress: &mut impl FnMut(usize),
+) -> Result<Option<FileError>, FileError> {
+    for row in rows {
+        match row {
+            Ok(row) => {
+                streams.push(session.push(&row))?;
+                times_s.push(row.t_s);
+                progress(times_s.len());
+            }
+            Err(error) => return Ok(Some(error)),
+        }
+    }
+    Ok(None)
+}
+
+/// A text file's content.
+///
+/// # Errors
+/// It cannot be read.
+pub fn read_text(file: &Path) -> Result<String, FileError> {
+    std::fs::read_to_string(file).map_err(|cause| FileError::system(file, "read", &cause))
+}
+
+/// A rig value that the estimator refuses, as an error in the rig file.
+pub fn rig_error(file: &Path, error: &RigError) -> FileError {
+    let key = match error.sensor {
+        Some(index) => format!("range_sensor[{index}].{}", error.key),
+        None => error.key.to_owned(),
+    };
+    FileError::new(file, format!("is impossible; it must be {}", error.allowed)).at(key)
+}

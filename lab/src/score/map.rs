@@ -1,0 +1,1 @@
+//! The map against the true plan.

@@ -1,0 +1,167 @@
+//! One estimator, fed row by row, with everything it did kept in a [`Recording`].
+
+use std::time::{Duration, Instant};
+
+use slam_core::{Config, DriveModel, HostSlam, Outcome, Parameter, RigError};
+
+use crate::log::Row;
+use crate::recording::{CalibrationSnapshot, MapSnapshot, ParameterInfo, Pose2, Recording, SensorInfo, Step, nis};
+use crate::rig_file::Robot;
+
+/// How often map and calibration are recorded where nothing else asks for it, seconds of the log.
+const SNAPSHOT_EVERY_S: f64 = 1.0;
+
+/// An estimator and the record of what it did.
+pub struct Session {
+    slam: Box<HostSlam>,
+    parameters: Vec<Parameter>,
+    recording: Recording,
+    first_s: Option<f64>,
+    estimator_time: Duration,
+}
+
+impl Session {
+    /// An estimator at the origin with an empty map.
+    ///
+    /// # Errors
+    /// A value of the rig that the estimator refuses.
+    pub fn new(robot: &Robot, config: Config, title: impl Into<String>) -> Result<Self, RigError> {
+        let slam = Box::new(HostSlam::new(robot.rig.clone(), config)?);
+        let parameters = parameters_of(robot);
+        let infos = parameters
+            .iter()
+            .map(|parameter| ParameterInfo { name: parameter_name(*parameter, &robot.names), truth: None });
+        let recording = Recording {
+            title: title.into(),
+            sensors: robot.rig.sensors.iter().zip(&robot.names).map(sensor_info).collect(),
+            parameters: infos.collect(),
+            ..Recording::default()
+        };
+        Ok(Self { slam, parameters, recording, first_s: None, estimator_time: Duration::ZERO })
+    }
+
+    /// Gives one row to the estimator and records what came of it.
+    pub fn push(&mut self, row: &Row) -> &Step {
+        let before = Instant::now();
+        let report = self.slam.step(&row.sample);
+        self.estimator_time += before.elapsed();
+        let index = self.recording.steps.len();
+        let step = Step {
+            t_text: row.t_text.clone(),
+            t_s: row.t_s - *self.first_s.get_or_insert(row.t_s),
+            pose: self.slam.pose().into(),
+            covariance: self.slam.pose_covariance(),
+            alpha: self.slam.alpha(),
+            dead_reckoning: self.slam.dead_reckoning().into(),
+            truth: row.truth,
+            walls: self.slam.walls().count(),
+            births: report.births,
+            merges: report.merges,
+            prunes: report.prunes,
+        };
+        self.recording.readings.extend_from_slice(&report.readings[..self.recording.sensors.len()]);
+        let changed = step.births > 0 || step.merges > 0 || step.prunes > 0;
+        if changed || self.is_due(step.t_s) {
+            self.snapshot(index);
+        }
+        self.recording.steps.push(step);
+        &self.recording.steps[index]
+    }
+
+    /// The estimator.
+    pub fn slam(&self) -> &HostSlam {
+        &self.slam
+    }
+
+    /// The record so far.
+    pub fn recording(&self) -> &Recording {
+        &self.recording
+    }
+
+    /// Ends the session: the record with the figures that need no truth.
+    pub fn finish(mut self) -> Recording {
+        if let Some(last) = self.recording.steps.len().checked_sub(1)
+            && self.recording.maps.last().is_none_or(|map| map.step != last)
+        {
+            self.snapshot(last);
+        }
+        let recording = &mut self.recording;
+        recording.counters = *self.slam.counters();
+        let figures = &mut recording.figures;
+        figures.estimator_s = self.estimator_time.as_secs_f64();
+        figures.duration_s = recording.steps.last().map_or(0.0, |step| step.t_s);
+        figures.path_m = path_length_m(recording.steps.iter().map(|step| step.dead_reckoning));
+        figures.walls = recording.steps.last().map_or(0, |step| step.walls);
+        let (mut updates, mut outliers, mut nis_sum) = (0u64, 0u64, 0.0);
+        for reading in &recording.readings {
+            match reading.outcome {
+                Outcome::Updated { .. } => {
+                    updates += 1;
+                    nis_sum += nis(&reading.outcome).unwrap_or(0.0);
+                }
+                Outcome::Gated { .. } | Outcome::Unexplained => outliers += 1,
+                Outcome::Missing | Outcome::Refused(_) => {}
+            }
+        }
+        figures.updates = updates;
+        figures.outliers = outliers;
+        figures.mean_nis = (updates > 0).then(|| nis_sum / updates as f64);
+        self.recording
+    }
+
+    fn is_due(&self, t_s: f64) -> bool {
+        let last = self.recording.maps.last().map(|map| self.recording.steps[map.step].t_s);
+        last.is_none_or(|last_s| t_s - last_s >= SNAPSHOT_EVERY_S)
+    }
+
+    fn snapshot(&mut self, step: usize) {
+        self.recording.maps.push(MapSnapshot { step, walls: self.slam.walls().collect() });
+        // A parameter that is no state is known exactly.
+        let value = |parameter: &Parameter| {
+            let found = self.slam.calibration().find(|(state, ..)| state == parameter);
+            found.map_or((1.0, 0.0), |(_, estimate, sigma)| (estimate, sigma))
+        };
+        let values = self.parameters.iter().map(value).collect();
+        self.recording.calibration.push(CalibrationSnapshot { step, values });
+    }
+}
+
+fn sensor_info((sensor, name): (&slam_core::RangeSensor, &String)) -> SensorInfo {
+    SensorInfo {
+        name: name.clone(),
+        x_m: sensor.mount.x_m.into(),
+        y_m: sensor.mount.y_m.into(),
+        bearing_rad: sensor.mount.bearing_rad.into(),
+        span_m: [sensor.min_m.into(), sensor.max_m.into()],
+    }
+}
+
+/// Every parameter that the robot could have as a state.
+fn parameters_of(robot: &Robot) -> Vec<Parameter> {
+    let drive: &[Parameter] = match robot.rig.drive {
+        DriveModel::Wheels { .. } => &[Parameter::ScaleLeft, Parameter::ScaleRight, Parameter::Track],
+        DriveModel::Odometry { .. } => &[Parameter::ScaleDistance, Parameter::ScaleTurn],
+    };
+    let gains = (0..robot.rig.sensors.len()).map(|index| Parameter::Gain(index as u8));
+    gains.chain(drive.iter().copied()).collect()
+}
+
+fn parameter_name(parameter: Parameter, sensors: &[String]) -> String {
+    match parameter {
+        Parameter::ScaleLeft => "scale_left".to_owned(),
+        Parameter::ScaleRight => "scale_right".to_owned(),
+        Parameter::Track => "track".to_owned(),
+        Parameter::ScaleDistance => "scale_distance".to_owned(),
+        Parameter::ScaleTurn => "scale_turn".to_owned(),
+        Parameter::Gain(index) => match sensors.get(usize::from(index)) {
+            Some(name) => format!("gain_{name}"),
+            None => format!("gain_{index}"),
+        },
+    }
+}
+
+/// Length of a path, metres.
+pub fn path_length_m(path: impl Iterator<Item = Pose2>) -> f64 {
+    let mut last: Option<Pose2> = None;
+    path.map(|pose| last.replace(pose).map_or(0.0, |from| (pose.x_m - from.x_m).hypot(pose.y_m - from.y_m))).sum()
+}
