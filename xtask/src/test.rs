@@ -60,7 +60,7 @@ fn host() -> Result {
 /// The robot's crates build for a processor that has no standard library.
 fn no_std() -> Result {
     let mut build = Thumb::require()?.cargo(".", "build");
-    run(build.args(["--release", "--package", "slam-core", "--package", "robot"]))?;
+    run(build.args(["--release", "--package", "slam-core", "--package", "robot", "--package", "wire"]))?;
     let mut with_defmt = Thumb::require()?.cargo(".", "build");
     run(with_defmt.args(["--release", "--package", "slam-core", "--features", "defmt"]))
 }
@@ -69,7 +69,7 @@ fn no_std() -> Result {
 fn firmware_lint() -> Result {
     let thumb = Thumb::require()?;
     match thumb {
-        Thumb::Host => run(thumb.cargo("firmware", "clippy").args(["--release", "--locked", "--", "-D", "warnings"])),
-        Thumb::Debian => run(thumb.cargo("firmware", "check").args(["--release", "--locked"])),
+        Thumb::Host => run(thumb.cargo("firmware", "clippy").args(["--release", "--", "-D", "warnings"])),
+        Thumb::Debian => run(thumb.cargo("firmware", "check").args(["--release"])),
     }
 }

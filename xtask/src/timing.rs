@@ -21,7 +21,7 @@ type Figures = BTreeMap<String, BTreeMap<String, u32>>;
 /// Measures, prints, and compares; with `update`, writes the figures down instead of comparing.
 pub fn timing(update: bool) -> Result {
     let thumb = Thumb::require()?;
-    run(thumb.cargo("firmware", "build").args(["--release", "--locked", "--package", "timing"]))?;
+    run(thumb.cargo("firmware", "build").args(["--release", "--package", "timing"]))?;
     let elf = thumb.target_dir().join(TARGET).join("release/timing");
     let measured = parse_output(&qemu::run(&elf, Duration::from_secs(300))?)?;
     let compiler = thumb.version()?;

@@ -1,0 +1,109 @@
+//! Between frames and the estimator's types.
+
+use crate::frames::{Calibration, Estimate, Factor, Parameter, SENSORS, Sample, SlamFaults, Wall, WallKind};
+use slam_core::{Counters, Motion, RangeInput, Slam, Ticks, WallView};
+
+impl Sample {
+    /// The estimator's input. Sensors that the frame does not carry have no reading.
+    pub fn to_slam(&self) -> slam_core::Sample<SENSORS> {
+        let mut ranges = [RangeInput::Missing; SENSORS];
+        for (range, counts) in ranges.iter_mut().zip(&self.counts) {
+            *range = counts.map_or(RangeInput::Missing, RangeInput::Counts);
+        }
+        let motion = Motion::Ticks(Ticks { left: self.left_ticks, right: self.right_ticks });
+        slam_core::Sample { time_us: self.time_us, motion, ranges }
+    }
+}
+
+impl Estimate {
+    /// What the estimator holds after the sample taken at this time.
+    pub fn of<const S: usize, const W: usize, const B: usize>(slam: &Slam<S, W, B>, time_us: u64) -> Self {
+        let (pose, dead_reckoning, p) = (slam.pose(), slam.dead_reckoning(), slam.pose_covariance());
+        Self {
+            time_us,
+            pose: [pose.x_m, pose.y_m, pose.theta_rad],
+            covariance: [p[0][0], p[0][1], p[0][2], p[1][1], p[1][2], p[2][2]],
+            alpha: slam.alpha().map(|(alpha_rad, sigma_rad)| [alpha_rad, sigma_rad]),
+            dead_reckoning: [dead_reckoning.x_m, dead_reckoning.y_m, dead_reckoning.theta_rad],
+            walls: u8::try_from(slam.walls().count()).unwrap_or(u8::MAX),
+        }
+    }
+
+    /// Whether every bit is the same; unlike `==` this also holds for values that are not numbers.
+    pub fn same_bits(&self, other: &Self) -> bool {
+        let bits =
+            |e: &Self| (e.pose.map(f32::to_bits), e.covariance.map(f32::to_bits), e.dead_reckoning.map(f32::to_bits));
+        let alpha = |e: &Self| e.alpha.map(|alpha| alpha.map(f32::to_bits));
+        self.time_us == other.time_us
+            && self.walls == other.walls
+            && bits(self) == bits(other)
+            && alpha(self) == alpha(other)
+    }
+}
+
+impl Wall {
+    /// A wall of the map, number `index` of `of`.
+    pub fn of(wall: &WallView, index: u8, of: u8) -> Self {
+        let kind = match wall.kind {
+            slam_core::WallKind::Free => WallKind::Free,
+            slam_core::WallKind::Snapped => WallKind::Snapped,
+            slam_core::WallKind::Grid => WallKind::Grid,
+        };
+        Self {
+            index,
+            of,
+            id: wall.id,
+            kind,
+            rho_m: wall.rho_m,
+            beta_rad: wall.beta_rad,
+            lo_m: wall.lo_m,
+            hi_m: wall.hi_m,
+            sigma_rho_m: wall.sigma_rho_m,
+            updates: wall.updates,
+        }
+    }
+}
+
+impl Calibration {
+    /// The estimator's calibration; factors beyond the frame's room are left out.
+    pub fn of<const S: usize, const W: usize, const B: usize>(slam: &Slam<S, W, B>) -> Self {
+        let mut calibration = Self::default();
+        for (parameter, estimate, sigma) in slam.calibration() {
+            let factor = Factor { parameter: parameter.into(), estimate, sigma };
+            if calibration.factors.push(factor).is_err() {
+                break;
+            }
+        }
+        calibration
+    }
+}
+
+impl From<slam_core::Parameter> for Parameter {
+    fn from(parameter: slam_core::Parameter) -> Self {
+        match parameter {
+            slam_core::Parameter::ScaleLeft => Self::ScaleLeft,
+            slam_core::Parameter::ScaleRight => Self::ScaleRight,
+            slam_core::Parameter::Track => Self::Track,
+            slam_core::Parameter::ScaleDistance => Self::ScaleDistance,
+            slam_core::Parameter::ScaleTurn => Self::ScaleTurn,
+            slam_core::Parameter::Gain(sensor) => Self::Gain(sensor),
+        }
+    }
+}
+
+impl From<&Counters> for SlamFaults {
+    fn from(counters: &Counters) -> Self {
+        Self {
+            steps: counters.steps,
+            updates: counters.updates,
+            refused: counters.refused,
+            buffered: counters.buffered,
+            overwritten: counters.overwritten,
+            births: counters.births,
+            map_full: counters.map_full,
+            merges: counters.merges,
+            prunes: counters.prunes,
+            bad_motion: counters.bad_motion,
+        }
+    }
+}

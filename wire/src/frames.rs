@@ -1,0 +1,221 @@
+//! What is said. The order of variants and fields is the format: a change needs a new [`VERSION`](crate::VERSION).
+
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+/// Most range sensors of a robot.
+pub const SENSORS: usize = 8;
+/// Most calibration factors: a gain per sensor, two scales, the track.
+const FACTORS: usize = SENSORS + 3;
+
+/// One message.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Frame {
+    /// What the robot sensed, raw.
+    Sample(Sample),
+    /// What it makes of that.
+    Estimate(Estimate),
+    /// One wall of its map.
+    Wall(Wall),
+    /// Its self-calibration.
+    Calibration(Calibration),
+    /// Everything that went wrong so far.
+    Faults(Faults),
+    /// What the motors are given.
+    Motors(Motors),
+    /// What the robot shall do.
+    Command(Command),
+}
+
+/// Raw input of one estimator step.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Sample {
+    /// Time since the robot's start, microseconds.
+    pub time_us: u64,
+    /// Cumulative counts of the left wheel, forward positive; they may wrap.
+    pub left_ticks: i32,
+    /// Cumulative counts of the right wheel.
+    pub right_ticks: i32,
+    /// Converter counts of each range sensor, in the rig's order; none where there was no reading.
+    pub counts: Vec<Option<u16>, SENSORS>,
+    /// Bumper and cliff inputs.
+    pub contacts: Contacts,
+}
+
+/// Inputs that stop the wheels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Contacts {
+    /// The left half of the bumper is pressed.
+    pub bump_left: bool,
+    /// The right half of the bumper is pressed.
+    pub bump_right: bool,
+    /// There is no floor under the front.
+    pub cliff: bool,
+}
+
+/// The estimate after one sample; floats travel with all their bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Estimate {
+    /// Time of the sample, microseconds.
+    pub time_us: u64,
+    /// x, y (metres) and heading (radians) in the map frame.
+    pub pose: [f32; 3],
+    /// Covariance: xx, xy, xtheta, yy, ytheta, thetatheta; m^2, m rad, rad^2.
+    pub covariance: [f32; 6],
+    /// Direction of the wall grid and its 1-sigma, radians; none before the first grid wall.
+    pub alpha: Option<[f32; 2]>,
+    /// The pose by the encoders alone: x, y (metres), heading (radians).
+    pub dead_reckoning: [f32; 3],
+    /// Walls in the map.
+    pub walls: u8,
+}
+
+/// One wall: the points p with p . (cos beta, sin beta) = rho, from lo to hi along (-sin beta, cos beta).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Wall {
+    /// Place of this wall in the map as it is sent now.
+    pub index: u8,
+    /// Walls in the map as it is sent now.
+    pub of: u8,
+    /// Identifier.
+    pub id: u16,
+    /// How it is represented.
+    pub kind: WallKind,
+    /// Signed distance from the origin along the normal, metres.
+    pub rho_m: f32,
+    /// Direction of the normal, radians.
+    pub beta_rad: f32,
+    /// Start of the observed extent, metres.
+    pub lo_m: f32,
+    /// End of the observed extent, metres.
+    pub hi_m: f32,
+    /// 1-sigma of rho, metres.
+    pub sigma_rho_m: f32,
+    /// Readings that updated it.
+    pub updates: u32,
+}
+
+/// How a wall is represented in the state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum WallKind {
+    /// rho and theta.
+    Free,
+    /// rho and theta, the direction taken from the grid.
+    Snapped,
+    /// rho; the direction is the grid's.
+    Grid,
+}
+
+/// The robot's self-calibration.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Calibration {
+    /// Every factor that is estimated.
+    pub factors: Vec<Factor, FACTORS>,
+}
+
+/// One calibration factor, 1 where exact.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Factor {
+    /// Which one.
+    pub parameter: Parameter,
+    /// The factor.
+    pub estimate: f32,
+    /// Its 1-sigma.
+    pub sigma: f32,
+}
+
+/// What a calibration factor belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Parameter {
+    /// The left wheel's travel per tick.
+    ScaleLeft,
+    /// The right wheel's travel per tick.
+    ScaleRight,
+    /// The track.
+    Track,
+    /// Dead-reckoned distance.
+    ScaleDistance,
+    /// Dead-reckoned turns.
+    ScaleTurn,
+    /// The range sensor with this index.
+    Gain(u8),
+}
+
+/// Counts since the robot's start; they saturate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Faults {
+    /// Of the estimator.
+    pub slam: SlamFaults,
+    /// Of everything around it.
+    pub board: BoardFaults,
+}
+
+/// The estimator's counts, as `slam_core::Counters` describes them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "the fields are those of slam_core::Counters")]
+pub struct SlamFaults {
+    pub steps: u32,
+    pub updates: u32,
+    pub refused: [u32; slam_core::Refusal::COUNT],
+    pub buffered: u32,
+    pub overwritten: u32,
+    pub births: u32,
+    pub map_full: u32,
+    pub merges: u32,
+    pub prunes: u32,
+    pub bad_motion: u32,
+}
+
+/// Counts of the firmware's tasks and channels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BoardFaults {
+    /// The range sensors could not be read.
+    pub ranges_failed: u32,
+    /// The encoders could not be read.
+    pub encoders_failed: u32,
+    /// The motors could not be set.
+    pub motors_failed: u32,
+    /// Samples dropped because the estimator was behind.
+    pub samples_dropped: u32,
+    /// Frames dropped because the serial line was behind.
+    pub frames_dropped: u32,
+    /// Commands dropped because they came too fast.
+    pub commands_dropped: u32,
+    /// Damaged frames and bytes lost on the serial line.
+    pub bytes_lost: u32,
+    /// Times the bumper or the cliff sensor stopped the wheels.
+    pub contact_stops: u32,
+    /// Starts after the watchdog bit.
+    pub watchdog_resets: u32,
+    /// Supervisor periods in which some task had not reported.
+    pub late_tasks: u32,
+}
+
+/// What the motors are given.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Motors {
+    /// Time of the sample that this answers, microseconds.
+    pub time_us: u64,
+    /// Share of the supply at the left motor, -1 to 1.
+    pub left: f32,
+    /// Share of the supply at the right motor.
+    pub right: f32,
+}
+
+/// What the robot shall do.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Command {
+    /// Drive and map.
+    Start,
+    /// Stand still; the estimator goes on.
+    Stop,
+    /// Forget the map: where the robot stands is the new origin.
+    ResetMap,
+    /// Turn the wheels for a short time with this share of the supply, for checks at the bench; only when stopped.
+    Spin {
+        /// Left motor, -1 to 1.
+        left: f32,
+        /// Right motor, -1 to 1.
+        right: f32,
+    },
+}

@@ -1,0 +1,24 @@
+//! What robot and workbench say to each other over a serial line.
+//!
+//! A [`Frame`] goes out as COBS(version byte, postcard, CRC-32) and a zero byte. [`encode`] makes those bytes;
+//! a [`Decoder`] finds frames in a stream that may start anywhere and may be damaged: a frame arrives whole or is
+//! counted as an error, and the next zero byte starts afresh.
+//!
+//! | direction | frames |
+//! |---|---|
+//! | robot to host | [`Frame::Sample`], [`Frame::Estimate`], [`Frame::Wall`], [`Frame::Calibration`], [`Frame::Faults`] |
+//! | host to robot | [`Frame::Command`] |
+//! | with the robot's hardware simulated | [`Frame::Sample`] to the robot, [`Frame::Motors`] back |
+#![no_std]
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+
+mod codec;
+mod convert;
+mod frames;
+
+pub use codec::{DecodeError, Decoder, EncodeError, FRAME_CAPACITY, VERSION, encode};
+pub use frames::{
+    BoardFaults, Calibration, Command, Contacts, Estimate, Factor, Faults, Frame, Motors, Parameter, SENSORS, Sample,
+    SlamFaults, Wall, WallKind,
+};

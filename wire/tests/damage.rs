@@ -1,0 +1,158 @@
+//! Frames survive the line or are refused: none arrives changed.
+
+use proptest::prelude::*;
+use wire::{
+    BoardFaults, Calibration, Command, Contacts, Decoder, Estimate, Factor, Faults, Frame, Motors, Parameter, Sample,
+    SlamFaults, Wall, WallKind, encode,
+};
+
+fn sample() -> impl Strategy<Value = Frame> {
+    let counts = prop::collection::vec(any::<Option<u16>>(), 0..=wire::SENSORS);
+    (any::<u64>(), any::<[i32; 2]>(), counts, any::<[bool; 3]>()).prop_map(|(time_us, ticks, counts, touched)| {
+        let [bump_left, bump_right, cliff] = touched;
+        Frame::Sample(Sample {
+            time_us,
+            left_ticks: ticks[0],
+            right_ticks: ticks[1],
+            counts: counts.into_iter().collect(),
+            contacts: Contacts { bump_left, bump_right, cliff },
+        })
+    })
+}
+
+fn estimate() -> impl Strategy<Value = Frame> {
+    (any::<u64>(), any::<[f32; 12]>(), any::<Option<[f32; 2]>>(), any::<u8>()).prop_map(|(time_us, f, alpha, walls)| {
+        Frame::Estimate(Estimate {
+            time_us,
+            pose: [f[0], f[1], f[2]],
+            covariance: [f[3], f[4], f[5], f[6], f[7], f[8]],
+            alpha,
+            dead_reckoning: [f[9], f[10], f[11]],
+            walls,
+        })
+    })
+}
+
+fn wall() -> impl Strategy<Value = Frame> {
+    let kind = prop::sample::select(vec![WallKind::Free, WallKind::Snapped, WallKind::Grid]);
+    (any::<[u8; 2]>(), any::<u16>(), kind, any::<[f32; 5]>(), any::<u32>()).prop_map(|(place, id, kind, f, updates)| {
+        let [rho_m, beta_rad, lo_m, hi_m, sigma_rho_m] = f;
+        let [index, of] = place;
+        Frame::Wall(Wall { index, of, id, kind, rho_m, beta_rad, lo_m, hi_m, sigma_rho_m, updates })
+    })
+}
+
+fn calibration() -> impl Strategy<Value = Frame> {
+    let factor = (any::<u8>(), any::<[f32; 2]>()).prop_map(|(sensor, [estimate, sigma])| Factor {
+        parameter: if sensor == 0 { Parameter::Track } else { Parameter::Gain(sensor) },
+        estimate,
+        sigma,
+    });
+    prop::collection::vec(factor, 0..=11)
+        .prop_map(|factors| Frame::Calibration(Calibration { factors: factors.into_iter().collect() }))
+}
+
+fn faults() -> impl Strategy<Value = Frame> {
+    (any::<[u32; 11]>(), any::<[u32; 4]>()).prop_map(|(refused, c)| {
+        let slam = SlamFaults { refused, steps: c[0], bad_motion: c[1], ..SlamFaults::default() };
+        let board = BoardFaults { ranges_failed: c[2], late_tasks: c[3], ..BoardFaults::default() };
+        Frame::Faults(Faults { slam, board })
+    })
+}
+
+fn small() -> impl Strategy<Value = Frame> {
+    (any::<u64>(), any::<[f32; 2]>(), 0..5).prop_map(|(time_us, [left, right], which)| match which {
+        0 => Frame::Motors(Motors { time_us, left, right }),
+        1 => Frame::Command(Command::Spin { left, right }),
+        2 => Frame::Command(Command::Start),
+        3 => Frame::Command(Command::Stop),
+        _ => Frame::Command(Command::ResetMap),
+    })
+}
+
+fn frame() -> impl Strategy<Value = Frame> {
+    prop_oneof![sample(), estimate(), wall(), calibration(), faults(), small()]
+}
+
+/// The frames found in a stream, errors left out.
+fn received(bytes: &[u8]) -> Vec<Frame> {
+    let mut decoder = Decoder::new();
+    bytes.iter().filter_map(|byte| decoder.push(*byte)).filter_map(Result::ok).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(512))]
+
+    #[test]
+    fn a_frame_arrives_as_it_was_sent(frame in frame()) {
+        prop_assert_eq!(received(&encode(&frame).unwrap()), vec![frame]);
+    }
+
+    #[test]
+    fn a_damaged_frame_is_refused_and_the_next_arrives(
+        first in frame(), second in frame(), at in any::<prop::sample::Index>(), flip in 1..=u8::MAX,
+    ) {
+        let mut stream = encode(&first).unwrap().to_vec();
+        let at = at.index(stream.len() - 1);
+        stream[at] ^= flip;
+        stream.extend(encode(&second).unwrap());
+        let frames = received(&stream);
+        prop_assert!(frames.iter().all(|frame| *frame == second), "{:?}", frames);
+        prop_assert!(!frames.is_empty());
+    }
+
+    #[test]
+    fn lost_bytes_lose_frames_but_change_none(
+        frames in prop::collection::vec(frame(), 1..6), lost in prop::collection::vec(any::<prop::sample::Index>(), 1..4),
+    ) {
+        let mut stream: Vec<u8> = frames.iter().flat_map(|frame| encode(frame).unwrap()).collect();
+        for index in lost {
+            stream.remove(index.index(stream.len()));
+        }
+        prop_assert!(received(&stream).iter().all(|frame| frames.contains(frame)));
+    }
+
+    #[test]
+    fn noise_before_a_frame_costs_no_more_than_the_noise(
+        noise in prop::collection::vec(any::<u8>(), 0..1000), frame in frame(),
+    ) {
+        let mut stream = noise;
+        stream.push(0);
+        stream.extend(encode(&frame).unwrap());
+        let frames = received(&stream);
+        prop_assert_eq!(frames.last(), Some(&frame));
+    }
+}
+
+#[test]
+fn the_longest_frames_fit() {
+    let factor = Factor { parameter: Parameter::Gain(255), estimate: -1e-30, sigma: 1e30 };
+    let calibration = Calibration { factors: (0..11).map(|_| factor).collect() };
+    let counts = SlamFaults {
+        steps: u32::MAX,
+        updates: u32::MAX,
+        refused: [u32::MAX; 11],
+        buffered: u32::MAX,
+        overwritten: u32::MAX,
+        births: u32::MAX,
+        map_full: u32::MAX,
+        merges: u32::MAX,
+        prunes: u32::MAX,
+        bad_motion: u32::MAX,
+    };
+    let board = BoardFaults {
+        ranges_failed: u32::MAX,
+        encoders_failed: u32::MAX,
+        motors_failed: u32::MAX,
+        samples_dropped: u32::MAX,
+        frames_dropped: u32::MAX,
+        commands_dropped: u32::MAX,
+        bytes_lost: u32::MAX,
+        contact_stops: u32::MAX,
+        watchdog_resets: u32::MAX,
+        late_tasks: u32::MAX,
+    };
+    for frame in [Frame::Calibration(calibration), Frame::Faults(Faults { slam: counts, board })] {
+        assert_eq!(received(&encode(&frame).unwrap()), [frame]);
+    }
+}
