@@ -2,6 +2,8 @@
 #![forbid(unsafe_code)]
 
 mod apt;
+mod elf;
+mod panic_check;
 mod qemu;
 mod run;
 mod setup;
@@ -14,6 +16,7 @@ use std::process::ExitCode;
 const HELP: &str = "\
 cargo xtask setup            install what the tests need (asks first, unless the variable CI is set)
 cargo xtask test [STEP...]   set up what is missing, then run every step, or only the named ones
+cargo xtask panic-check      show that slam-core has no panic path on the robot's processor
 cargo xtask timing           count the instructions of slam-core's routines and compare with docs/timing.csv
 cargo xtask timing --update  write the counts into docs/timing.csv";
 
@@ -22,6 +25,7 @@ fn main() -> ExitCode {
     let result = match args.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
         ["setup"] => setup::setup(),
         ["test", steps @ ..] => test::test(steps),
+        ["panic-check"] => panic_check::panic_check(),
         ["timing"] => timing::timing(false),
         ["timing", "--update"] => timing::timing(true),
         [] | ["help" | "--help" | "-h"] => {

@@ -1,5 +1,6 @@
 //! Every test and check, in the order of how soon they fail.
 
+use crate::panic_check::panic_check;
 use crate::run::{Result, cargo, run};
 use crate::setup;
 use crate::thumb::Thumb;
@@ -15,6 +16,7 @@ const STEPS: &[Step] = &[
     ("no-std", no_std),
     ("host", host),
     ("firmware-lint", firmware_lint),
+    ("panic-check", panic_check),
     ("timing", || timing::timing(false)),
 ];
 

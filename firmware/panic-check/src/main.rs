@@ -1,0 +1,95 @@
+//! Calls every public entry point of slam-core with inputs that the compiler knows nothing about. This program is never
+//! run: `cargo xtask panic-check` looks whether the linker had to keep `panic_reached`.
+#![no_std]
+#![no_main]
+// A symbol that can be found by name needs an attribute that counts as unsafe; nothing else here is.
+#![deny(unsafe_code)]
+
+use core::hint::black_box;
+use core::panic::PanicInfo;
+use slam_core::{Adc, Config, DriveModel, Increment, Motion, Pose, RangeInput, RobotSlam, Sample, Ticks, angle};
+
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    #[cfg(feature = "bad")]
+    black_box([1, 2, 3][black_box(7)]);
+    plane();
+    if let Ok(mut slam) = RobotSlam::new(rig(), black_box(Config::default())) {
+        estimator(&mut slam);
+    }
+    loop {
+        cortex_m::asm::nop();
+    }
+}
+
+fn rig() -> slam_core::Rig<8> {
+    let mut rig = slam_core::Rig {
+        drive: black_box(DriveModel::Odometry {
+            scale_sigma: 0.05,
+            noise_m2_per_m: 4e-4,
+            noise_rad2_per_m: 2e-4,
+            noise_rad2_per_rad: 1e-3,
+        }),
+        adc: black_box(Some(Adc { bits: 12, vref_v: 3.3 })),
+        sensors: heapless::Vec::new(),
+    };
+    for _ in 0..black_box(8) {
+        // A full list refuses the rest, which is none of slam-core's business.
+        let _ = rig.sensors.push(black_box(slam_core::RangeSensor {
+            mount: slam_core::Mount::default(),
+            min_m: 0.2,
+            max_m: 1.5,
+            max_incidence_rad: 1.2,
+            gain_sigma: 0.01,
+            model: slam_core::RangeModel::Sharp { scale_m: 0.6, exponent: -1.16, noise_v: 0.012 },
+        }));
+    }
+    rig
+}
+
+fn plane() {
+    black_box(angle::wrap(black_box(1.0)));
+    black_box(angle::sin_cos(black_box(1.0)));
+    let pose = black_box(Pose::new(black_box(1.0), black_box(2.0), black_box(3.0)));
+    black_box(pose.compose(&pose.inverse()));
+    black_box(pose.transform(black_box([1.0, 2.0])));
+}
+
+fn estimator(slam: &mut RobotSlam) {
+    let ticks = Motion::Ticks(Ticks { left: 1, right: 2 });
+    let increment = Motion::Increment(Increment { forward_m: 1.0, left_m: 0.0, turn_rad: 0.1 });
+    for motion in [ticks, increment] {
+        for range in [RangeInput::Counts(1000), RangeInput::Metres(1.0), RangeInput::Missing] {
+            let sample = Sample { time_us: 1, motion, ranges: [range; 8] };
+            black_box(slam.step(&black_box(sample)));
+        }
+    }
+    black_box(slam.rig());
+    black_box(slam.pose());
+    black_box(slam.pose_covariance());
+    black_box(slam.dead_reckoning());
+    black_box(slam.alpha());
+    black_box(slam.counters());
+    black_box(slam.state_len());
+    for wall in slam.walls() {
+        black_box(wall);
+    }
+    for factor in slam.calibration() {
+        black_box(factor);
+    }
+}
+
+#[panic_handler]
+fn panic(_: &PanicInfo) -> ! {
+    panic_reached()
+}
+
+/// Kept by the linker exactly when some panic can be reached.
+#[allow(unsafe_code)]
+#[unsafe(no_mangle)]
+#[inline(never)]
+fn panic_reached() -> ! {
+    loop {
+        cortex_m::asm::bkpt();
+    }
+}
