@@ -17,7 +17,10 @@ impl Sample {
 
 impl Estimate {
     /// What the estimator holds after the sample taken at this time.
-    pub fn of<const S: usize, const W: usize, const B: usize>(slam: &Slam<S, W, B>, time_us: u64) -> Self {
+    pub fn of<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOCKS: usize>(
+        slam: &Slam<S, W, B, NB, BLOCKS>,
+        time_us: u64,
+    ) -> Self {
         let (pose, dead_reckoning, p) = (slam.pose(), slam.dead_reckoning(), slam.pose_covariance());
         Self {
             time_us,
@@ -66,7 +69,9 @@ impl Wall {
 
 impl Calibration {
     /// The estimator's calibration; factors beyond the frame's room are left out.
-    pub fn of<const S: usize, const W: usize, const B: usize>(slam: &Slam<S, W, B>) -> Self {
+    pub fn of<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOCKS: usize>(
+        slam: &Slam<S, W, B, NB, BLOCKS>,
+    ) -> Self {
         let mut calibration = Self::default();
         for (parameter, estimate, sigma) in slam.calibration() {
             let factor = Factor { parameter: parameter.into(), estimate, sigma };
