@@ -7,6 +7,7 @@
 #![deny(missing_docs)]
 
 mod body;
+mod closed_loop;
 pub mod coverage;
 pub mod options;
 pub mod plan;
@@ -19,6 +20,7 @@ mod simulation;
 pub mod world;
 
 pub use body::TrueDrive;
+pub use closed_loop::{ClosedLoop, Estimate, Frame, nominal_ranges};
 pub use coverage::{Coverage, SeenWall};
 pub use options::{DriveOptions, SharpOptions, SimOptions};
 pub use plan::{Face, Plan};

@@ -12,10 +12,12 @@
 
 pub mod contact;
 pub mod h_bridge;
+pub mod pilot;
 pub mod traits;
 pub mod wheel_control;
 
 pub use contact::{ContactPins, Contacts};
 pub use h_bridge::{HBridge, HBridgeError, MotorPair};
+pub use pilot::{Activity, Pilot, PilotConfig, Senses};
 pub use traits::{DriveMotors, Duty, RangeSensorBank, WheelCounter, WheelEncoders, WheelSpeeds};
 pub use wheel_control::{WheelControl, WheelControlConfig};

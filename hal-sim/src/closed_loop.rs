@@ -1,0 +1,91 @@
+//! Board, wheel control, pilot and estimator in one loop.
+
+use robot::{Pilot, PilotConfig, Senses, WheelSpeeds};
+use slam_core::{Adc, Pose, RangeInput, RangeModel, Rig, Sample};
+
+use crate::pose::TruePose;
+use crate::simulation::{MAX_SENSORS, Simulation};
+
+/// What an estimator makes of one sample, for the pilot to drive by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// The estimated pose in the start frame.
+    pub pose: Pose,
+    /// Corrected ranges, metres, in the rig's order; none where there is no valid reading.
+    pub ranges_m: [Option<f32>; MAX_SENSORS],
+}
+
+/// One sample and the truth at its time: record a drive once, feed it to many estimators.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// What the robot sensed.
+    pub sample: Sample<MAX_SENSORS>,
+    /// The true pose in the start frame.
+    pub truth: TruePose,
+}
+
+/// A robot that drives through its home by what an estimator tells its pilot.
+#[derive(Clone, Debug)]
+pub struct ClosedLoop {
+    /// The robot in its home.
+    pub simulation: Simulation,
+    /// The pilot.
+    pub pilot: Pilot<MAX_SENSORS>,
+    command: Option<WheelSpeeds>,
+}
+
+impl ClosedLoop {
+    /// A robot about to take its first sample. The pilot's body radius and track are the simulation's.
+    pub fn new(simulation: Simulation, rig: &Rig<MAX_SENSORS>, config: PilotConfig) -> Self {
+        let radius_m = simulation.options().body_radius_m as f32;
+        let config = PilotConfig { radius_m, track_m: simulation.track_m() as f32, ..config };
+        Self { simulation, pilot: Pilot::new(config, rig), command: None }
+    }
+
+    /// Carries out the last command until the next sample, has it estimated, and lets the pilot choose the next
+    /// command. The first call takes the sample at time 0.
+    pub fn step(&mut self, estimator: &mut impl FnMut(&Sample<MAX_SENSORS>) -> Estimate) -> Frame {
+        let sample = match self.command {
+            Some(command) => self.simulation.step(command),
+            None => self.simulation.sample(),
+        };
+        let Estimate { pose, ranges_m } = estimator(&sample);
+        let contacts = self.simulation.contacts();
+        self.command = Some(self.pilot.step(&Senses { time_us: sample.time_us, pose, ranges_m, contacts }));
+        Frame { sample, truth: self.simulation.pose() }
+    }
+
+    /// Drives for a time (seconds) and records every frame.
+    pub fn record(
+        &mut self,
+        duration_s: f64,
+        estimator: &mut impl FnMut(&Sample<MAX_SENSORS>) -> Estimate,
+    ) -> Vec<Frame> {
+        let end_s = self.simulation.time_s() + duration_s;
+        let mut frames = Vec::with_capacity((duration_s.max(0.0) * self.simulation.options().rate_hz) as usize + 2);
+        while self.command.is_none() || self.simulation.time_s() < end_s - 1e-9 {
+            frames.push(self.step(estimator));
+        }
+        frames
+    }
+}
+
+/// The ranges of a sample by the rig's nominal curves, metres: no gain, no filter. None outside a sensor's limits.
+pub fn nominal_ranges(rig: &Rig<MAX_SENSORS>, sample: &Sample<MAX_SENSORS>) -> [Option<f32>; MAX_SENSORS] {
+    let mut ranges_m = [None; MAX_SENSORS];
+    for ((range_m, input), sensor) in ranges_m.iter_mut().zip(&sample.ranges).zip(&rig.sensors) {
+        let nominal_m = match (*input, sensor.model, rig.adc) {
+            (RangeInput::Metres(metres), _, _) => metres,
+            (RangeInput::Counts(counts), RangeModel::Sharp { scale_m, exponent, .. }, Some(adc)) => {
+                scale_m * libm::powf(volts(adc, counts), exponent)
+            }
+            _ => continue,
+        };
+        *range_m = (nominal_m >= sensor.min_m && nominal_m <= sensor.max_m).then_some(nominal_m);
+    }
+    ranges_m
+}
+
+fn volts(adc: Adc, counts: u16) -> f32 {
+    f32::from(counts) / ((1_u32 << adc.bits.min(16)) - 1) as f32 * adc.vref_v
+}

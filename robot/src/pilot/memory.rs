@@ -1,0 +1,240 @@
+//! A coarse picture of the floor in the estimated frame: what was seen free, what was hit, where the robot has been.
+
+use slam_core::Pose;
+
+/// A cell of the picture, counted from its lower corner; it may lie outside.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Cell {
+    pub col: i16,
+    pub row: i16,
+}
+
+impl Cell {
+    pub(super) fn offset(self, cols: i16, rows: i16) -> Cell {
+        Cell { col: self.col + cols, row: self.row + rows }
+    }
+
+    /// Distance in king's moves.
+    pub(super) fn moves_to(self, other: Cell) -> i16 {
+        (self.col - other.col).abs().max((self.row - other.row).abs())
+    }
+}
+
+// One byte a cell. Low four bits: 0 unknown, else evidence from 1 (surely free) to 15 (surely occupied).
+const EVIDENCE: u8 = 0x0F;
+const NEUTRAL: u8 = 8;
+const OCCUPIED: u8 = 10;
+const HIT: u8 = 3;
+const VISITED: u8 = 0x10;
+const STEP: u8 = 0x60;
+const STEP_SHIFT: u32 = 5;
+/// Touched by the bumper or without a floor: no beam that passes above clears it.
+const BLOCKED: u8 = 0x80;
+
+/// `N` by `N` cells, one byte each.
+#[derive(Clone, Debug)]
+pub(super) struct Memory<const N: usize> {
+    cells: [[u8; N]; N],
+    /// Place of the lower corner in the estimated frame, in cells.
+    corner: [i32; 2],
+    pub cell_m: f32,
+}
+
+impl<const N: usize> Memory<N> {
+    /// Nothing known; the start in the middle.
+    pub(super) fn new(cell_m: f32) -> Self {
+        let half = (N / 2) as i32;
+        Self { cells: [[0; N]; N], corner: [-half, -half], cell_m }
+    }
+
+    pub(super) fn cell_at(&self, x_m: f32, y_m: f32) -> Cell {
+        let place = |value_m: f32, corner: i32| {
+            // Far outside stays outside: the limits keep the sum in range.
+            let cell = libm::floorf((value_m / self.cell_m).clamp(-1e6, 1e6)) as i32 - corner;
+            cell.clamp(-1000, 1000) as i16
+        };
+        Cell { col: place(x_m, self.corner[0]), row: place(y_m, self.corner[1]) }
+    }
+
+    /// Centre of a cell in the estimated frame, metres.
+    pub(super) fn centre_m(&self, cell: Cell) -> [f32; 2] {
+        let middle = |index: i16, corner: i32| (i32::from(index) + corner) as f32 * self.cell_m + 0.5 * self.cell_m;
+        [middle(cell.col, self.corner[0]), middle(cell.row, self.corner[1])]
+    }
+
+    fn get(&self, cell: Cell) -> u8 {
+        let row = self.cells.get(cell.row as usize);
+        row.and_then(|row| row.get(cell.col as usize)).copied().unwrap_or(0)
+    }
+
+    fn edit(&mut self, cell: Cell, change: impl FnOnce(u8) -> u8) {
+        let row = self.cells.get_mut(cell.row as usize);
+        if let Some(value) = row.and_then(|row| row.get_mut(cell.col as usize)) {
+            *value = change(*value);
+        }
+    }
+
+    pub(super) fn is_inside(&self, cell: Cell) -> bool {
+        (cell.row as usize) < N && (cell.col as usize) < N
+    }
+
+    pub(super) fn is_known(&self, cell: Cell) -> bool {
+        self.get(cell) & (EVIDENCE | BLOCKED) != 0
+    }
+
+    pub(super) fn is_free(&self, cell: Cell) -> bool {
+        let value = self.get(cell);
+        let evidence = value & EVIDENCE;
+        value & BLOCKED == 0 && evidence != 0 && evidence < OCCUPIED
+    }
+
+    pub(super) fn is_obstacle(&self, cell: Cell) -> bool {
+        let value = self.get(cell);
+        value & BLOCKED != 0 || value & EVIDENCE >= OCCUPIED
+    }
+
+    pub(super) fn is_visited(&self, cell: Cell) -> bool {
+        self.get(cell) & VISITED != 0
+    }
+
+    /// Whether an obstacle lies within this many king's moves.
+    pub(super) fn obstacle_within(&self, cell: Cell, moves: i16) -> bool {
+        (-moves..=moves).any(|row| (-moves..=moves).any(|col| self.is_obstacle(cell.offset(col, row))))
+    }
+
+    /// A beam passed here.
+    pub(super) fn see_free(&mut self, cell: Cell) {
+        self.edit(cell, |value| {
+            let evidence = if value & EVIDENCE == 0 { NEUTRAL } else { value & EVIDENCE };
+            (value & !EVIDENCE) | (evidence - 1).max(1)
+        });
+    }
+
+    /// A beam ended here.
+    pub(super) fn see_hit(&mut self, cell: Cell) {
+        self.edit(cell, |value| {
+            let evidence = if value & EVIDENCE == 0 { NEUTRAL } else { value & EVIDENCE };
+            (value & !EVIDENCE) | (evidence + HIT).min(EVIDENCE)
+        });
+    }
+
+    /// The bumper or the cliff sensor found something here.
+    pub(super) fn block(&mut self, cell: Cell) {
+        self.edit(cell, |value| value | BLOCKED);
+    }
+
+    /// The robot's centre is here: whatever was thought to be here is not.
+    pub(super) fn stand_on(&mut self, cell: Cell) {
+        self.edit(cell, |value| (value & !(EVIDENCE | BLOCKED)) | 2);
+    }
+
+    /// Marks the cells within this many king's moves as visited; returns whether any was not.
+    pub(super) fn visit(&mut self, centre: Cell, moves: i16) -> bool {
+        let mut any_new = false;
+        for row in -moves..=moves {
+            for col in -moves..=moves {
+                let cell = centre.offset(col, row);
+                any_new |= self.is_inside(cell) && !self.is_visited(cell);
+                self.edit(cell, |value| value | VISITED);
+            }
+        }
+        any_new
+    }
+
+    /// Forgets where the robot has been and what it bumped into; what was seen stays.
+    pub(super) fn forget_visits(&mut self) {
+        self.cells.as_flattened_mut().iter_mut().for_each(|value| *value &= !(VISITED | BLOCKED));
+    }
+
+    pub(super) fn clear_steps(&mut self) {
+        self.cells.as_flattened_mut().iter_mut().for_each(|value| *value &= !STEP);
+    }
+
+    /// Number of steps from the search's start modulo 3, where the search has been.
+    pub(super) fn step_label(&self, cell: Cell) -> Option<u8> {
+        ((self.get(cell) & STEP) >> STEP_SHIFT).checked_sub(1)
+    }
+
+    pub(super) fn set_step_label(&mut self, cell: Cell, steps_mod_3: u8) {
+        self.edit(cell, |value| (value & !STEP) | ((steps_mod_3 + 1) << STEP_SHIFT));
+    }
+
+    /// Moves the picture when the robot comes near its edge: what falls off at the far side is forgotten.
+    pub(super) fn keep_around(&mut self, pose: &Pose) {
+        let margin = (N / 8) as i16;
+        let cell = self.cell_at(pose.x_m, pose.y_m);
+        let shift = |index: i16| {
+            if index < margin {
+                index - margin - margin / 2
+            } else if index >= N as i16 - margin {
+                index - (N as i16 - 1 - margin - margin / 2)
+            } else {
+                0
+            }
+        };
+        let (cols, rows) = (shift(cell.col), shift(cell.row));
+        if cols != 0 || rows != 0 {
+            self.shift(cols, rows);
+        }
+    }
+
+    fn shift(&mut self, cols: i16, rows: i16) {
+        self.corner[0] += i32::from(cols);
+        self.corner[1] += i32::from(rows);
+        // Cells are read before they are written: forwards or backwards, by the direction of the shift.
+        for step in 0..N as i16 {
+            let row = if rows >= 0 { step } else { N as i16 - 1 - step };
+            for step in 0..N as i16 {
+                let col = if cols >= 0 { step } else { N as i16 - 1 - step };
+                let cell = Cell { col, row };
+                let value = self.get(cell.offset(cols, rows));
+                self.edit(cell, |_| value);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hits_outweigh_a_few_passing_beams_and_yield_to_many() {
+        let mut memory = Memory::<16>::new(0.2);
+        let cell = memory.cell_at(0.5, -0.3);
+        assert!(!memory.is_known(cell));
+        memory.see_hit(cell);
+        assert!(memory.is_obstacle(cell));
+        memory.see_free(cell);
+        assert!(memory.is_obstacle(cell));
+        memory.see_free(cell);
+        assert!(memory.is_free(cell));
+        memory.block(cell);
+        memory.see_free(cell);
+        assert!(memory.is_obstacle(cell) && !memory.is_free(cell));
+    }
+
+    #[test]
+    fn the_picture_follows_the_robot_and_keeps_its_places() {
+        for target in [[3.9, 0.1], [-3.9, 0.1], [0.1, 3.9], [-7.5, -7.5], [3.0, -3.0]] {
+            let mut memory = Memory::<40>::new(0.2);
+            let wall_m = [target[0] * 0.5, target[1] * 0.5];
+            memory.see_hit(memory.cell_at(wall_m[0], wall_m[1]));
+            memory.keep_around(&Pose::new(target[0], target[1], 0.0));
+            let here = memory.cell_at(target[0], target[1]);
+            assert!(here.col >= 5 && here.col < 35 && here.row >= 5 && here.row < 35, "{here:?}");
+            let wall = memory.cell_at(wall_m[0], wall_m[1]);
+            assert_eq!(memory.is_obstacle(wall), memory.is_inside(wall), "{target:?}");
+        }
+    }
+
+    #[test]
+    fn far_outside_is_unknown_and_harmless() {
+        let mut memory = Memory::<16>::new(0.2);
+        for far in [1e30, -1e30, f32::INFINITY] {
+            let cell = memory.cell_at(far, 0.0);
+            memory.see_hit(cell);
+            assert!(!memory.is_inside(cell) && !memory.is_known(cell));
+        }
+    }
+}

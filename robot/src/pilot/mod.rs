@@ -1,0 +1,349 @@
+//! The pilot: drives through a home by what the robot senses and estimates.
+//!
+//! It keeps a coarse picture of the floor in the estimated frame and always goes to the nearest stretch of wall that it
+//! has not been along, which is wall following that knows where it has been; where no such stretch is near, it goes to
+//! the nearest edge of unseen space, so that doors are found. When nothing is left it forgets where it has been and
+//! begins a new round. Bumps, cliffs and standing still lead to backing off and to a memory of the place.
+//!
+//! It takes the pose as it comes: an error of a few centimetres or a jump of ten blur the picture, and passing beams
+//! clear it again.
+
+mod memory;
+mod search;
+mod steer;
+
+use slam_core::{Pose, Rig};
+
+use crate::contact::Contacts;
+use crate::traits::WheelSpeeds;
+use memory::{Cell, Memory};
+use search::Route;
+use steer::Beam;
+
+/// Size of the robot and manner of driving.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PilotConfig {
+    /// Cruising speed, m/s.
+    pub speed_mps: f32,
+    /// Fastest turn, rad/s.
+    pub turn_radps: f32,
+    /// Radius of the body, metres.
+    pub radius_m: f32,
+    /// Distance between the wheels, metres.
+    pub track_m: f32,
+    /// Distance that the robot's centre keeps from walls beside it, metres: beyond the sensors' minimum range.
+    pub standoff_m: f32,
+    /// Edge of a cell of the picture, metres.
+    pub cell_m: f32,
+    /// Readings beyond this range are too noisy to place a wall, metres.
+    pub trusted_m: f32,
+}
+
+impl Default for PilotConfig {
+    fn default() -> Self {
+        Self {
+            speed_mps: 0.25,
+            turn_radps: 1.2,
+            radius_m: 0.17,
+            track_m: 0.235,
+            standoff_m: 0.33,
+            cell_m: 0.15,
+            trusted_m: 1.1,
+        }
+    }
+}
+
+/// What the pilot decides by, at one time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Senses<const S: usize> {
+    /// Time, microseconds since any fixed moment.
+    pub time_us: u64,
+    /// The estimated pose.
+    pub pose: Pose,
+    /// Ranges, metres, corrected by the estimated gains, in the rig's order; none where there is no valid reading.
+    pub ranges_m: [Option<f32>; S],
+    /// Bumper and cliff.
+    pub contacts: Contacts,
+}
+
+/// What the pilot is doing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Activity {
+    /// Nothing is known to go to: straight on, turning away from what is ahead.
+    #[default]
+    Wandering,
+    /// Along walls.
+    FollowingWalls,
+    /// To the edge of unseen space.
+    Exploring,
+    /// Backing off from something touched or from a place where it stood still.
+    BackingOff,
+    /// Turning away after backing off.
+    TurningAway,
+}
+
+/// Backing off ends after this long at the latest, microseconds.
+const BACK_OFF_US: u64 = 1_200_000;
+/// A route is looked for this often, microseconds.
+const ROUTE_US: u64 = 250_000;
+/// Without coming nearer to its target for this long, the pilot gives the target up, microseconds.
+const PATIENCE_US: u64 = 6_000_000;
+/// Steps without a reading after which a sensor is taken to see nothing, and how far it then surely sees, metres.
+const EMPTY_STEPS: u8 = 5;
+const EMPTY_M: f32 = 0.5;
+/// Half width of the trail of visited cells, in cells.
+const TRAIL: i16 = 2;
+
+/// The pilot of a robot with at most `S` range sensors, with a picture of `N` by `N` cells.
+#[derive(Clone, Debug)]
+pub struct Pilot<const S: usize, const N: usize = 80> {
+    config: PilotConfig,
+    memory: Memory<N>,
+    beams: [Beam; S],
+    route: Option<Route>,
+    next_route_us: u64,
+    activity: Activity,
+    /// When the activity began.
+    since_us: u64,
+    /// Direction of the next turn away: 1 counter-clockwise, -1 clockwise.
+    turn_sign: f32,
+    /// Fewest steps to the target so far, and when that was reached.
+    best_steps: u16,
+    progress_us: u64,
+    rounds: u16,
+    given_up: u16,
+}
+
+impl<const S: usize, const N: usize> Pilot<S, N> {
+    /// A pilot that knows nothing of the home.
+    pub fn new(config: PilotConfig, rig: &Rig<S>) -> Self {
+        Self {
+            config,
+            memory: Memory::new(config.cell_m),
+            beams: Beam::of_rig(rig),
+            route: None,
+            next_route_us: 0,
+            activity: Activity::default(),
+            since_us: 0,
+            turn_sign: 1.0,
+            best_steps: u16::MAX,
+            progress_us: 0,
+            rounds: 0,
+            given_up: 0,
+        }
+    }
+
+    /// The wheel speeds until the next step. A pose that is not finite stops the robot.
+    pub fn step(&mut self, senses: &Senses<S>) -> WheelSpeeds {
+        let Pose { x_m, y_m, theta_rad } = senses.pose;
+        if !(x_m.is_finite() && y_m.is_finite() && theta_rad.is_finite()) {
+            return WheelSpeeds::STOP;
+        }
+        for (beam, range_m) in self.beams.iter_mut().zip(&senses.ranges_m) {
+            beam.take(*range_m);
+        }
+        self.remember(senses);
+        let (forward_mps, turn_radps) = self.decide(senses);
+        WheelSpeeds::from_twist(forward_mps, turn_radps, self.config.track_m)
+    }
+
+    /// What the pilot is doing.
+    pub fn activity(&self) -> Activity {
+        self.activity
+    }
+
+    /// Rounds completed: how often everything known and reachable had been visited.
+    pub fn rounds(&self) -> u16 {
+        self.rounds
+    }
+
+    /// Targets given up because they could not be reached.
+    pub fn given_up(&self) -> u16 {
+        self.given_up
+    }
+
+    fn remember(&mut self, senses: &Senses<S>) {
+        let pose = &senses.pose;
+        self.memory.keep_around(pose);
+        let here = self.memory.cell_at(pose.x_m, pose.y_m);
+        if self.memory.visit(here, TRAIL) {
+            self.best_steps = u16::MAX;
+            self.progress_us = senses.time_us;
+        }
+        self.memory.stand_on(here);
+        for beam in &self.beams {
+            if beam.max_m > 0.0 {
+                draw_beam(&mut self.memory, beam, pose, &self.config);
+            }
+        }
+    }
+
+    fn decide(&mut self, senses: &Senses<S>) -> (f32, f32) {
+        if senses.contacts.any() && !matches!(self.activity, Activity::BackingOff) {
+            self.touch(senses);
+        }
+        let elapsed_us = senses.time_us.saturating_sub(self.since_us);
+        match self.activity {
+            Activity::BackingOff => {
+                let gap_m = steer::gap_m(&self.beams, &self.config, true);
+                if elapsed_us > BACK_OFF_US || gap_m < 0.05 {
+                    self.begin(Activity::TurningAway, senses);
+                }
+                (-0.5 * self.config.speed_mps, 0.0)
+            }
+            Activity::TurningAway => {
+                if elapsed_us > BACK_OFF_US {
+                    self.begin(Activity::Wandering, senses);
+                    self.next_route_us = 0;
+                }
+                (0.0, 0.7 * self.config.turn_radps * self.turn_sign)
+            }
+            _ => self.travel(senses),
+        }
+    }
+
+    fn begin(&mut self, activity: Activity, senses: &Senses<S>) {
+        self.activity = activity;
+        self.since_us = senses.time_us;
+    }
+
+    /// Remembers what was touched and backs off from it.
+    fn touch(&mut self, senses: &Senses<S>) {
+        let contacts = senses.contacts;
+        let reach_m = self.config.radius_m + 0.4 * self.config.cell_m;
+        let bearings_rad =
+            [(contacts.bump_left, 0.6), (contacts.bump_right, -0.6), (contacts.cliff || contacts.any(), 0.0)];
+        let both = contacts.bump_left == contacts.bump_right;
+        for (_, bearing_rad) in bearings_rad.iter().filter(|(on, bearing_rad)| *on && (both || *bearing_rad != 0.0)) {
+            let (s, c) = slam_core::angle::sin_cos(*bearing_rad);
+            let [x_m, y_m] = senses.pose.transform([reach_m * c, reach_m * s]);
+            self.memory.block(self.memory.cell_at(x_m, y_m));
+        }
+        if !both {
+            self.turn_sign = if contacts.bump_left { -1.0 } else { 1.0 };
+        }
+        self.begin(Activity::BackingOff, senses);
+    }
+
+    fn travel(&mut self, senses: &Senses<S>) -> (f32, f32) {
+        let pose = &senses.pose;
+        if senses.time_us >= self.next_route_us {
+            self.next_route_us = senses.time_us + ROUTE_US;
+            self.look_for_route(senses);
+        }
+        let Some(route) = self.route else { return self.wander() };
+        if senses.time_us.saturating_sub(self.progress_us) > PATIENCE_US {
+            self.give_up(route, senses);
+            return (0.0, 0.0);
+        }
+        steer::towards(self.way_point_m(&route, pose), pose, &self.beams, &self.config)
+    }
+
+    fn look_for_route(&mut self, senses: &Senses<S>) {
+        let pose = &senses.pose;
+        let start = self.memory.cell_at(pose.x_m, pose.y_m);
+        let eighths = libm::roundf(pose.theta_rad * (4.0 / core::f32::consts::PI)) as i32;
+        let octant = (eighths & 7) as usize;
+        self.route = search::find_route(&mut self.memory, start, octant);
+        if self.route.is_none() {
+            self.rounds = self.rounds.saturating_add(1);
+            self.memory.forget_visits();
+            self.memory.visit(start, TRAIL);
+            self.best_steps = u16::MAX;
+            self.progress_us = senses.time_us;
+            self.route = search::find_route(&mut self.memory, start, octant);
+        }
+        let activity = match self.route {
+            None => Activity::Wandering,
+            Some(Route { wall: true, .. }) => Activity::FollowingWalls,
+            Some(_) => Activity::Exploring,
+        };
+        if activity != self.activity {
+            self.begin(activity, senses);
+        }
+        if let Some(route) = self.route
+            && route.steps < self.best_steps
+        {
+            self.best_steps = route.steps;
+            self.progress_us = senses.time_us;
+        }
+    }
+
+    /// The farthest of the path's first cells that can be reached in a straight line.
+    fn way_point_m(&self, route: &Route, pose: &Pose) -> [f32; 2] {
+        let cells = &route.first[..route.count.min(route.first.len())];
+        let straight = |cell: &&Cell| self.is_straight(pose, **cell);
+        let cell = cells.iter().rev().find(straight).or(cells.first()).copied().unwrap_or(route.target);
+        self.memory.centre_m(cell)
+    }
+
+    fn is_straight(&self, pose: &Pose, to: Cell) -> bool {
+        let [x_m, y_m] = self.memory.centre_m(to);
+        (1..=6).all(|step| {
+            let share = step as f32 / 6.0;
+            let cell = self.memory.cell_at(pose.x_m + share * (x_m - pose.x_m), pose.y_m + share * (y_m - pose.y_m));
+            search::is_passable(&self.memory, cell)
+        })
+    }
+
+    fn give_up(&mut self, route: Route, senses: &Senses<S>) {
+        self.given_up = self.given_up.saturating_add(1);
+        self.memory.visit(route.target, 1);
+        self.route = None;
+        self.best_steps = u16::MAX;
+        self.progress_us = senses.time_us;
+        self.turn_sign = -self.turn_sign;
+        self.begin(Activity::BackingOff, senses);
+    }
+
+    fn wander(&self) -> (f32, f32) {
+        if steer::gap_m(&self.beams, &self.config, false) < 0.15 {
+            (0.0, 0.7 * self.config.turn_radps * self.turn_sign)
+        } else {
+            (0.6 * self.config.speed_mps, 0.0)
+        }
+    }
+}
+
+/// Draws one beam into the picture: free up to its end, and a hit there where it is near enough to be placed.
+fn draw_beam<const N: usize>(memory: &mut Memory<N>, beam: &Beam, pose: &Pose, config: &PilotConfig) {
+    let trusted_m = config.trusted_m.min(0.8 * beam.max_m);
+    let empty = beam.age >= EMPTY_STEPS;
+    if beam.age != 0 && !empty {
+        return;
+    }
+    let free_m = if empty { EMPTY_M.min(trusted_m) } else { (beam.range_m - memory.cell_m).min(trusted_m) };
+    let from_m = pose.transform(beam.mount_m);
+    let to_m = pose.transform(beam.point_m(1.0));
+    let along = [to_m[0] - from_m[0], to_m[1] - from_m[1]];
+    let cell_at = |memory: &Memory<N>, range_m: f32| {
+        memory.cell_at(from_m[0] + range_m * along[0], from_m[1] + range_m * along[1])
+    };
+    let step_m = 0.5 * memory.cell_m;
+    let mut last = Cell { col: i16::MIN, row: 0 };
+    let mut range_m = 0.0;
+    while range_m < free_m {
+        let cell = cell_at(memory, range_m);
+        // A sensor that is blind sees nothing, too: it makes no wall vanish.
+        if cell != last && !(empty && memory.is_obstacle(cell)) {
+            memory.see_free(cell);
+        }
+        last = cell;
+        range_m += step_m;
+    }
+    if !empty && beam.range_m <= trusted_m {
+        let cell = cell_at(memory, beam.range_m);
+        memory.see_hit(cell);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_pilot_of_the_robot_fits_in_8_kib() {
+        assert!(size_of::<Pilot<8>>() <= 8192, "{}", size_of::<Pilot<8>>());
+        assert!(size_of::<Pilot<16>>() <= 8192, "{}", size_of::<Pilot<16>>());
+    }
+}

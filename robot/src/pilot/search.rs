@@ -1,0 +1,173 @@
+//! Where to go next: a wave through the free cells finds the nearest place worth a visit.
+
+use heapless::Deque;
+
+use super::memory::{Cell, Memory};
+
+/// The eight neighbours of a cell, counter-clockwise from the frame's x axis.
+const NEIGHBOURS: [(i16, i16); 8] = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)];
+
+/// Neighbours in order of their turn from the heading, so that of equally near places the one ahead wins.
+const AHEAD_FIRST: [usize; 8] = [0, 1, 7, 2, 6, 3, 5, 4];
+
+/// Cells of the wave's front. When it is full the wave leaves out cells: far places are found later.
+const FRONT: usize = 320;
+
+/// How much farther a stretch of wall may be than unseen space to be preferred, in cells.
+const WALL_PREFERENCE: u16 = 16;
+
+/// Within this many cells of the robot the wave passes near obstacles: there must be a way out.
+const ESCAPE: i16 = 2;
+
+/// Length of the path's first part that is handed out, in cells.
+pub(super) const LOOK_AHEAD: usize = 4;
+
+/// A place worth a visit and the way there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Route {
+    pub target: Cell,
+    /// Steps to the target.
+    pub steps: u16,
+    /// The first cells of the path after the robot's own, and how many there are.
+    pub first: [Cell; LOOK_AHEAD],
+    pub count: usize,
+    /// Whether the target is beside a wall; otherwise it borders on the unknown.
+    pub wall: bool,
+}
+
+/// Whether the robot's body fits at this cell.
+pub(super) fn is_passable<const N: usize>(memory: &Memory<N>, cell: Cell) -> bool {
+    memory.is_free(cell) && !memory.obstacle_within(cell, 1)
+}
+
+/// A wall is at the distance at which one follows it: two or three cells off.
+fn is_beside_wall<const N: usize>(memory: &Memory<N>, cell: Cell) -> bool {
+    memory.obstacle_within(cell, 3)
+}
+
+fn borders_on_unknown<const N: usize>(memory: &Memory<N>, cell: Cell) -> bool {
+    let unknown = |&index: &usize| {
+        let (cols, rows) = NEIGHBOURS[index];
+        let neighbour = cell.offset(cols, rows);
+        memory.is_inside(neighbour) && !memory.is_known(neighbour)
+    };
+    [0, 2, 4, 6].iter().any(unknown)
+}
+
+/// The route to the nearest place that is worth a visit: unvisited and beside a wall, or else at the edge of the
+/// unknown. `octant` is the robot's heading in eighths of a turn.
+pub(super) fn find_route<const N: usize>(memory: &mut Memory<N>, start: Cell, octant: usize) -> Option<Route> {
+    memory.clear_steps();
+    let mut front: Deque<(Cell, u16), FRONT> = Deque::new();
+    let mut edge: Option<(Cell, u16)> = None;
+    memory.set_step_label(start, 0);
+    let _ = front.push_back((start, 0));
+    while let Some((cell, steps)) = front.pop_front() {
+        if let Some((target, edge_steps)) = edge
+            && steps > edge_steps + WALL_PREFERENCE
+        {
+            return Some(trace(memory, target, edge_steps, false));
+        }
+        if !memory.is_visited(cell) && is_passable(memory, cell) {
+            if is_beside_wall(memory, cell) {
+                return Some(trace(memory, cell, steps, true));
+            }
+            if edge.is_none() && borders_on_unknown(memory, cell) {
+                edge = Some((cell, steps));
+            }
+        }
+        for turn in AHEAD_FIRST {
+            let (cols, rows) = NEIGHBOURS[(octant + turn) % 8];
+            let next = cell.offset(cols, rows);
+            let near = next.moves_to(start) <= ESCAPE && memory.is_free(next);
+            if memory.step_label(next).is_none() && (near || is_passable(memory, next)) {
+                memory.set_step_label(next, ((steps + 1) % 3) as u8);
+                let _ = front.push_back((next, steps + 1));
+            }
+        }
+    }
+    edge.map(|(target, steps)| trace(memory, target, steps, false))
+}
+
+/// Follows the labels back from the target and keeps the part next to the robot.
+fn trace<const N: usize>(memory: &Memory<N>, target: Cell, steps: u16, wall: bool) -> Route {
+    let mut route =
+        Route { target, steps, first: [target; LOOK_AHEAD], count: LOOK_AHEAD.min(usize::from(steps)), wall };
+    let mut cell = target;
+    for step in (1..=steps).rev() {
+        if let Some(kept) = route.first.get_mut(usize::from(step - 1)) {
+            *kept = cell;
+        }
+        let label = ((step - 1) % 3) as u8;
+        let before = NEIGHBOURS.iter().map(|&(cols, rows)| cell.offset(cols, rows));
+        match before.into_iter().find(|&c| memory.step_label(c) == Some(label)) {
+            Some(before) => cell = before,
+            None => break,
+        }
+    }
+    route
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A room of free cells with walls, drawn as text; the robot is at `R`, visited cells are `v`.
+    fn drawn(rows: &[&str]) -> (Memory<24>, Cell) {
+        let mut memory = Memory::<24>::new(0.15);
+        let mut start = Cell::default();
+        for (row, line) in rows.iter().rev().enumerate() {
+            for (col, mark) in line.bytes().enumerate() {
+                let cell = Cell { col: col as i16 + 2, row: row as i16 + 2 };
+                match mark {
+                    b'#' => memory.see_hit(cell),
+                    b' ' => {}
+                    _ => memory.see_free(cell),
+                }
+                if mark == b'v' || mark == b'R' {
+                    memory.visit(cell, 0);
+                }
+                if mark == b'R' {
+                    start = cell;
+                }
+            }
+        }
+        (memory, start)
+    }
+
+    #[test]
+    fn the_way_leads_through_the_door() {
+        let (mut memory, start) = drawn(&[
+            "####################",
+            "#vvvvvvvv#.........#",
+            "#vvvvvvvv#.........#",
+            "#vvvvvvvv#.........#",
+            "#vvvvvvvvv.........#",
+            "#vvvvvvvvv.........#",
+            "#vvvvvvvvv.........#",
+            "#vvvvvvvvv.........#",
+            "#vvvvvvvvv.........#",
+            "#vRvvvvvv#.........#",
+            "#vvvvvvvv#.........#",
+            "####################",
+        ]);
+        let route = find_route(&mut memory, start, 0).unwrap();
+        assert!(route.wall && route.target.col > 11, "{route:?}");
+        assert_eq!(route.count, LOOK_AHEAD);
+        assert_eq!(route.first[0].moves_to(start), 1);
+        assert!(route.first.windows(2).all(|pair| pair[0].moves_to(pair[1]) == 1));
+    }
+
+    #[test]
+    fn everything_visited_leaves_nothing_to_do() {
+        let (mut memory, start) = drawn(&["######", "#vvvv#", "#vvRv#", "#vvvv#", "######"]);
+        assert_eq!(find_route(&mut memory, start, 3), None);
+    }
+
+    #[test]
+    fn the_edge_of_the_unknown_is_a_target_where_no_wall_is_in_sight() {
+        let (mut memory, start) = drawn(&["vvvvvvv...", "vvvRvvv...", "vvvvvvv..."]);
+        let route = find_route(&mut memory, start, 0).unwrap();
+        assert!(!route.wall && route.target.col >= 9, "{route:?}");
+    }
+}
