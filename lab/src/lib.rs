@@ -11,6 +11,7 @@ pub mod log;
 pub mod output;
 pub mod recording;
 pub mod replay;
+pub mod report;
 pub mod rig_file;
 pub mod score;
 pub mod session;

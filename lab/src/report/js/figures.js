@@ -1,0 +1,85 @@
+// The headline: a sentence, and figures with what they mean.
+
+function verdict(run, passes) {
+  const { estimate, odometry, path_m: path } = run.figures;
+  if (!run.count) return "The log held no samples.";
+  const drive = `${length(path)} in ${duration(run.figures.duration_s)}`;
+  const walls = `${whole(run.figures.walls)} ${run.figures.walls === 1 ? "wall" : "walls"}`;
+  if (estimate && odometry && Number.isFinite(estimate.ate_m)) {
+    const times = odometry.ate_m / estimate.ate_m;
+    const versus = times >= 1.05
+      ? `${times >= 10 ? fixed(times, 0) : fixed(times, 1)} times closer than dead reckoning`
+      : times > 0.95 ? "about as far as dead reckoning" : "worse than dead reckoning";
+    return `${drive}: the estimated path lies ${length(estimate.ate_m)} from the true one, ${versus}; ${walls} in the map.`;
+  }
+  const apart = Number.isFinite(passes.worst) ? ` Different visits of one wall agree within ${length(passes.worst)}.` : "";
+  return `${drive}, ${walls} in the map. The true path is not known.${apart}`;
+}
+
+// A figure with its comparison, if there is one: the bar shows the estimate's share of dead reckoning's error.
+function figureCard({ id, name, value, note, estimate, odometry, text }) {
+  const card = element("div", { class: "card figure", "data-figure": id },
+    element("h3", {}, name), element("p", { class: "value" }, value));
+  if (Number.isFinite(odometry)) {
+    const share = Math.min(1, Math.max(0.005, estimate / Math.max(estimate, odometry)));
+    const other = Math.min(1, Math.max(0.005, odometry / Math.max(estimate, odometry)));
+    card.append(element("div", { class: "bars", "aria-hidden": "true" },
+      element("span", { class: "bar", style: `--w:${share * 100}%;--c:var(--estimate)` }),
+      element("span", { class: "bar", style: `--w:${other * 100}%;--c:var(--odometry)` })),
+    element("p", { class: "versus" }, `Dead reckoning: ${text(odometry)}`));
+  }
+  card.append(element("p", { class: "note" }, note));
+  return card;
+}
+
+function honesty(nees) {
+  if (nees < 1) return "More cautious than it needs to be.";
+  if (nees <= 6) return "Its error bars can be believed.";
+  if (nees <= 20) return "Somewhat surer than it should be.";
+  return "Much surer than it should be.";
+}
+
+function truthFigures({ estimate, odometry }) {
+  const compare = (key, text) => ({ estimate: estimate[key], odometry: odometry?.[key], value: text(estimate[key]), text });
+  const cards = [
+    { id: "ate", name: "Path error", ...compare("ate_m", length),
+      note: "ATE: root mean square distance from the true path after the best rigid alignment. The shape of the path." },
+    { id: "start", name: "Error from the start", ...compare("start_m", length),
+      note: "The same without alignment: both paths start at one pose, so an early turn of the whole map counts." },
+    { id: "heading", name: "Heading error", ...compare("heading_deg", degrees),
+      note: "Root mean square, the alignment's rotation removed." },
+  ];
+  if (Number.isFinite(estimate.nees)) {
+    cards.push({ id: "nees", name: "NEES", value: plain(estimate.nees),
+      note: `Squared pose error in units of the estimator's own covariance; 3 is ideal. ${honesty(estimate.nees)}` });
+  }
+  return cards;
+}
+
+function passFigure(passes) {
+  return { id: "passes", name: "Passes apart", value: length(passes.worst),
+    note: `Hits on one wall from visits more than ${PASS_GAP_S} s apart: how far their means differ, worst of ${passes.count} walls seen again (median ${length(passes.median)}).` };
+}
+
+function showFigures(run, passes) {
+  const f = run.figures;
+  document.getElementById("verdict").textContent = verdict(run, passes);
+  const cards = f.estimate ? truthFigures(f) : [];
+  cards.push({ id: "nis", name: "NIS", value: plain(f.mean_nis ?? NaN),
+    note: "Mean squared surprise of the readings used, in units of its expected size; 1 is ideal, more means sensors worse than the rig file says." });
+  if (Number.isFinite(passes.worst)) cards.push(passFigure(passes));
+  const against = f.map
+    ? `${f.map.matched} match the true plan within ${length(f.map.offset_m)} (RMS); ${f.map.missed} missed, ${f.map.invented} invented.`
+    : "Straight pieces in the finished map.";
+  cards.push(
+    { id: "walls", name: "Walls", value: whole(f.walls), note: against },
+    { id: "path", name: "Path", value: length(f.path_m), note: "Driven, by the wheels." },
+    { id: "duration", name: "Duration", value: duration(f.duration_s), note: speedNote(f) },
+  );
+  document.getElementById("figures").replaceChildren(...cards.map(figureCard));
+}
+
+function speedNote({ duration_s: driven, estimator_s: computed }) {
+  if (!(computed > 0) || !(driven > 0)) return "From the first sample to the last.";
+  return `From the first sample to the last. The estimator took ${fixed(computed, computed < 10 ? 2 : 0)} s: ${whole(driven / computed)} times faster.`;
+}

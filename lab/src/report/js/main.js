@@ -1,0 +1,160 @@
+// Puts the page together.
+
+function buildLayerToggles(map, run) {
+  const absent = { truth: !run.truth, plan: !run.plan.length };
+  const boxes = LAYERS.filter((layer) => !absent[layer.id]).map((layer) => {
+    const box = element("input", { type: "checkbox", checked: true, "data-layer": layer.id });
+    box.addEventListener("change", () => {
+      map.shown[layer.id] = box.checked;
+      map.redrawHits();
+    });
+    return element("label", {}, box, element("span", { class: `swatch ${layer.swatch}`, style: `--c:var(--${layer.colour})` }), layer.label);
+  });
+  const list = document.getElementById("layers");
+  list.replaceChildren(...boxes);
+  if (run.walls.some((wall) => wall.kind === "free")) {
+    const at = boxes.findIndex((label) => label.querySelector("[data-layer=walls]"));
+    boxes[at].after(element("p", { class: "key" }, element("span", { class: "swatch capped", style: "--c:var(--free)" }), "off the grid"));
+  }
+}
+
+const COLOURING_NOTES = {
+  outcome: "Readings outside the gate or without a wall wait in a buffer, where new walls are born from.",
+  pass: `A new pass starts when a place was not seen for ${PASS_GAP_S} s. Where the map is right, the passes lie on top of each other.`,
+  sensor: "A sensor whose hits lie in front of or behind the others' is mounted or calibrated differently than the rig file says.",
+};
+
+function showHitClasses(map) {
+  map.hidden.clear();
+  const boxes = map.classes().map(({ label, colour }, kind) => {
+    const box = element("input", { type: "checkbox", checked: true, "data-class": kind });
+    box.addEventListener("change", () => {
+      if (box.checked) map.hidden.delete(kind);
+      else map.hidden.add(kind);
+      map.redrawHits();
+    });
+    return element("label", {}, box, element("span", { class: "swatch dot", style: `--c:var(--${colour})` }), label);
+  });
+  document.getElementById("hit-classes").replaceChildren(...boxes);
+  document.getElementById("colouring-note").textContent = COLOURING_NOTES[map.colouring];
+  map.redrawHits();
+}
+
+function bindMapControls(map) {
+  const byId = (id) => document.getElementById(id);
+  byId("zoom-in").addEventListener("click", () => map.view.zoom(1.4));
+  byId("zoom-out").addEventListener("click", () => map.view.zoom(1 / 1.4));
+  byId("zoom-fit").addEventListener("click", () => {
+    map.setFollow(false);
+    map.view.fitAll();
+  });
+  byId("follow").addEventListener("click", () => map.setFollow(!map.follow));
+  chooseOne(byId("colouring"), (button) => {
+    map.colouring = button.dataset.colouring;
+    showHitClasses(map);
+  });
+}
+
+// What lies under the pointer, in words; a click on a hit goes to its moment.
+function bindMapTip(map, run, hits, clock) {
+  const tip = document.getElementById("map-tip");
+  const { canvas } = map;
+  canvas.addEventListener("pointermove", (event) => {
+    const text = event.buttons ? null : tipText(map, run, hits, event.offsetX, event.offsetY);
+    tip.hidden = !text;
+    if (!text) return;
+    tip.textContent = text;
+    tip.style.left = `${Math.min(event.offsetX + 14, canvas.clientWidth - 230)}px`;
+    tip.style.top = `${Math.min(event.offsetY + 14, canvas.clientHeight - 64)}px`;
+  });
+  canvas.addEventListener("pointerleave", () => (tip.hidden = true));
+  canvas.addEventListener("click", (event) => {
+    if (map.view.moved > 4) return;
+    const h = map.hitNear(event.offsetX, event.offsetY);
+    if (h < 0) return;
+    clock.play(false);
+    clock.seekStep(hits.step[h]);
+  });
+}
+
+function tipText(map, run, hits, px, py) {
+  const h = map.hitNear(px, py);
+  if (h >= 0) {
+    const step = hits.step[h];
+    const sensor = run.sensors[hits.sensor[h]];
+    const wall = sensor.wall[step] >= 0 ? `, wall ${sensor.wall[step]}` : "";
+    const sigmas = Number.isFinite(sensor.sigmas[step]) ? `, ${fixed(sensor.sigmas[step], 1)}\u03c3` : "";
+    const pass = hits.pass[h] ? `, pass ${hits.pass[h]}` : "";
+    return `${sensor.name} at ${clockTime(run.t[step])}: ${outcomeText(run, sensor.code[step]).toLowerCase()}${wall}${sigmas}${pass}`;
+  }
+  const near = map.wallNear(px, py);
+  if (!near) return null;
+  const { wall, ends } = near;
+  return `Wall ${wall.id}, ${wall.kind}: ${length(Math.hypot(ends.x1 - ends.x0, ends.y1 - ends.y0))} long, sigma ${length(ends.sigma)}`;
+}
+
+function addCharts(id, specs, clock) {
+  const charts = specs.map((spec) => new Chart(spec, clock));
+  document.getElementById(id).replaceChildren(...charts.map((chart) => chart.figure));
+  return charts;
+}
+
+function allCharts(run, clock) {
+  document.getElementById("errors-note").textContent = run.truth
+    ? "Against the true path, from a common start. The shaded bounds are the estimator's own 2 sigma."
+    : "The true path is not known, so only the estimator's own view can be shown.";
+  document.getElementById("calibration-section").hidden = !run.calibration.parameters.length || !run.calibration.t.length;
+  return [
+    ...addCharts("error-charts", errorCharts(run), clock),
+    ...addCharts("consistency-charts", consistencyCharts(run), clock),
+    ...addCharts("calibration-charts", calibrationCharts(run), clock),
+  ];
+}
+
+// `#t=83.4&theme=dark&colour=pass` opens the page at a moment, in a theme, with a colouring.
+function openAtAddress(clock, chooseTheme) {
+  const wish = new URLSearchParams(location.hash.slice(1));
+  if (["light", "dark"].includes(wish.get("theme"))) chooseTheme(wish.get("theme"));
+  document.querySelector(`[data-colouring="${CSS.escape(wish.get("colour") ?? "")}"]`)?.click();
+  const seconds = Number.parseFloat(wish.get("t"));
+  if (Number.isFinite(seconds)) clock.seek(seconds);
+}
+
+function start() {
+  const run = decode(JSON.parse(document.getElementById("data").textContent));
+  const hits = collectHits(run);
+  const clock = new Clock(run);
+  const map = new MapView(document.getElementById("map"), run, hits, clock);
+  document.getElementById("map-empty").hidden = run.count > 0;
+  showFigures(run, fillWallTable(run, hits, map));
+  fillCounts(run);
+  const charts = allCharts(run, clock);
+  const trace = new TraceTable(run);
+  const redraw = () => {
+    const theme = readTheme();
+    map.setTheme(theme);
+    drawBirths(document.getElementById("births"), run, theme);
+    for (const chart of charts) chart.draw(theme);
+  };
+  buildLayerToggles(map, run);
+  bindMapControls(map);
+  bindMapTip(map, run, hits, clock);
+  bindTransport(clock);
+  clock.onChange(() => map.draw());
+  clock.onChange(() => trace.show(clock.step));
+  const chooseTheme = bindTheme(redraw);
+  showHitClasses(map);
+  redraw();
+  clock.announce();
+  new ResizeObserver(() => {
+    if (map.view.untouched) map.view.fitAll();
+    redraw();
+  }).observe(document.querySelector("main"));
+  openAtAddress(clock, chooseTheme);
+  const stride = run.stride > 1 ? ` Every ${run.stride}th sample is shown.` : "";
+  const seed = run.seed === null ? "" : ` Seed ${run.seed}.`;
+  document.getElementById("foot").textContent = `Written by ${run.program}.${seed}${stride} This page needs no network.`;
+  document.documentElement.dataset.ready = "true";
+}
+
+start();

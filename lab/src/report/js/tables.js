@@ -1,0 +1,130 @@
+// Tables: the readings of the moment, the walls of the finished map, the fate of all readings.
+
+const OUTCOME_TEXT = ["No reading", "Used", "Outside the gate", "Met no known wall"];
+
+function outcomeText(run, code) {
+  return OUTCOME_TEXT[code] ?? `Refused: ${run.refusals[code - REFUSED] ?? "unknown"}`;
+}
+
+function outcomeColour(code) {
+  return code === MISSING ? "line" : OUTCOMES[Math.min(code, REFUSED) - USED].colour;
+}
+
+// Rows are made once and filled at every moment.
+class TraceTable {
+  constructor(run) {
+    this.run = run;
+    this.pose = document.getElementById("pose");
+    this.rows = run.sensors.map((sensor) => {
+      const cells = {
+        range: element("td", { class: "num" }),
+        outcome: element("td", {}),
+        wall: element("td", { class: "num" }),
+        innovation: element("td", { class: "num" }),
+        bar: element("span", {}),
+      };
+      cells.dot = element("span", { class: "dot" });
+      cells.text = element("span", {});
+      cells.outcome.append(cells.dot, cells.text);
+      cells.row = element("tr", {}, element("th", { scope: "row" }, sensor.name), cells.range, cells.outcome, cells.wall,
+        cells.innovation, element("td", {}, element("div", { class: "sigma-bar", "aria-hidden": "true" }, cells.bar)));
+      return cells;
+    });
+    const body = document.querySelector("#trace tbody");
+    body.replaceChildren(...this.rows.map((cells) => cells.row));
+    if (!this.rows.length) body.append(element("tr", {}, element("td", { colspan: "6" }, "This robot has no range sensors.")));
+  }
+
+  show(step) {
+    const { run } = this;
+    if (!run.count) return;
+    run.sensors.forEach((sensor, i) => {
+      const cells = this.rows[i];
+      const code = sensor.code[step];
+      const sigmas = sensor.sigmas[step];
+      cells.range.textContent = Number.isFinite(sensor.range[step]) ? `${fixed(sensor.range[step], 3)}\u00a0m` : NONE;
+      cells.text.textContent = outcomeText(run, code);
+      cells.dot.style.setProperty("--c", `var(--${outcomeColour(code)})`);
+      cells.wall.textContent = sensor.wall[step] >= 0 ? sensor.wall[step] : NONE;
+      cells.innovation.textContent = Number.isFinite(sigmas)
+        ? `${sigmas > 0 ? "+" : ""}${fixed(sigmas, 2)}\u03c3 (${fixed(sigmas * sensor.sigma[step] * 1000, 0)}\u00a0mm)` : NONE;
+      const share = Number.isFinite(sigmas) ? Math.max(-1, Math.min(1, sigmas / 3)) : 0;
+      cells.bar.style.left = `${50 + Math.min(0, share) * 50}%`;
+      cells.bar.style.width = `${Math.abs(share) * 50}%`;
+      cells.bar.style.background = `var(--${outcomeColour(code)})`;
+    });
+    this.showPose(step);
+  }
+
+  showPose(step) {
+    const { run } = this;
+    const { x, y, theta } = run.estimate;
+    const rows = [
+      ["Position", `${fixed(x[step], 3)}, ${fixed(y[step], 3)} m`],
+      ["2 sigma", `${length(2 * run.sigma.x[step])}, ${length(2 * run.sigma.y[step])}`],
+      ["Heading", `${degrees(theta[step] * DEG, 1)} \u00b1 ${degrees(2 * run.sigma.theta[step] * DEG)}`],
+      ["Grid", Number.isFinite(run.alpha[step]) ? degrees(run.alpha[step] * DEG) : "none yet"],
+      ["Walls", whole(run.wallCount[step])],
+    ];
+    if (run.truth) {
+      const { error } = run.truth;
+      rows.push(["Position error", length(Math.hypot(error.x[step], error.y[step]))],
+        ["Heading error", degrees(error.theta[step] * DEG)]);
+    }
+    this.pose.replaceChildren(...rows.map(([name, value]) => element("div", {}, element("dt", {}, name), element("dd", {}, value))));
+  }
+}
+
+// The finished map's walls, the ones whose passes disagree most first. Returns a summary of that disagreement.
+function fillWallTable(run, hits, map) {
+  const walls = run.walls.filter((wall) => wallAt(wall, run.count - 1))
+    .map((wall) => ({ wall, ends: wallAt(wall, run.count - 1), ...wallThickness(run, hits, wall) }));
+  walls.sort((a, b) => (b.apart || 0) - (a.apart || 0) || b.length - a.length);
+  document.getElementById("walls-note").textContent = walls.length
+    ? `Thickness is the root mean square distance of the hits from the wall's line; passes apart is how far the means of visits more than ${PASS_GAP_S} s apart differ. Both are small where the map is right. Choose a wall to see it on the map.`
+    : "The finished map has no walls.";
+  const body = document.querySelector("#walls tbody");
+  body.replaceChildren(...walls.map((entry) => wallRow(entry, map)));
+  document.querySelector("#walls").hidden = !walls.length;
+  const apart = walls.map((w) => w.apart).filter(Number.isFinite).sort((a, b) => a - b);
+  return { count: apart.length, worst: apart.at(-1) ?? NaN, median: apart[Math.floor(apart.length / 2)] ?? NaN };
+}
+
+function wallRow({ wall, ends, length: size, passes, rms, apart }, map) {
+  const button = element("button", { type: "button", class: "link" }, `Wall ${wall.id}`);
+  const number = (text) => element("td", { class: "num" }, text);
+  const row = element("tr", {}, element("th", { scope: "row" }, button), element("td", {}, wall.kind), number(length(size)),
+    number(length(ends.sigma)), number(whole(wall.updates)), number(String(passes)), number(length(rms)), number(length(apart)));
+  const mark = (id) => {
+    map.highlight = id;
+    map.draw();
+  };
+  row.addEventListener("pointerenter", () => mark(wall.id));
+  row.addEventListener("pointerleave", () => mark(null));
+  button.addEventListener("click", () => {
+    mark(wall.id);
+    map.setFollow(false);
+    const air = 0.5;
+    map.view.untouched = false;
+    map.view.fit({
+      x0: Math.min(ends.x0, ends.x1) - air, x1: Math.max(ends.x0, ends.x1) + air,
+      y0: Math.min(ends.y0, ends.y1) - air, y1: Math.max(ends.y0, ends.y1) + air,
+    });
+    map.canvas.scrollIntoView({ block: "center" });
+  });
+  return row;
+}
+
+// One bar per fate, widest first.
+function fillCounts(run) {
+  const total = run.counts.reduce((sum, [, n]) => sum + n, 0);
+  const rows = run.counts.filter(([, n]) => n > 0).sort((a, b) => b[1] - a[1]).map(([code, n]) => {
+    const share = (100 * n) / total;
+    return element("div", { class: "count-row" },
+      element("span", {}, outcomeText(run, code)),
+      element("span", { class: "track", "aria-hidden": "true" },
+        element("span", { class: "bar", style: `--w:${Math.max(0.3, share)}%;--c:var(--${outcomeColour(code)})` })),
+      element("span", { class: "num" }, `${whole(n)}\u2002(${fixed(share, 1)} %)`));
+  });
+  document.getElementById("counts").replaceChildren(...(rows.length ? rows : [element("p", { class: "note" }, "There were none.")]));
+}

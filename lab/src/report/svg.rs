@@ -1,0 +1,180 @@
+//! A still picture of a finished map, for a README: legible on light and dark backgrounds.
+
+use super::{data::wall_ends, escape};
+use crate::recording::{Pose2, Recording};
+use slam_core::{Outcome, WallKind};
+use std::fmt::Write;
+
+/// Size of the longer side of the drawing, SVG units.
+const SIZE: f64 = 840.0;
+const MARGIN: f64 = 24.0;
+/// Room under the drawing for the legend.
+const LEGEND: f64 = 34.0;
+/// More hits than these are thinned out.
+const HITS_MAX: usize = 6000;
+/// Side of the square that one hit paints, SVG units.
+const HIT: f64 = 1.8;
+
+// Mid tones, readable on white and on near-black.
+const PLAN: &str = "#8c99a6";
+const GRID_WALL: &str = "#e8590c";
+const FREE_WALL: &str = "#b44fd0";
+const HITS: &str = "#15a38b";
+const ESTIMATE: &str = "#2d8be0";
+const TRUTH: &str = "#7d8590";
+const ODOMETRY: &str = "#c9910a";
+
+/// Map metres to SVG units.
+struct Frame {
+    x0: f64,
+    y1: f64,
+    scale: f64,
+    width: f64,
+    height: f64,
+}
+
+impl Frame {
+    /// Around everything but dead reckoning, which may wander off.
+    fn around(recording: &Recording) -> Self {
+        let mut points: Vec<[f64; 2]> = recording.steps.iter().map(|s| [s.pose.x_m, s.pose.y_m]).collect();
+        points.extend(recording.true_walls.iter().flat_map(|s| [s.from_m, s.to_m]));
+        for [x0, y0, x1, y1] in recording.walls().iter().map(wall_ends) {
+            points.extend([[x0, y0], [x1, y1]]);
+        }
+        let mut low = [f64::INFINITY; 2];
+        let mut high = [f64::NEG_INFINITY; 2];
+        for point in points.iter().filter(|p| p[0].is_finite() && p[1].is_finite()) {
+            for axis in 0..2 {
+                low[axis] = low[axis].min(point[axis]);
+                high[axis] = high[axis].max(point[axis]);
+            }
+        }
+        if low[0] > high[0] {
+            (low, high) = ([-1.0; 2], [1.0; 2]);
+        }
+        let extent = [(high[0] - low[0]).max(0.5), (high[1] - low[1]).max(0.5)];
+        let scale = (SIZE - 2.0 * MARGIN) / extent[0].max(extent[1]);
+        Self {
+            x0: low[0] - MARGIN / scale,
+            y1: high[1] + MARGIN / scale,
+            scale,
+            width: (extent[0] * scale + 2.0 * MARGIN).max(460.0),
+            height: extent[1] * scale + 2.0 * MARGIN,
+        }
+    }
+
+    fn place(&self, x_m: f64, y_m: f64) -> [f64; 2] {
+        [(x_m - self.x0) * self.scale, (self.y1 - y_m) * self.scale]
+    }
+
+    fn line(&self, [x0, y0, x1, y1]: [f64; 4]) -> String {
+        let ([ax, ay], [bx, by]) = (self.place(x0, y0), self.place(x1, y1));
+        format!("M{ax:.1} {ay:.1}L{bx:.1} {by:.1}")
+    }
+
+    /// A path through poses, leaving out points that would not be seen.
+    fn trace(&self, poses: impl Iterator<Item = Option<Pose2>>) -> String {
+        let mut out = String::new();
+        let mut last: Option<[f64; 2]> = None;
+        for pose in poses {
+            let Some(pose) = pose.filter(|p| p.x_m.is_finite() && p.y_m.is_finite()) else {
+                last = None;
+                continue;
+            };
+            let [x, y] = self.place(pose.x_m, pose.y_m);
+            if last.is_some_and(|[lx, ly]| (x - lx).hypot(y - ly) < 1.5) {
+                continue;
+            }
+            let _ = write!(out, "{}{x:.1} {y:.1}", if last.is_some() { 'L' } else { 'M' });
+            last = Some([x, y]);
+        }
+        out
+    }
+}
+
+/// The finished map of a run as a stand-alone SVG: true plan, hits, walls, paths.
+pub fn map_svg(recording: &Recording) -> String {
+    let frame = Frame::around(recording);
+    let (width, height) = (frame.width, frame.height + LEGEND);
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" role=\"img\" \
+         font-family=\"system-ui, sans-serif\" font-size=\"13\">\n<title>Map: {}</title>\n\
+         <clipPath id=\"inside\"><rect width=\"{width:.0}\" height=\"{:.0}\"/></clipPath>\n\
+         <g clip-path=\"url(#inside)\" fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n",
+        escape(&recording.title),
+        frame.height,
+    );
+    let mut legend = Vec::new();
+    let mut layer = |name, colour: &'static str, width: f64, style: &str, path: String| {
+        if path.is_empty() {
+            return;
+        }
+        let _ = writeln!(svg, "<path stroke=\"{colour}\" stroke-width=\"{width}\" {style} d=\"{path}\"/>");
+        legend.push((name, colour, width));
+    };
+    let plan = recording.true_walls.iter().map(|s| frame.line([s.from_m[0], s.from_m[1], s.to_m[0], s.to_m[1]]));
+    layer("True plan", PLAN, 8.0, "stroke-opacity=\"0.4\"", plan.collect());
+    layer("Hits", HITS, HIT, "stroke-linecap=\"square\" stroke-opacity=\"0.8\"", hits(recording, &frame));
+    let steps = &recording.steps;
+    layer("Dead reckoning", ODOMETRY, 1.5, "", frame.trace(steps.iter().map(|s| Some(s.dead_reckoning))));
+    layer("Estimated path", ESTIMATE, 1.8, "", frame.trace(steps.iter().map(|s| Some(s.pose))));
+    let truth = frame.trace(steps.iter().map(|s| s.truth));
+    layer("True path", TRUTH, 1.2, "stroke-dasharray=\"5 4\"", truth);
+    let walls = |free: bool| {
+        let kind = move |kind| (kind == WallKind::Free) == free;
+        recording.walls().iter().filter(|w| kind(w.kind)).map(|w| frame.line(wall_ends(w))).collect::<String>()
+    };
+    layer("Estimated walls", GRID_WALL, 2.6, "", walls(false));
+    layer("Walls off the grid", FREE_WALL, 2.6, "", walls(true));
+    svg.push_str("</g>\n");
+    svg.push_str(&legend_svg(&legend, frame.height + 18.0));
+    svg.push_str("</svg>\n");
+    svg
+}
+
+/// Every used or waiting hit, thinned out evenly, as dots.
+fn hits(recording: &Recording, frame: &Frame) -> String {
+    let seen: Vec<[f32; 2]> = recording
+        .readings
+        .iter()
+        .filter(|r| matches!(r.outcome, Outcome::Updated { .. } | Outcome::Gated { .. } | Outcome::Unexplained))
+        .filter_map(|r| r.hit_m)
+        .filter(|hit| hit[0].is_finite() && hit[1].is_finite())
+        .collect();
+    let stride = seen.len().div_ceil(HITS_MAX).max(1);
+    let mut out = String::new();
+    for hit in seen.iter().step_by(stride) {
+        let [x, y] = frame.place(f64::from(hit[0]), f64::from(hit[1]));
+        let _ = write!(out, "M{x:.1} {y:.1}h0");
+    }
+    out
+}
+
+fn legend_svg(entries: &[(&str, &str, f64)], y: f64) -> String {
+    let mut out = String::new();
+    let mut x = MARGIN;
+    for (name, colour, width) in entries {
+        let _ = writeln!(
+            out,
+            "<path stroke=\"{colour}\" stroke-width=\"{}\" d=\"M{x:.0} {:.0}h18\"/>\
+             <text x=\"{:.0}\" y=\"{y:.0}\" fill=\"#7d8590\">{name}</text>",
+            width.clamp(2.0, 5.0),
+            y - 4.5,
+            x + 24.0,
+        );
+        x += 24.0 + 16.0 + 7.0 * name.len() as f64;
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_empty_recording_makes_an_empty_picture() {
+        let svg = map_svg(&Recording::default());
+        assert!(svg.starts_with("<svg") && svg.ends_with("</svg>\n"));
+        assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    }
+}

@@ -1,0 +1,215 @@
+//! The report page as a user meets it: opened in a browser, without a network.
+
+use lab::recording::Recording;
+use serde_json::{Value, json};
+use slam_core::{Outcome, ReadingReport};
+use std::path::{Path, PathBuf};
+use tests::{
+    browser::{Browser, Visit},
+    sample_recording::sample_recording,
+};
+
+/// Opens the page of a recording; it must load without a fault and without fetching anything.
+fn open(name: &str, recording: &Recording, hash: &str, probe: &str) -> Option<Value> {
+    let visit = Browser::find()?.visit(&folder(name), &lab::report::html(recording), hash, probe);
+    assert_sound(&visit);
+    Some(visit.answer)
+}
+
+/// A folder of its own for each page and its browser profile.
+fn folder(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join("report-page").join(name)
+}
+
+fn assert_sound(visit: &Visit) {
+    assert!(visit.ready, "the page did not get ready; console: {:#?}", visit.console);
+    assert_eq!(visit.errors, Some(0), "console: {:#?}", visit.console);
+    assert!(visit.console.is_empty(), "{:#?}", visit.console);
+    assert!(visit.answer.get("fault").is_none(), "the probe failed: {}", visit.answer["fault"]);
+}
+
+/// Figures, chart titles and what else a reader sees at first.
+const LOOK_AROUND: &str = r##"
+    const text = (node) => node.textContent.replace(/\s+/g, " ").trim();
+    const all = (selector) => [...document.querySelectorAll(selector)];
+    const painted = (canvas) => {
+        const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+        const colours = new Set();
+        for (let i = 0; i < data.length; i += 4) if (data[i + 3]) colours.add(data[i] << 16 | data[i + 1] << 8 | data[i + 2]);
+        return colours.size;
+    };
+    return {
+        title: text(document.querySelector("h1")),
+        verdict: text(document.querySelector("#verdict")),
+        figures: Object.fromEntries(all("[data-figure]").map((card) => [card.dataset.figure, text(card.querySelector(".value"))])),
+        charts: all("[data-chart]").map((chart) => chart.dataset.chart),
+        unpainted: all("[data-chart] canvas").filter((canvas) => painted(canvas) < 3).length,
+        mapColours: painted(document.querySelector("#map")),
+        sensors: all("#trace tbody th").map(text),
+        walls: all("#walls tbody tr").length,
+        layers: all("[data-layer]").map((box) => box.dataset.layer),
+        clock: text(document.querySelector("#clock")),
+        fetched: performance.getEntriesByType("resource").length,
+        unnamed: all("button, input, canvas, select").filter((node) =>
+            !(node.getAttribute("aria-label") || node.getAttribute("aria-hidden") || node.closest("label") || text(node))).length,
+        wide: document.documentElement.scrollWidth - innerWidth,
+        nan: /NaN|undefined|null|Infinity/.test(document.querySelector("main").innerText),
+    };
+"##;
+
+#[test]
+fn a_run_with_truth_shows_its_figures_map_and_charts() {
+    let Some(seen) = open("full", &sample_recording(60.0, 10.0), "", LOOK_AROUND) else { return };
+    assert_eq!(seen["title"], "Sample room");
+    let verdict = seen["verdict"].as_str().unwrap();
+    assert!(verdict.contains("0.8 cm") && verdict.contains("26 times closer than dead reckoning"), "{verdict}");
+    for (figure, value) in
+        [("ate", "0.8 cm"), ("start", "1.1 cm"), ("heading", "0.31°"), ("nees", "3.40"), ("nis", "1.04")]
+    {
+        assert_eq!(seen["figures"][figure], value, "{figure}");
+    }
+    assert_eq!(seen["figures"]["path"], "15.00 m");
+    assert_eq!(seen["figures"]["duration"], "1 min 0 s");
+    let charts = ["distance", "heading", "error-x", "error-y", "nees", "nis", "walls", "alpha"];
+    let calibration = ["gain_front", "gain_left", "scale_left", "scale_right"].map(|p| format!("calibration-{p}"));
+    let expected: Vec<&str> = charts.into_iter().chain(calibration.iter().map(String::as_str)).collect();
+    assert_eq!(seen["charts"], json!(expected));
+    assert_eq!(seen["unpainted"], 0);
+    assert!(seen["mapColours"].as_u64().unwrap() > 10, "{}", seen["mapColours"]);
+    assert_eq!(seen["sensors"].as_array().unwrap().len(), 8);
+    assert_eq!(seen["walls"], seen["figures"]["walls"].as_str().unwrap().parse::<u32>().unwrap());
+    assert_eq!(seen["layers"], json!(["plan", "walls", "hits", "estimate", "truth", "odometry", "robot"]));
+    assert_eq!(seen["clock"], "1:00.0 / 1:00.0");
+    assert_eq!((&seen["fetched"], &seen["unnamed"]), (&json!(0), &json!(0)));
+    assert!(seen["wide"].as_i64().unwrap() <= 0, "the page scrolls sideways");
+    assert_eq!(seen["nan"], false);
+}
+
+#[test]
+fn the_moment_follows_slider_keys_address_and_playback() {
+    let probe = r##"
+        const clock = () => document.querySelector("#clock").textContent.split(" ")[0];
+        const slider = document.querySelector("#time");
+        const seen = { address: clock(), wallsThen: document.querySelector("#pose").innerText.match(/Walls\s+(\d+)/)[1] };
+        slider.value = "100";
+        slider.dispatchEvent(new Event("input"));
+        seen.slider = clock();
+        seen.front = document.querySelector("#trace tbody tr").innerText.replace(/\s+/g, " ");
+        document.querySelector("#step-on").click();
+        seen.stepped = clock();
+        document.body.dispatchEvent(new KeyboardEvent("keydown", { key: ",", bubbles: true }));
+        seen.key = clock();
+        document.querySelector("[data-speed='60']").click();
+        document.querySelector("#play").click();
+        seen.label = document.querySelector("#play").textContent;
+        await until(() => clock() === "1:00.0");
+        seen.played = clock();
+        seen.labelAfter = document.querySelector("#play").textContent;
+        return seen;
+    "##;
+    let Some(seen) = open("moments", &sample_recording(60.0, 10.0), "t=3.25", probe) else { return };
+    assert_eq!(seen["address"], "0:03.2");
+    assert_eq!(seen["slider"], "0:10.0");
+    assert!(seen["front"].as_str().unwrap().starts_with("front "), "{}", seen["front"]);
+    assert_eq!((&seen["stepped"], &seen["key"]), (&json!("0:10.1"), &json!("0:10.0")));
+    assert_eq!((&seen["label"], &seen["labelAfter"]), (&json!("Pause"), &json!("Play")));
+    assert_eq!(seen["played"], "1:00.0");
+}
+
+#[test]
+fn toggles_colourings_and_themes_change_the_picture() {
+    let probe = r##"
+        const map = document.querySelector("#map");
+        const picture = async () => { await settle(); return map.toDataURL(); };
+        const pictures = [await picture()];
+        const click = async (selector) => { document.querySelector(selector).click(); pictures.push(await picture()); };
+        await click("[data-layer='odometry']");
+        await click("[data-layer='hits']");
+        await click("[data-layer='hits']");
+        await click("[data-colouring='pass']");
+        const passes = document.querySelectorAll("[data-class]").length;
+        await click("[data-class='0']");
+        await click("[data-colouring='sensor']");
+        const sensors = document.querySelectorAll("[data-class]").length;
+        await click("#zoom-in");
+        await click("#walls button");
+        await click("[data-theme-choice='dark']");
+        const dark = getComputedStyle(document.body).backgroundColor;
+        await click("[data-theme-choice='light']");
+        const light = getComputedStyle(document.body).backgroundColor;
+        return { same: pictures.map((p, i) => i > 0 && p === pictures[i - 1]).filter(Boolean).length,
+            back: pictures[1] === pictures[3], passes, sensors, dark, light };
+    "##;
+    let Some(seen) = open("toggles", &sample_recording(120.0, 10.0), "theme=light", probe) else { return };
+    assert_eq!(seen["same"], 0, "a control changed nothing on the map");
+    assert_eq!(seen["back"], true, "hits switched off and on again are not the same picture");
+    assert!(seen["passes"].as_u64().unwrap() >= 2, "the second lap is a second pass: {}", seen["passes"]);
+    assert_eq!(seen["sensors"], 8);
+    assert_ne!(seen["dark"], seen["light"]);
+}
+
+#[test]
+fn a_run_without_truth_plan_or_calibration_says_what_it_can() {
+    let mut recording = sample_recording(90.0, 5.0);
+    recording.true_walls.clear();
+    recording.parameters.clear();
+    recording.calibration.clear();
+    recording.figures.estimate = None;
+    recording.figures.odometry = None;
+    recording.figures.map = None;
+    recording.seed = None;
+    recording.steps.iter_mut().for_each(|step| step.truth = None);
+    let Some(seen) = open("no-truth", &recording, "", LOOK_AROUND) else { return };
+    assert_eq!(seen["charts"], json!(["distance", "sigma", "nis", "walls", "alpha"]));
+    assert_eq!(seen["layers"], json!(["walls", "hits", "estimate", "odometry", "robot"]));
+    assert!(seen["verdict"].as_str().unwrap().contains("The true path is not known"), "{}", seen["verdict"]);
+    assert!(seen["figures"].get("ate").is_none() && seen["figures"].get("passes").is_some(), "{}", seen["figures"]);
+    assert_eq!(seen["nan"], false);
+}
+
+#[test]
+fn odd_recordings_still_make_a_page() {
+    let sample = sample_recording(10.0, 10.0);
+    let mut broken = sample.clone();
+    for step in &mut broken.steps[20..40] {
+        step.pose.x_m = f64::NAN;
+        step.covariance = [[f32::NAN; 3]; 3];
+        step.dead_reckoning.theta_rad = f64::INFINITY;
+        step.truth = None;
+    }
+    for reading in broken.readings.iter_mut().step_by(3) {
+        let outcome = Outcome::Updated { wall: 900, innovation_m: f32::NAN, variance_m2: 0.0 };
+        *reading = ReadingReport { outcome, range_m: Some(f32::NAN), hit_m: Some([f32::INFINITY, 0.0]) };
+    }
+    broken.figures.mean_nis = Some(f64::NAN);
+    let blind = Recording { sensors: Vec::new(), readings: Vec::new(), maps: Vec::new(), ..sample.clone() };
+    let single = Recording { steps: sample.steps[..1].to_vec(), maps: Vec::new(), ..sample.clone() };
+    for (name, recording) in [("empty", Recording::default()), ("broken", broken), ("blind", blind), ("single", single)]
+    {
+        let Some(seen) = open(name, &recording, "t=2&colour=pass", LOOK_AROUND) else { return };
+        assert_eq!(seen["nan"], false, "{name}");
+        assert_eq!(seen["unpainted"], 0, "{name}");
+    }
+}
+
+#[test]
+fn the_check_notices_a_broken_page() {
+    let Some(browser) = Browser::find() else { return };
+    let page = lab::report::html(&sample_recording(5.0, 5.0));
+    let thrown =
+        browser.visit(&folder("thrown"), &page.replace("start();", "start(); noSuchFunction();"), "", "return 1;");
+    assert_eq!((thrown.errors, thrown.console.len()), (Some(1), 1));
+    let unfinished = browser.visit(&folder("unfinished"), &page.replace("\"t\":[", "\"t\":[x"), "", "return 1;");
+    assert!(!unfinished.ready && unfinished.errors == Some(1));
+    let fetching =
+        browser.visit(&folder("fetching"), &page, "", "await fetch('https://example.org/').catch(() => {});");
+    assert_eq!(fetching.errors, Some(1), "a fetch is a fault");
+}
+
+#[test]
+fn ten_minutes_of_eight_sensors_fit_into_three_megabytes() {
+    let page = lab::report::html(&sample_recording(600.0, 25.0));
+    assert!(page.len() < 3_000_000, "{} bytes", page.len());
+    let hour = lab::report::html(&sample_recording(3600.0, 25.0));
+    assert!(hour.len() < 6_000_000, "{} bytes", hour.len());
+}
