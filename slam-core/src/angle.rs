@@ -25,11 +25,11 @@ pub fn wrap(angle_rad: f32) -> f32 {
 /// takes forty times as long.
 pub fn sin_cos(angle_rad: f32) -> (f32, f32) {
     const HIGH: f32 = 1.570_312_5;
-    const LOW: f32 = 4.838_267_9e-4;
+    const LOW: f32 = 4.838_268e-4;
     let quarter = libm::roundf(angle_rad * (1.0 / FRAC_PI_2));
     let r = (angle_rad - quarter * HIGH) - quarter * LOW;
     let r2 = r * r;
-    let s = r + r * r2 * (-1.666_665_5e-1 + r2 * (8.332_160_9e-3 + r2 * -1.951_529_6e-4));
+    let s = r + r * r2 * (-1.666_665_5e-1 + r2 * (8.332_161e-3 + r2 * -1.951_529_6e-4));
     let c = 1.0 - 0.5 * r2 + r2 * r2 * (4.166_664_6e-2 + r2 * (-1.388_731_6e-3 + r2 * 2.443_315_7e-5));
     match (quarter as i32) & 3 {
         0 => (s, c),

@@ -37,6 +37,11 @@ impl<const NB: usize, const BLOCKS: usize> Ekf<NB, BLOCKS> {
     /// Most states it can hold.
     pub const CAPACITY: usize = LANES * NB;
 
+    /// True before the first state.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
     /// Number of states.
     pub fn len(&self) -> usize {
         self.len

@@ -185,7 +185,9 @@ impl Tie {
                 }
             }
             let variance = ekf.variance(&jacobian) + FLUSH_M * FLUSH_M;
-            if !(difference_m * difference_m <= MERGE_GATE * variance) {
+            // Not a number, no merger.
+            let same = difference_m * difference_m <= MERGE_GATE * variance;
+            if !same {
                 return None;
             }
             let _ = differences.push((difference_m, jacobian));

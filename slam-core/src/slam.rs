@@ -67,6 +67,9 @@ pub type HostSlam = Slam<16, 64, 128, 20, 1680>;
 /// twice.
 const SHORTEST_WALL_M: f32 = 0.25;
 
+/// Walls that one beam is held against: beyond its end a wall may go on or not, and at a corner two may.
+const MAX_CANDIDATES: usize = 4;
+
 /// The estimator: at most `S` range sensors, `W` walls, `B` buffered outliers and `8 NB` states; `BLOCKS` must be
 /// `4 NB (NB + 1)`.
 pub struct Slam<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOCKS: usize> {
@@ -261,8 +264,11 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         let gain = self.gain(sensor);
         let mut outcome = Outcome::Unexplained;
         let mut beyond_m = 0.0;
-        while let Some(met) = first_met(&self.ekf, &grid, self.map.walls(), &beam, beyond_m, 1.5 * limits.max_m) {
-            beyond_m = met.range_m;
+        for _ in 0..MAX_CANDIDATES {
+            let met = first_met(&self.ekf, &grid, self.map.walls(), &beam, beyond_m, 1.5 * limits.max_m);
+            let Some(met) = met else { break };
+            // A tenth of a millimetre on, so that rounding does not bring the same wall again.
+            beyond_m = met.range_m + 1e-4;
             let Some(&wall) = self.map.walls().get(met.index) else { break };
             let prediction = beam.predict(&met.line);
             let predicted_m = gain * prediction.range_m;
