@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
+pub mod board;
 mod body;
 mod closed_loop;
 pub mod coverage;
@@ -19,6 +20,7 @@ pub mod sharp;
 mod simulation;
 pub mod world;
 
+pub use board::Board;
 pub use body::TrueDrive;
 pub use closed_loop::{ClosedLoop, Estimate, Frame, nominal_ranges};
 pub use coverage::{Coverage, SeenWall};

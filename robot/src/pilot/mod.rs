@@ -88,6 +88,8 @@ const BACK_OFF_US: u64 = 1_200_000;
 const ROUTE_US: u64 = 250_000;
 /// Without coming nearer to its target for this long, the pilot gives the target up, microseconds.
 const PATIENCE_US: u64 = 6_000_000;
+/// Held up by something ahead for this long, the pilot takes the place to be blocked, microseconds.
+const PINCH_US: u64 = 1_000_000;
 /// Steps without a reading after which a sensor is taken to see nothing, and how far it then surely sees, metres.
 const EMPTY_STEPS: u8 = 5;
 const EMPTY_M: f32 = 0.5;
@@ -110,6 +112,8 @@ pub struct Pilot<const S: usize, const N: usize = 80> {
     /// Fewest steps to the target so far, and when that was reached.
     best_steps: u16,
     progress_us: u64,
+    /// When the robot was last told to move.
+    moving_us: u64,
     rounds: u16,
     given_up: u16,
 }
@@ -128,6 +132,7 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
             turn_sign: 1.0,
             best_steps: u16::MAX,
             progress_us: 0,
+            moving_us: 0,
             rounds: 0,
             given_up: 0,
         }
@@ -236,7 +241,22 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
             self.give_up(route, senses);
             return (0.0, 0.0);
         }
-        steer::towards(self.way_point_m(&route, pose), pose, &self.beams, &self.config)
+        let command = steer::towards(self.way_point_m(&route, pose), pose, &self.beams, &self.config);
+        self.watch_pinch(command, senses);
+        command
+    }
+
+    /// Where the way is blocked by something that the picture does not show, it is put into the picture.
+    fn watch_pinch(&mut self, (forward_mps, turn_radps): (f32, f32), senses: &Senses<S>) {
+        if forward_mps > 0.1 * self.config.speed_mps || turn_radps.abs() > 0.5 * self.config.turn_radps {
+            self.moving_us = senses.time_us;
+        }
+        if senses.time_us.saturating_sub(self.moving_us) > PINCH_US {
+            self.moving_us = senses.time_us;
+            let ahead_m = senses.pose.transform([self.config.radius_m + 0.5 * self.config.cell_m, 0.0]);
+            self.memory.block(self.memory.cell_at(ahead_m[0], ahead_m[1]));
+            self.next_route_us = 0;
+        }
     }
 
     fn look_for_route(&mut self, senses: &Senses<S>) {

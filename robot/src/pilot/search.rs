@@ -16,7 +16,8 @@ const FRONT: usize = 320;
 /// How much farther a stretch of wall may be than unseen space to be preferred, in cells.
 const WALL_PREFERENCE: u16 = 16;
 
-/// Within this many cells of the robot the wave passes near obstacles: there must be a way out.
+/// Where the robot stands too near an obstacle, the wave passes near obstacles for this many cells: there must be a
+/// way out.
 const ESCAPE: i16 = 2;
 
 /// Length of the path's first part that is handed out, in cells.
@@ -60,6 +61,7 @@ pub(super) fn find_route<const N: usize>(memory: &mut Memory<N>, start: Cell, oc
     memory.clear_steps();
     let mut front: Deque<(Cell, u16), FRONT> = Deque::new();
     let mut edge: Option<(Cell, u16)> = None;
+    let escape = if is_passable(memory, start) { 0 } else { ESCAPE };
     memory.set_step_label(start, 0);
     let _ = front.push_back((start, 0));
     while let Some((cell, steps)) = front.pop_front() {
@@ -79,7 +81,7 @@ pub(super) fn find_route<const N: usize>(memory: &mut Memory<N>, start: Cell, oc
         for turn in AHEAD_FIRST {
             let (cols, rows) = NEIGHBOURS[(octant + turn) % 8];
             let next = cell.offset(cols, rows);
-            let near = next.moves_to(start) <= ESCAPE && memory.is_free(next);
+            let near = next.moves_to(start) <= escape && memory.is_free(next);
             if memory.step_label(next).is_none() && (near || is_passable(memory, next)) {
                 memory.set_step_label(next, ((steps + 1) % 3) as u8);
                 let _ = front.push_back((next, steps + 1));

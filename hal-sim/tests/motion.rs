@@ -1,0 +1,151 @@
+//! The drive: calibration errors, noise, slip, walls in the way; encoders that wrap; one seed, one run.
+use hal_sim::{DriveOptions, Plan, SimError, SimOptions, Simulation, default_rig, plan_file};
+use robot::WheelSpeeds;
+use slam_core::{DriveModel, Motion, Rig, Ticks};
+
+fn field() -> Plan {
+    let text = "[start]\nx_m = 0.0\ny_m = 0.0\n[[wall]]\nfrom_m = [-900.0, 900.0]\nto_m = [900.0, 900.0]\n";
+    plan_file::parse("test", "test", text).unwrap()
+}
+
+fn rig(scale: f32, noise: f32) -> Rig<16> {
+    let mut rig = default_rig();
+    if let DriveModel::Wheels { scale_sigma, noise_m2_per_m, .. } = &mut rig.drive {
+        (*scale_sigma, *noise_m2_per_m) = (scale, noise);
+    }
+    rig
+}
+
+fn ticks(motion: Motion) -> Ticks {
+    let Motion::Ticks(ticks) = motion else { panic!("{motion:?}") };
+    ticks
+}
+
+/// Drives for a time and returns each wheel's travel by its encoder.
+fn drive(simulation: &mut Simulation, left_mps: f32, right_mps: f32, samples: usize) -> [f64; 2] {
+    let begin = ticks(simulation.sample().motion);
+    let mut end = begin;
+    for _ in 0..samples {
+        end = ticks(simulation.step(WheelSpeeds { left_mps, right_mps }).motion);
+    }
+    [end.left - begin.left, end.right - begin.right].map(|ticks| f64::from(ticks) * 0.000_445)
+}
+
+#[test]
+fn an_exact_drive_ends_where_its_encoders_say() {
+    let mut simulation = Simulation::new(&field(), &rig(0.0, 0.0), SimOptions::default(), 1).unwrap();
+    let [left_m, right_m] = drive(&mut simulation, 0.2, 0.25, 1000);
+    let turn_rad = (right_m - left_m) / 0.235;
+    assert!((right_m - 10.0).abs() < 0.05, "{right_m}");
+    let radius_m = 0.5 * (left_m + right_m) / turn_rad;
+    let pose = simulation.pose();
+    let away_m = [pose.x_m - radius_m * turn_rad.sin(), pose.y_m - radius_m * (1.0 - turn_rad.cos())];
+    assert!(away_m.iter().all(|d| d.abs() < 0.01), "{away_m:?}");
+}
+
+#[test]
+fn wheel_scales_are_true_travel_over_nominal_travel() {
+    for seed in 1..6 {
+        let mut simulation = Simulation::new(&field(), &rig(0.02, 0.0), SimOptions::default(), seed).unwrap();
+        let [left_m, right_m] = drive(&mut simulation, 0.25, 0.25, 500);
+        let truth = simulation.calibration().drive;
+        assert!((truth.scale_left - 1.0).abs() > 1e-6 && truth.track == 1.0);
+        let expected_rad = (right_m * truth.scale_right - left_m * truth.scale_left) / 0.235;
+        assert!((simulation.pose().theta_rad - expected_rad).abs() < 0.005);
+    }
+}
+
+#[test]
+fn travel_noise_has_the_rig_s_variance_per_metre() {
+    let mut squares = 0.0;
+    let runs = 300;
+    for seed in 0..runs {
+        let mut simulation = Simulation::new(&field(), &rig(0.0, 1e-4), SimOptions::default(), seed).unwrap();
+        let [left_m, right_m] = drive(&mut simulation, 0.25, 0.25, 100);
+        let turned_m = 0.235 * simulation.pose().theta_rad - (right_m - left_m);
+        squares += turned_m * turned_m / (left_m + right_m);
+    }
+    let variance = squares / runs as f64;
+    assert!((variance / 1e-4 - 1.0).abs() < 0.25, "{variance}");
+}
+
+#[test]
+fn slips_lose_travel_that_the_encoders_count() {
+    let drive_options = DriveOptions { slips_per_m: 2.0, slip_m: 0.02, ..DriveOptions::default() };
+    let options = SimOptions { drive: drive_options, ..SimOptions::default() };
+    let mut simulation = Simulation::new(&field(), &rig(0.0, 0.0), options, 1).unwrap();
+    let [left_m, right_m] = drive(&mut simulation, 0.25, 0.25, 1000);
+    let lost_m = 0.5 * (left_m + right_m) - f64::hypot(simulation.pose().x_m, simulation.pose().y_m);
+    // Two slips of one wheel a metre, 2 cm each: the axle's centre loses 2 cm a metre, and the heading wanders.
+    assert!(lost_m > 0.1, "{lost_m}");
+}
+
+#[test]
+fn a_wall_stops_the_body_but_not_the_wheels() {
+    let plan = plan_file::load("room").unwrap();
+    let mut simulation = Simulation::new(&plan, &rig(0.0, 0.0), SimOptions::default(), 1).unwrap();
+    simulation.set_duty(robot::Duty { left: 0.5, right: 0.5 });
+    let before = simulation.ticks();
+    simulation.advance(30.0);
+    let turned_m = f64::from(simulation.ticks().left - before.left) * 0.000_445;
+    assert!(turned_m > 8.0 && simulation.pose().x_m < 3.5, "{turned_m} {:?}", simulation.pose());
+    let place = simulation.pose_in_plan();
+    assert!(place.x_m < 4.5 - 0.17 + 1e-6 && place.x_m > 4.5 - 0.2, "{place:?}");
+    assert!(simulation.contacts().any());
+}
+
+#[test]
+fn encoders_are_16_bit_counters_that_wrap() {
+    let mut simulation = Simulation::new(&field(), &rig(0.0, 0.0), SimOptions::default(), 1).unwrap();
+    let mut wraps = 0;
+    let mut last = simulation.raw_counters();
+    for _ in 0..4000 {
+        simulation.step(WheelSpeeds { left_mps: 0.3, right_mps: 0.3 });
+        let raw = simulation.raw_counters();
+        wraps += usize::from(raw[0] < last[0]);
+        last = raw;
+    }
+    let total = ticks(simulation.sample().motion).left;
+    assert!(wraps >= 1 && total > 65_536 && f64::from(total) * 0.000_445 > 45.0, "{wraps} {total}");
+}
+
+#[test]
+fn one_seed_gives_one_run_bit_for_bit_and_another_seed_another() {
+    let plan = plan_file::load("clutter").unwrap();
+    let run = |seed| {
+        let mut simulation = Simulation::new(&plan, &default_rig(), SimOptions::default(), seed).unwrap();
+        let turn = |i: usize| WheelSpeeds::from_twist(0.2, if i % 200 < 100 { 0.5 } else { -0.3 }, 0.235);
+        let samples: Vec<_> = (0..2000).map(|i| simulation.step(turn(i))).collect();
+        (samples, simulation.pose().x_m.to_bits(), simulation.calibration().clone())
+    };
+    assert_eq!(run(11), run(11));
+    assert_ne!(run(11).0, run(12).0);
+}
+
+#[test]
+fn samples_come_at_the_chosen_rate() {
+    for rate_hz in [1.0, 5.0, 25.0, 30.0, 100.0] {
+        let options = SimOptions { rate_hz, ..SimOptions::default() };
+        let mut simulation = Simulation::new(&field(), &default_rig(), options, 1).unwrap();
+        assert_eq!(simulation.sample().time_us, 0);
+        let times: Vec<_> = (0..10).map(|_| simulation.step(WheelSpeeds::STOP).time_us).collect();
+        let expected: Vec<_> = (1..=10).map(|i| (f64::from(i) / rate_hz * 1e6).round() as u64).collect();
+        assert_eq!(times, expected);
+    }
+}
+
+#[test]
+fn what_cannot_be_simulated_is_said() {
+    let plan = plan_file::load("room").unwrap();
+    let start = |rig: &Rig<16>, options| Simulation::new(&plan, rig, options, 1).map(|_| ()).unwrap_err();
+    let mut drone = default_rig();
+    drone.drive =
+        DriveModel::Odometry { scale_sigma: 0.0, noise_m2_per_m: 0.0, noise_rad2_per_m: 0.0, noise_rad2_per_rad: 0.0 };
+    assert_eq!(start(&drone, SimOptions::default()), SimError::NeedsWheels);
+    let no_adc = Rig { adc: None, ..default_rig() };
+    assert_eq!(start(&no_adc, SimOptions::default()), SimError::NeedsAdc(0));
+    let fast = SimOptions { rate_hz: f64::NAN, ..SimOptions::default() };
+    assert!(start(&default_rig(), fast).to_string().contains("1 to 100"));
+    let fat = SimOptions { body_radius_m: 0.9, ..SimOptions::default() };
+    assert!(start(&default_rig(), fat).to_string().contains("[start]"));
+}
