@@ -1,5 +1,6 @@
 //! The command line.
 
+use std::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -7,44 +8,81 @@ use clap::{Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use slam_core::Config;
 
-use crate::error::FileError;
 use crate::output::closing;
 use crate::replay::{Replay, Replayed};
+use crate::run::Run;
 
 /// The workbench: a simulated cleaning robot maps a flat, or a recorded log is replayed through the same estimator.
+///
+/// Without a command it simulates, as `lab run` does.
 #[derive(Debug, Parser)]
-#[command(version, args_conflicts_with_subcommands = true)]
+#[command(name = "lab", version, args_conflicts_with_subcommands = true)]
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
+    #[command(flatten)]
+    run: RunArgs,
 }
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Let a simulated robot map a simulated home.
+    Run(RunArgs),
     /// Replay a recorded log: log.csv or CARMEN, plain or gzipped.
     Replay(ReplayArgs),
+}
+
+#[derive(Debug, Args)]
+struct RunArgs {
+    /// Floor plan: the name of a built-in one, or a file.
+    #[arg(long, value_name = "NAME|FILE", default_value = "flat")]
+    plan: String,
+    /// Length of the drive in minutes.
+    #[arg(long, value_name = "M", default_value = "10", value_parser = minutes)]
+    minutes: f64,
+    /// Seed of everything random: the same seed gives the same drive, bit for bit.
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// Rig file of the robot; the built-in one has eight Sharp sensors and two encoders.
+    #[arg(long, value_name = "FILE")]
+    rig: Option<PathBuf>,
+    /// Folder for the results.
+    #[arg(long, value_name = "DIR", default_value = "out/run")]
+    out: PathBuf,
 }
 
 #[derive(Debug, Args)]
 struct ReplayArgs {
     /// The log.
     log: PathBuf,
-    /// The robot that recorded it.
-    #[arg(long)]
+    /// Rig file of the robot that recorded it.
+    #[arg(long, value_name = "FILE")]
     rig: PathBuf,
-    /// Where the results go.
-    #[arg(long)]
+    /// Folder for the results.
+    #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// True poses to score against; truth.csv beside the log when not given.
-    #[arg(long)]
+    #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
+}
+
+/// Longest drive, minutes: a record of a day fills the memory.
+const MAX_MINUTES: f64 = 240.0;
+
+fn minutes(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(minutes) if minutes > 0.0 && minutes <= MAX_MINUTES => Ok(minutes),
+        _ => Err(format!("it must be a number above 0 and up to {MAX_MINUTES}")),
+    }
 }
 
 /// Runs the program with the process's own arguments.
 pub fn main() -> ExitCode {
-    let done = match Cli::parse().command {
+    let cli = Cli::parse();
+    let done = match cli.command {
         Some(Command::Replay(args)) => replay(args),
-        None => Ok(()),
+        Some(Command::Run(args)) => run(args),
+        None => run(cli.run),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -55,7 +93,18 @@ pub fn main() -> ExitCode {
     }
 }
 
-fn replay(args: ReplayArgs) -> Result<(), FileError> {
+fn run(args: RunArgs) -> Result<(), Box<dyn Error>> {
+    let RunArgs { plan, minutes, seed, rig, out } = args;
+    let bar = ProgressBar::new(1000).with_style(style("driving {wide_bar} {percent} %, {eta} to go"));
+    let run = Run { plan, minutes, seed, rig, out, config: Config::default() };
+    let recording = run.run(|share| bar.set_position((1000.0 * share) as u64));
+    bar.finish_and_clear();
+    print!("{}", closing::table(&recording?));
+    println!("  results in {}", run.out.display());
+    Ok(())
+}
+
+fn replay(args: ReplayArgs) -> Result<(), Box<dyn Error>> {
     let ReplayArgs { log, rig, out, truth } = args;
     let bar = ProgressBar::new_spinner().with_style(style("{spinner} {pos} rows, {elapsed}"));
     let replay = Replay { log, rig, out, truth, config: Config::default() };
@@ -67,7 +116,7 @@ fn replay(args: ReplayArgs) -> Result<(), FileError> {
     }
     print!("{}", closing::table(&recording));
     println!("  results in {}", replay.out.display());
-    error.map_or(Ok(()), Err)
+    error.map_or(Ok(()), |error| Err(error.into()))
 }
 
 fn style(template: &str) -> ProgressStyle {

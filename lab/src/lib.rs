@@ -6,6 +6,7 @@
 #![deny(missing_docs)]
 
 pub mod cli;
+pub mod drive;
 pub mod error;
 pub mod log;
 pub mod output;
@@ -13,6 +14,7 @@ pub mod recording;
 pub mod replay;
 pub mod report;
 pub mod rig_file;
+pub mod run;
 pub mod score;
 pub mod session;
 pub mod toml_table;

@@ -53,8 +53,8 @@ impl Replay {
         let mut robot = Robot::parse(&self.rig, &rig_toml)?;
         let mut rows = log::open(&self.log, &mut robot)?;
         let truth = self.read_truth()?;
-        let title = self.log.display().to_string();
-        let mut session = Session::new(&robot, self.config, title).map_err(|e| rig_error(&self.rig, &e))?;
+        let mut session =
+            Session::new(&robot, self.config, title_of(&self.log)).map_err(|e| rig_error(&self.rig, &e))?;
         let folder = Folder::prepare(&self.out, &NAMES)?;
         let mut streams = Streams::create(&folder)?;
         let mut times_s = Vec::new();
@@ -106,6 +106,15 @@ fn feed(
         }
     }
     Ok(None)
+}
+
+/// A log's name for people: its folder's and its own.
+fn title_of(log: &Path) -> String {
+    let own = log.file_name().unwrap_or(log.as_os_str()).to_string_lossy();
+    match log.parent().and_then(Path::file_name) {
+        Some(folder) => format!("{}/{own}", folder.to_string_lossy()),
+        None => own.into_owned(),
+    }
 }
 
 /// A text file's content.

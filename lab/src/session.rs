@@ -2,11 +2,11 @@
 
 use std::time::{Duration, Instant};
 
-use slam_core::{Config, DriveModel, HostSlam, Outcome, Parameter, RigError};
+use slam_core::{Config, DriveModel, HostSlam, Outcome, Parameter, RigError, Sample, StepReport};
 
 use crate::log::Row;
 use crate::recording::{CalibrationSnapshot, MapSnapshot, ParameterInfo, Pose2, Recording, SensorInfo, Step, nis};
-use crate::rig_file::Robot;
+use crate::rig_file::{MAX_SENSORS, Robot};
 
 /// How often map and calibration are recorded where nothing else asks for it, seconds of the log.
 const SNAPSHOT_EVERY_S: f64 = 1.0;
@@ -42,9 +42,20 @@ impl Session {
 
     /// Gives one row to the estimator and records what came of it.
     pub fn push(&mut self, row: &Row) -> &Step {
+        let report = self.estimate(&row.sample);
+        self.record(row, &report)
+    }
+
+    /// Gives one sample to the estimator.
+    pub fn estimate(&mut self, sample: &Sample<MAX_SENSORS>) -> StepReport<MAX_SENSORS> {
         let before = Instant::now();
-        let report = self.slam.step(&row.sample);
+        let report = self.slam.step(sample);
         self.estimator_time += before.elapsed();
+        report
+    }
+
+    /// Records what came of the sample estimated last.
+    pub fn record(&mut self, row: &Row, report: &StepReport<MAX_SENSORS>) -> &Step {
         let index = self.recording.steps.len();
         let step = Step {
             t_text: row.t_text.clone(),

@@ -5,6 +5,7 @@ mod csv;
 mod lines;
 mod odometry;
 pub mod truth;
+pub mod writer;
 
 use std::path::Path;
 

@@ -9,6 +9,7 @@ pub mod tables;
 
 use crate::error::FileError;
 use crate::recording::Recording;
+use crate::report;
 use figures::Origin;
 use folder::Folder;
 
@@ -26,5 +27,7 @@ pub fn finish(folder: &Folder, recording: &Recording, origin: &Origin) -> Result
     if let Some(truth) = tables::truth(recording) {
         folder.write("truth.tum", &truth)?;
     }
+    let page = folder.file("report.html");
+    report::write(recording, &page).map_err(|cause| FileError::system(&page, "write", &cause))?;
     folder.write_summary(&figures::summary(recording, origin))
 }

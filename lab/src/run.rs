@@ -1,0 +1,159 @@
+//! `lab run`: a simulated robot maps a simulated home.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use hal_sim::{PlanError, SimError, SimOptions};
+use serde_json::json;
+use slam_core::Config;
+
+use crate::drive::Drive;
+use crate::error::FileError;
+use crate::log::writer;
+use crate::output::figures::Origin;
+use crate::output::folder::Folder;
+use crate::output::streams::{LineFile, Streams};
+use crate::output::{self, NAMES};
+use crate::recording::Recording;
+use crate::replay::{read_text, rig_error};
+use crate::rig_file::Robot;
+use crate::score;
+use crate::session::Session;
+
+/// Names of the built-in robot's sensors, in their order.
+const BUILT_IN_NAMES: [&str; 8] =
+    ["front", "front_left", "left", "back_left", "back", "back_right", "right", "front_right"];
+
+/// What to run.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// Name of a built-in plan, or a plan file.
+    pub plan: String,
+    /// Length of the drive, minutes.
+    pub minutes: f64,
+    /// Everything random follows from it.
+    pub seed: u64,
+    /// A rig file; the built-in robot when not given.
+    pub rig: Option<PathBuf>,
+    /// The output folder.
+    pub out: PathBuf,
+    /// The estimator's settings.
+    pub config: Config,
+}
+
+/// Why a run could not be made.
+#[derive(Clone, Debug)]
+pub enum RunError {
+    /// Something wrong with a file.
+    File(FileError),
+    /// Something wrong with the plan.
+    Plan(PlanError),
+    /// Plan and robot cannot be simulated.
+    Simulation(SimError),
+}
+
+impl fmt::Display for RunError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File(error) => error.fmt(f),
+            Self::Plan(error) => error.fmt(f),
+            Self::Simulation(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for RunError {}
+
+impl From<FileError> for RunError {
+    fn from(error: FileError) -> Self {
+        Self::File(error)
+    }
+}
+
+/// The robot that is simulated when no rig file is given, and its rig file's text.
+///
+/// # Errors
+/// Never for the built-in robot as it is; what is wrong with it otherwise.
+pub fn built_in_robot() -> Result<(Robot, String), FileError> {
+    let robot = Robot { rig: hal_sim::default_rig(), names: BUILT_IN_NAMES.map(str::to_owned).to_vec() };
+    let text = robot.to_toml();
+    // A replay reads this text: the run must use the same values.
+    Ok((Robot::parse(Path::new("built-in rig"), &text)?, text))
+}
+
+impl Run {
+    /// Drives, estimates and writes the output folder; `progress` is told the share done, 0 to 1.
+    ///
+    /// # Errors
+    /// What keeps the run from starting, or an output from being written.
+    pub fn run(&self, mut progress: impl FnMut(f64)) -> Result<Recording, RunError> {
+        let plan = hal_sim::plan_file::load(&self.plan).map_err(RunError::Plan)?;
+        let (robot, rig_toml) = match &self.rig {
+            Some(file) => {
+                let text = read_text(file)?;
+                (Robot::parse(file, &text)?, text)
+            }
+            None => built_in_robot()?,
+        };
+        let rig_name = self.rig.clone().unwrap_or_else(|| PathBuf::from("built-in rig"));
+        let mut drive = Drive::new(&plan, &robot, SimOptions::default(), self.seed).map_err(RunError::Simulation)?;
+        let mut session =
+            Session::new(&robot, self.config, plan.name.clone()).map_err(|error| rig_error(&rig_name, &error))?;
+        let names: Vec<&str> = NAMES.iter().copied().chain(["log.csv", "rig.toml"]).collect();
+        let folder = Folder::prepare(&self.out, &names)?;
+        folder.write("rig.toml", &rig_toml)?;
+        self.drive(&mut drive, &mut session, &robot, &folder, &mut progress)?;
+        let mut recording = session.finish();
+        recording.seed = Some(self.seed);
+        recording.true_walls = drive.plan().to_vec();
+        drive.reveal_calibration(&mut recording);
+        score::score(&mut recording, &[], None);
+        if let Some(alignment) = recording.figures.estimate.map(|score| score.alignment) {
+            let map = score::map::score(recording.walls(), drive.plan(), &drive.passed(), &alignment);
+            recording.figures.map = Some(map);
+        }
+        output::finish(&folder, &recording, &self.origin(rig_toml))?;
+        Ok(recording)
+    }
+
+    fn drive(
+        &self,
+        drive: &mut Drive,
+        session: &mut Session,
+        robot: &Robot,
+        folder: &Folder,
+        progress: &mut impl FnMut(f64),
+    ) -> Result<(), FileError> {
+        let mut streams = Streams::create(folder)?;
+        let mut log = LineFile::create(folder.file("log.csv"))?;
+        log.line(&writer::header(robot))?;
+        let duration_s = 60.0 * self.minutes;
+        let mut t_s = 0.0;
+        while t_s < duration_s {
+            let row = drive.step(session);
+            t_s = row.t_s;
+            log.line(&writer::line(robot, &row))?;
+            if let Some(step) = session.recording().steps.last() {
+                streams.push(step)?;
+            }
+            progress(t_s / duration_s);
+        }
+        log.close()?;
+        streams.close()
+    }
+
+    fn origin(&self, rig_toml: String) -> Origin {
+        Origin {
+            arguments: vec![
+                ("command", json!("run")),
+                ("plan", json!(self.plan)),
+                ("minutes", json!(self.minutes)),
+                ("seed", json!(self.seed)),
+                ("rig", json!(self.rig)),
+            ],
+            rig_toml,
+            config: self.config,
+            error: None,
+        }
+    }
+}
