@@ -2,7 +2,8 @@
 
 use crate::beam::Beam;
 use crate::ekf::Ekf;
-use crate::wall::{GridDirection, Line, Wall};
+use crate::grid::GridDirection;
+use crate::wall::{Line, Wall};
 
 /// A wall may be prolonged by a reading over a gap that is too narrow for a door, metres. Doors start at 0.6 m.
 pub const PROLONGATION_M: f32 = 0.4;

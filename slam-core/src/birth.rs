@@ -3,18 +3,11 @@
 use crate::angle::wrap;
 use crate::config::WallPolicy;
 use crate::ekf::{Ekf, Jacobian};
+use crate::grid::{GridDirection, decide};
 use crate::layout::{ALPHA, THETA, X, Y};
-use crate::wall::{Direction, GridDirection};
-use core::f32::consts::{FRAC_2_PI, FRAC_PI_2};
+use crate::wall::Direction;
 
-/// Share of a home's walls that stand on its grid, before any is seen: "mostly parallel or orthogonal".
-const GRID_SHARE: f32 = 0.9;
-
-/// Posterior probability at which a wall is called on or off the grid.
-const DECISION: f32 = 0.95;
-
-/// Largest direction sigma of the line that gives the grid its direction, and of a free line, radians: two degrees.
-/// Ten of them are well within an eighth of a turn, so that no later wall is given to the wrong quarter.
+/// Largest direction sigma of a free line, radians: two degrees.
 const DIRECTION_SIGMA: f32 = 0.035;
 
 /// The line in the robot's present frame, with the derivatives by the gains.
@@ -37,8 +30,6 @@ pub struct LocalLine {
 pub enum Verdict {
     /// Not yet clear; more points will tell.
     Wait,
-    /// The first wall of the grid.
-    FirstOfGrid,
     /// On the grid, this many quarter turns from alpha.
     OnGrid(u8),
     /// Off the grid, or there is none in this policy.
@@ -55,28 +46,17 @@ pub fn judge<const NB: usize, const BLOCKS: usize>(
     line: &LocalLine,
 ) -> Verdict {
     let determined = line.direction_variance < DIRECTION_SIGMA * DIRECTION_SIGMA;
-    let Some(grid) = grid else {
-        return match policy {
-            _ if !determined => Verdict::Wait,
-            WallPolicy::Free => Verdict::Free,
-            WallPolicy::Snapped { .. } | WallPolicy::Grid => Verdict::FirstOfGrid,
-        };
-    };
+    let free = if determined { Verdict::Free } else { Verdict::Wait };
+    let Some(grid) = grid.filter(|_| policy != WallPolicy::Free) else { return free };
     let theta = ekf.mean(THETA) + line.normal_rad;
     let quarter = grid.quarter(theta);
     let off = wrap(theta - grid.beta(quarter));
     let relative = ekf.covariance(THETA, THETA) + ekf.covariance(ALPHA, ALPHA) - 2.0 * ekf.covariance(THETA, ALPHA);
-    let variance = line.direction_variance + relative.max(0.0);
-    // Densities of the deviation: normal on the grid, uniform over a quarter turn off it. Compared as logarithms.
-    let log_grid = -0.5 * off * off / variance - 0.5 * libm::logf(2.0 * core::f32::consts::PI * variance);
-    let log_odds = log_grid - libm::logf(FRAC_2_PI) + libm::logf(GRID_SHARE / (1.0 - GRID_SHARE));
-    let sure = libm::logf(DECISION / (1.0 - DECISION));
-    match policy {
-        WallPolicy::Free => Verdict::Free,
-        WallPolicy::Snapped { .. } if log_odds > sure => Verdict::Snapped,
-        WallPolicy::Grid if log_odds > sure => Verdict::OnGrid(quarter),
-        _ if log_odds < -sure && determined => Verdict::Free,
-        _ => Verdict::Wait,
+    match (decide(off, line.direction_variance + relative.max(0.0)), policy) {
+        (Some(true), WallPolicy::Snapped { .. }) => Verdict::Snapped,
+        (Some(true), _) => Verdict::OnGrid(quarter),
+        (Some(false), _) => free,
+        (None, _) => Verdict::Wait,
     }
 }
 
@@ -84,35 +64,13 @@ pub fn judge<const NB: usize, const BLOCKS: usize>(
 pub fn add_states<const NB: usize, const BLOCKS: usize>(
     ekf: &mut Ekf<NB, BLOCKS>,
     verdict: Verdict,
-    policy: WallPolicy,
     line: &LocalLine,
 ) -> Option<(usize, Direction)> {
-    let needed = match (verdict, policy) {
-        (Verdict::Wait, _) => return None,
-        (Verdict::Free | Verdict::Snapped, _) | (Verdict::FirstOfGrid, WallPolicy::Snapped { .. }) => 2,
-        _ => 1,
-    };
-    if ekf.len() + needed > Ekf::<NB, BLOCKS>::CAPACITY {
-        return None;
-    }
     match verdict {
         Verdict::Wait => None,
         Verdict::OnGrid(quarter) => add_grid(ekf, line, quarter),
         Verdict::Free => add_line(ekf, line).map(|(rho, theta)| (rho, Direction::Free(theta))),
         Verdict::Snapped => add_line(ekf, line).map(|(rho, theta)| (rho, Direction::Snapped(theta))),
-        Verdict::FirstOfGrid => {
-            let theta = wrap(ekf.mean(THETA) + line.normal_rad);
-            let quarter = (libm::roundf(theta * (1.0 / FRAC_PI_2)) as i32 & 3) as u8;
-            let alpha = wrap(theta - f32::from(quarter) * FRAC_PI_2);
-            ekf.initialise(ALPHA, alpha, &direction_jacobian(line), line.direction_variance);
-            match policy {
-                WallPolicy::Snapped { .. } => {
-                    let (rho, theta) = add_line(ekf, line)?;
-                    Some((rho, Direction::Snapped(theta)))
-                }
-                _ => add_grid(ekf, line, quarter),
-            }
-        }
     }
 }
 
@@ -160,6 +118,9 @@ fn add_line<const NB: usize, const BLOCKS: usize>(
     ekf: &mut Ekf<NB, BLOCKS>,
     line: &LocalLine,
 ) -> Option<(usize, usize)> {
+    if ekf.len() + 2 > Ekf::<NB, BLOCKS>::CAPACITY {
+        return None;
+    }
     let theta_value = wrap(ekf.mean(THETA) + line.normal_rad);
     let (s, c) = crate::angle::sin_cos(theta_value);
     let arm = arm(ekf, line);

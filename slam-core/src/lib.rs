@@ -20,6 +20,7 @@ pub mod config;
 pub mod covariance;
 mod dbscan;
 pub mod ekf;
+mod grid;
 mod layout;
 mod line_fit;
 mod map;

@@ -92,6 +92,10 @@ pub struct FittedLine {
     pub direction_variance: f32,
     /// Number of points.
     pub count: u32,
+    /// Mean cosine of the beams' incidence.
+    pub cos_incidence: f32,
+    /// How much the points bend away from a straight line, in standard deviations.
+    pub bend: f32,
     /// Extent along (-sin, cos) of the normal about the centroid, metres.
     pub lo_m: f32,
     /// End of the extent, metres.
@@ -135,10 +139,12 @@ pub fn fit<'a>(points: impl Iterator<Item = &'a Outlier> + Clone, scatter: &Scat
     let (mut stt, mut stn) = (0.0f32, 0.0f32);
     let (mut lo_m, mut hi_m) = (f32::MAX, f32::MIN);
     let (mut count, mut position, mut heading) = (0u32, 0.0f32, 0.0f32);
-    for p in points {
+    let mut sttt = 0.0f32;
+    for p in points.clone() {
         let (t, n) = local(p);
         let w = 1.0 / across_variance(p, normal);
         let (t, n) = (t - t0, n - n0);
+        sttt += w * t * t * t;
         stt += w * t * t;
         stn += w * t * n;
         lo_m = lo_m.min(t);
@@ -148,6 +154,16 @@ pub fn fit<'a>(points: impl Iterator<Item = &'a Outlier> + Clone, scatter: &Scat
         heading += p.heading_variance;
     }
     let slope = stn / stt.max(1e-8);
+    // The part of t^2 that no straight line explains, against the residuals: a corner within the points bends them.
+    let (mut projection, mut norm) = (0.0f32, 0.0f32);
+    for p in points {
+        let (t, n) = local(p);
+        let w = 1.0 / across_variance(p, normal);
+        let (t, n) = (t - t0, n - n0);
+        let square = t * t - stt * inverse - t * sttt / stt.max(1e-8);
+        projection += w * square * (n - slope * t);
+        norm += w * square * square;
+    }
     let normal_rad = scatter.normal_rad + if sign < 0.0 { core::f32::consts::PI } else { 0.0 } - slope;
     let (s, c) = sin_cos(normal_rad);
     let each = 1.0 / count.max(1) as f32;
@@ -158,6 +174,8 @@ pub fn fit<'a>(points: impl Iterator<Item = &'a Outlier> + Clone, scatter: &Scat
         variance_m2: inverse,
         direction_variance: 1.0 / stt.max(1e-8),
         count,
+        cos_incidence: facing.abs() * each,
+        bend: projection.abs() / libm::sqrtf(norm.max(1e-8)),
         lo_m,
         hi_m,
         position_variance: position * each,

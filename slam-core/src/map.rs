@@ -1,8 +1,9 @@
 //! The list of walls and its upkeep: merging, removing, what happens when it is full.
 
 use crate::ekf::{Ekf, Jacobian};
+use crate::grid::GridDirection;
 use crate::layout::ALPHA;
-use crate::wall::{Direction, GridDirection, Line, Wall};
+use crate::wall::{Direction, Line, Wall};
 use heapless::Vec;
 
 /// Two stretches of one wall stand in one plane to within this, metres: plaster, skirting boards.
@@ -95,10 +96,22 @@ impl<const W: usize> Map<W> {
         // The higher index first: the state moved into its place is then never the other one.
         states.sort_unstable_by(|a, b| b.cmp(a));
         for state in states {
-            let moved = ekf.remove(state);
-            for wall in &mut self.walls {
-                wall.follow(moved, state);
-            }
+            self.remove_state(ekf, state);
+        }
+    }
+
+    /// Removes a state that no wall needs any more; another state moves into its place.
+    pub fn remove_state<const NB: usize, const BLOCKS: usize>(&mut self, ekf: &mut Ekf<NB, BLOCKS>, state: usize) {
+        let moved = ekf.remove(state);
+        for wall in &mut self.walls {
+            wall.follow(moved, state);
+        }
+    }
+
+    /// Changes where a wall's direction comes from.
+    pub fn set_direction(&mut self, index: usize, direction: Direction) {
+        if let Some(wall) = self.walls.get_mut(index) {
+            wall.direction = direction;
         }
     }
 

@@ -8,13 +8,15 @@ use crate::buffer::{Outlier, OutlierBuffer};
 use crate::cluster::{Members, newest_line};
 use crate::config::WallPolicy;
 use crate::ekf::{Ekf, Jacobian};
+use crate::grid;
+use crate::grid::GridDirection;
 use crate::layout::{ALPHA, Layout, THETA, X, Y};
 use crate::line_fit::FittedLine;
 use crate::map::Map;
 use crate::motion::{self, Encoders, Factor, Factors, Step};
 use crate::range::{FrontEnd, Noise, Reading, SHARP_HOLD_S};
 use crate::report::ReadingReport;
-use crate::wall::{Direction, GridDirection, Wall, WallKind};
+use crate::wall::{Direction, Wall, WallKind};
 use crate::{Config, Counters, DriveModel, Outcome, Pose, RangeInput, Refusal, Rig, RigError, Sample, StepReport};
 
 /// A calibration state.
@@ -362,8 +364,10 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         let hit_m = beam.at(reading.range_m / self.gain(sensor));
         let spacing_m = self.spacing_m();
         if let Some((_, last)) = self.buffer.newest_of(sensor as u8) {
+            // Across the beam: along it, noise alone moves the hit.
             let d = [hit_m[0] - last.hit_m[0], hit_m[1] - last.hit_m[1]];
-            if d[0] * d[0] + d[1] * d[1] < spacing_m * spacing_m {
+            let across_m = d[1] * beam.direction[0] - d[0] * beam.direction[1];
+            if across_m.abs() < spacing_m {
                 return;
             }
         }
@@ -399,13 +403,14 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             }
             let found = newest_line(&self.buffer, sensor as u8, self.config.clustering, self.spacing_m());
             if let Some((members, line)) = found
-                && line.length_m() >= SHORTEST_WALL_M
+                && self.is_wall(sensor, &line)
                 && self.give_birth(&members, &line)
             {
                 report.births += 1;
                 self.counters.births = self.counters.births.saturating_add(1);
             }
         }
+        grid::upkeep(&mut self.map, &mut self.ekf, &mut self.has_grid, self.config.walls, self.counters.steps as usize);
         let walls = self.map.walls().len();
         // One wall a step is held against all others.
         let turn =
@@ -420,6 +425,14 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         }
     }
 
+    /// Long enough, seen under angles that the sensor supports, and not bent around a corner (3 sigma).
+    fn is_wall(&self, sensor: usize, line: &FittedLine) -> bool {
+        let Some(limits) = self.rig.sensors.get(sensor) else { return false };
+        line.length_m() >= SHORTEST_WALL_M
+            && line.cos_incidence >= libm::cosf(limits.max_incidence_rad)
+            && line.bend < 3.0
+    }
+
     fn give_birth(&mut self, members: &Members<B>, line: &FittedLine) -> bool {
         let local = self.in_robot_frame(members, line);
         let grid = self.has_grid.then(|| GridDirection::of(&self.ekf));
@@ -427,16 +440,11 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         if verdict == Verdict::Wait {
             return false;
         }
-        let states = if self.map.is_full() {
-            None
-        } else {
-            birth::add_states(&mut self.ekf, verdict, self.config.walls, &local)
-        };
+        let states = if self.map.is_full() { None } else { birth::add_states(&mut self.ekf, verdict, &local) };
         let Some((rho, direction)) = states else {
             self.counters.map_full = self.counters.map_full.saturating_add(1);
             return false;
         };
-        self.has_grid |= verdict == Verdict::FirstOfGrid;
         let grid = GridDirection::of(&self.ekf);
         let wall = Wall { rho, direction, ..Wall::NEW };
         let centroid = self.pose().transform(local.centroid_m);

@@ -1,0 +1,183 @@
+//! The home's wall grid: its direction, how it is founded, and which walls stand on it.
+//!
+//! Every wall is born free or on a grid that exists. The grid is founded by walls that agree with one another on a
+//! direction modulo a quarter turn: a first wall alone may be a sofa set askew. A free wall costs one more state and
+//! holds the heading just as well, so nothing is lost by waiting.
+
+use crate::angle::{sin_cos, wrap};
+use crate::config::WallPolicy;
+use crate::ekf::{Ekf, Jacobian};
+use crate::layout::ALPHA;
+use crate::map::Map;
+use crate::wall::{Direction, Wall};
+use core::f32::consts::{FRAC_2_PI, FRAC_PI_2, PI};
+
+/// Share of a home's walls that stand on its grid, before any is seen: "mostly parallel or orthogonal".
+const GRID_SHARE: f32 = 0.9;
+
+/// Posterior probability at which a wall is called on or off the grid.
+const DECISION: f32 = 0.95;
+
+/// Walls of one grid are parallel or orthogonal to within this, radians: a twentieth of a degree.
+const GRID_TOLERANCE: f32 = 1e-3;
+
+/// Largest sigma of the angle between two walls that may found the grid, radians: two degrees.
+const FOUNDING_SIGMA: f32 = 0.035;
+
+/// Length of the walls that found the grid, metres, together.
+const FOUNDING_LENGTH_M: f32 = 1.0;
+
+/// Sine and cosine of the grid direction, taken once a step.
+#[derive(Clone, Copy, Debug)]
+pub struct GridDirection {
+    /// alpha, radians.
+    pub alpha_rad: f32,
+    /// (sin alpha, cos alpha).
+    pub sin_cos: (f32, f32),
+}
+
+impl GridDirection {
+    /// At the filter's present estimate.
+    pub fn of<const NB: usize, const BLOCKS: usize>(ekf: &Ekf<NB, BLOCKS>) -> Self {
+        let alpha_rad = ekf.mean(ALPHA);
+        Self { alpha_rad, sin_cos: sin_cos(alpha_rad) }
+    }
+
+    /// Unit normal of the grid direction `quarter` quarter turns from alpha: exact, no second sine.
+    pub fn normal(&self, quarter: u8) -> [f32; 2] {
+        let (s, c) = self.sin_cos;
+        match quarter & 3 {
+            0 => [c, s],
+            1 => [-s, c],
+            2 => [-c, -s],
+            _ => [s, -c],
+        }
+    }
+
+    /// The number of quarter turns, 0 to 3, of the grid direction nearest to an angle (report eq. 4, counted
+    /// counter-clockwise).
+    pub fn quarter(&self, theta_rad: f32) -> u8 {
+        let quarters = libm::floorf((theta_rad - self.alpha_rad) * (1.0 / FRAC_PI_2) + 0.5);
+        (quarters as i32 & 3) as u8
+    }
+
+    /// Direction of grid direction `quarter`, radians.
+    pub fn beta(&self, quarter: u8) -> f32 {
+        crate::angle::wrap(self.alpha_rad + f32::from(quarter) * FRAC_PI_2)
+    }
+}
+
+/// Logarithm of the odds that a wall `off_rad` from the nearest grid direction, with that variance, stands on the grid:
+/// normal density on it, uniform over a quarter turn off it.
+fn log_odds(off_rad: f32, variance: f32) -> f32 {
+    let log_grid = -0.5 * off_rad * off_rad / variance - 0.5 * libm::logf(2.0 * PI * variance);
+    log_grid - libm::logf(FRAC_2_PI) + libm::logf(GRID_SHARE / (1.0 - GRID_SHARE))
+}
+
+/// On the grid (true), off it (false), or not clear yet.
+pub fn decide(off_rad: f32, variance: f32) -> Option<bool> {
+    let odds = log_odds(off_rad, variance + GRID_TOLERANCE * GRID_TOLERANCE);
+    let sure = libm::logf(DECISION / (1.0 - DECISION));
+    if odds > sure {
+        Some(true)
+    } else if odds < -sure {
+        Some(false)
+    } else {
+        None
+    }
+}
+
+/// Founds the grid where there is none, or takes one free wall into it.
+pub fn upkeep<const W: usize, const NB: usize, const BLOCKS: usize>(
+    map: &mut Map<W>,
+    ekf: &mut Ekf<NB, BLOCKS>,
+    has_grid: &mut bool,
+    policy: WallPolicy,
+    turn: usize,
+) {
+    if policy == WallPolicy::Free || map.walls().is_empty() {
+        return;
+    }
+    if !*has_grid {
+        let Some(theta) = founder(map.walls(), ekf) else { return };
+        let mut jacobian = Jacobian::new();
+        let _ = jacobian.push((theta, 1.0));
+        let direction = ekf.mean(theta);
+        let quarters = libm::roundf(direction * (1.0 / FRAC_PI_2));
+        ekf.initialise(ALPHA, direction - quarters * FRAC_PI_2, &jacobian, 0.0);
+        *has_grid = true;
+        for index in (0..map.walls().len()).rev() {
+            take_in(map, ekf, policy, index);
+        }
+    } else {
+        take_in(map, ekf, policy, turn % map.walls().len());
+    }
+}
+
+/// Angle between two directions modulo a quarter turn, in (-pi/4, pi/4].
+fn off_quarter(a: f32, b: f32) -> f32 {
+    let difference = a - b;
+    difference - libm::roundf(difference * (1.0 / FRAC_PI_2)) * FRAC_PI_2
+}
+
+/// The direction state of the free wall with which the most length of wall agrees, where that is enough and a majority.
+fn founder<const NB: usize, const BLOCKS: usize>(walls: &[Wall], ekf: &Ekf<NB, BLOCKS>) -> Option<usize> {
+    let mut best: Option<(f32, usize)> = None;
+    let mut total_m = 0.0;
+    for (i, wall) in walls.iter().enumerate() {
+        total_m += wall.length_m();
+        let Direction::Free(theta) = wall.direction else { continue };
+        let mut support_m = wall.length_m();
+        let mut others = 0;
+        for (j, other) in walls.iter().enumerate() {
+            let Direction::Free(other_theta) = other.direction else { continue };
+            if i == j {
+                continue;
+            }
+            let variance = relative_variance(ekf, theta, other_theta);
+            let off = off_quarter(ekf.mean(theta), ekf.mean(other_theta));
+            if variance < FOUNDING_SIGMA * FOUNDING_SIGMA && decide(off, variance) == Some(true) {
+                support_m += other.length_m();
+                others += 1;
+            }
+        }
+        if others > 0 && support_m >= FOUNDING_LENGTH_M && best.is_none_or(|(most, _)| support_m > most) {
+            best = Some((support_m, theta));
+        }
+    }
+    best.filter(|(support_m, _)| *support_m > 0.5 * total_m).map(|(_, theta)| theta)
+}
+
+fn relative_variance<const NB: usize, const BLOCKS: usize>(ekf: &Ekf<NB, BLOCKS>, i: usize, j: usize) -> f32 {
+    (ekf.covariance(i, i) + ekf.covariance(j, j) - 2.0 * ekf.covariance(i, j)).max(0.0)
+}
+
+/// Takes a free wall into the grid where the odds are for it: one scalar measurement, theta - alpha - k pi/2 = 0.
+fn take_in<const W: usize, const NB: usize, const BLOCKS: usize>(
+    map: &mut Map<W>,
+    ekf: &mut Ekf<NB, BLOCKS>,
+    policy: WallPolicy,
+    index: usize,
+) {
+    let Some(Direction::Free(theta)) = map.walls().get(index).map(|w| w.direction) else { return };
+    let grid = GridDirection::of(ekf);
+    let quarter = grid.quarter(ekf.mean(theta));
+    let off = wrap(ekf.mean(theta) - grid.beta(quarter));
+    let variance = relative_variance(ekf, theta, ALPHA);
+    if variance > FOUNDING_SIGMA * FOUNDING_SIGMA || decide(off, variance) != Some(true) {
+        return;
+    }
+    let mut jacobian = Jacobian::new();
+    let _ = jacobian.push((theta, 1.0));
+    let _ = jacobian.push((ALPHA, -1.0));
+    // A tie that is numerically impossible leaves the wall free.
+    if ekf.update(-off, &jacobian, GRID_TOLERANCE * GRID_TOLERANCE).is_ok() {
+        match policy {
+            WallPolicy::Snapped { .. } => map.set_direction(index, Direction::Snapped(theta)),
+            _ => {
+                map.set_direction(index, Direction::Grid(quarter));
+                map.remove_state(ekf, theta);
+            }
+        }
+    }
+}
