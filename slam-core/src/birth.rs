@@ -10,7 +10,7 @@ use crate::wall::Direction;
 /// Largest direction sigma of a free line, radians: two degrees.
 const DIRECTION_SIGMA: f32 = 0.035;
 
-/// The line in the robot's present frame, with the derivatives by the gains.
+/// The line in the robot's present frame, with its derivatives by the calibration.
 #[derive(Clone, Debug)]
 pub struct LocalLine {
     /// Centroid, metres, robot frame.
@@ -21,8 +21,8 @@ pub struct LocalLine {
     pub variance_m2: f32,
     /// Variance of the direction, rad^2; likewise.
     pub direction_variance: f32,
-    /// (gain state, d centroid, d direction).
-    pub by_gains: heapless::Vec<(usize, f32, f32), 16>,
+    /// (calibration state, d centroid, d direction): three of the drive and up to 16 gains.
+    pub by_calibration: heapless::Vec<(usize, f32, f32), 19>,
 }
 
 /// What a line is.
@@ -76,10 +76,10 @@ pub fn add_states<const NB: usize, const BLOCKS: usize>(
 
 fn direction_jacobian(line: &LocalLine) -> Jacobian {
     let mut jacobian = Jacobian::new();
-    // The capacity is more than the pose, the grid and 16 gains.
+    // The capacity is that of the pose, the grid, the drive and 16 gains, and one more.
     let _ = jacobian.push((THETA, 1.0));
-    for &(gain, _, direction) in &line.by_gains {
-        let _ = jacobian.push((gain, direction));
+    for &(state, _, direction) in &line.by_calibration {
+        let _ = jacobian.push((state, direction));
     }
     jacobian
 }
@@ -105,8 +105,8 @@ fn add_grid<const NB: usize, const BLOCKS: usize>(
     let _ = jacobian.push((Y, normal[1]));
     let _ = jacobian.push((THETA, arm[0] * normal[1] - arm[1] * normal[0]));
     let _ = jacobian.push((ALPHA, centroid[1] * normal[0] - centroid[0] * normal[1]));
-    for &(gain, offset, _) in &line.by_gains {
-        let _ = jacobian.push((gain, offset));
+    for &(state, offset, _) in &line.by_calibration {
+        let _ = jacobian.push((state, offset));
     }
     let rho_m = centroid[0] * normal[0] + centroid[1] * normal[1];
     let rho = ekf.augment(rho_m, &jacobian, line.variance_m2)?;
@@ -132,8 +132,8 @@ fn add_line<const NB: usize, const BLOCKS: usize>(
     let _ = jacobian.push((X, c));
     let _ = jacobian.push((Y, s));
     let _ = jacobian.push((THETA, along - arm_along));
-    for &(gain, offset, direction) in &line.by_gains {
-        let _ = jacobian.push((gain, offset + along * direction));
+    for &(state, offset, direction) in &line.by_calibration {
+        let _ = jacobian.push((state, offset + along * direction));
     }
     let noise = line.variance_m2 + along * along * line.direction_variance;
     let rho = ekf.augment(centroid[0] * c + centroid[1] * s, &jacobian, noise)?;

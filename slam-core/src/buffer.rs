@@ -1,5 +1,6 @@
 //! The ring buffer of readings that fit no wall (report 3.3).
 
+use crate::odometry::ByFactor;
 use heapless::Deque;
 
 /// A reading that fitted no wall, in the frame of dead reckoning, which never jumps.
@@ -11,6 +12,8 @@ pub struct Outlier {
     pub hit_m: [f32; 2],
     /// Unit vector of the beam, in the odometry frame.
     pub direction: [f32; 2],
+    /// Derivatives of the hit by the drive's calibration factors, metres.
+    pub by_factor: ByFactor,
     /// What the sensor reported, metres.
     pub range_m: f32,
     /// Standard deviation of that, metres.

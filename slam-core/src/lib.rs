@@ -25,6 +25,7 @@ mod layout;
 mod line_fit;
 mod map;
 mod motion;
+mod odometry;
 pub mod pose;
 mod range;
 pub mod report;

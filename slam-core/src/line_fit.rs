@@ -184,19 +184,19 @@ pub fn fit<'a>(points: impl Iterator<Item = &'a Outlier> + Clone, scatter: &Scat
 }
 
 impl FittedLine {
-    /// d(centroid along the normal, direction) by a relative growth of the ranges of each point for which `of` is true:
-    /// what a sensor's gain does to the line.
-    pub fn by_gain<'a>(&self, points: impl Iterator<Item = &'a Outlier>, gain: f32) -> (f32, f32) {
-        let tangent = [-self.normal[1], self.normal[0]];
+    /// d(centroid along the normal, direction) by a parameter that shifts each point by `shift`, metres.
+    pub fn by_parameter<'a>(
+        &self,
+        points: impl Iterator<Item = &'a Outlier>,
+        shift: impl Fn(&Outlier) -> [f32; 2],
+    ) -> (f32, f32) {
         let (mut offset, mut slope) = (0.0f32, 0.0f32);
         for p in points {
             let w = 1.0 / across_variance(p, self.normal);
-            let cos = p.direction[0] * self.normal[0] + p.direction[1] * self.normal[1];
-            // hit = origin + range / gain * direction
-            let by_gain = -p.range_m / (gain * gain) * cos;
-            let t = (p.hit_m[0] - self.centroid_m[0]) * tangent[0] + (p.hit_m[1] - self.centroid_m[1]) * tangent[1];
-            offset += w * by_gain;
-            slope += w * t * by_gain;
+            let by = shift(p);
+            let across = by[0] * self.normal[0] + by[1] * self.normal[1];
+            offset += w * across;
+            slope += w * self.along(p.hit_m) * across;
         }
         (offset * self.variance_m2, -slope * self.direction_variance)
     }

@@ -6,7 +6,7 @@
 use crate::angle::sin_cos;
 use crate::ekf::MotionJacobian;
 use crate::layout::{THETA, X, Y};
-use crate::{DriveModel, Increment, Motion, Ticks};
+use crate::{DriveModel, Increment, Motion, Pose, Ticks};
 
 /// Fastest motion that is believed, metres per second: no cleaning robot drives at 10 m/s, so more is a broken counter.
 const MAX_SPEED_M_S: f32 = 10.0;
@@ -152,6 +152,12 @@ fn wheel_step(track_m: f32, noise_m2_per_m: f32, left_m: f32, right_m: f32, fact
 }
 
 impl Step {
+    /// The pose that this step leads to.
+    pub fn applied_to(&self, pose: &Pose) -> Pose {
+        let i = self.increment;
+        pose.compose(&Pose { x_m: i.forward_m, y_m: i.left_m, theta_rad: i.turn_rad })
+    }
+
     /// The pose Jacobian and noise in the map frame, for a robot whose heading at the step's start has this sine and
     /// cosine.
     pub fn in_map(&self, (sin, cos): (f32, f32), factors: &Factors) -> (MotionJacobian, [[f32; 3]; 3]) {

@@ -14,6 +14,7 @@ use crate::layout::{ALPHA, Layout, THETA, X, Y};
 use crate::line_fit::FittedLine;
 use crate::map::Map;
 use crate::motion::{self, Encoders, Factor, Factors, Step};
+use crate::odometry::Odometry;
 use crate::range::{FrontEnd, Noise, Reading, SHARP_HOLD_S};
 use crate::report::ReadingReport;
 use crate::wall::{Direction, Wall, WallKind};
@@ -95,15 +96,6 @@ pub struct Slam<const S: usize, const W: usize, const B: usize, const NB: usize,
     counters: Counters,
 }
 
-/// Dead reckoning with the calibration as estimated: the frame of the outlier buffer.
-#[derive(Clone, Copy, Debug, Default)]
-struct Odometry {
-    pose: Pose,
-    path_m: f32,
-    position_variance: f32,
-    heading_variance: f32,
-}
-
 impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOCKS: usize> Slam<S, W, B, NB, BLOCKS> {
     /// An estimator at the map frame's origin with an empty map.
     ///
@@ -177,19 +169,12 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         let step = motion::step(&self.rig.drive, &travel, &factors);
         let heading = sin_cos(self.ekf.mean(THETA));
         let (jacobian, noise) = step.in_map(heading, &factors);
-        let moved = |pose: &Pose, step: &Step| {
-            let i = step.increment;
-            pose.compose(&Pose { x_m: i.forward_m, y_m: i.left_m, theta_rad: i.turn_rad })
-        };
-        let pose = moved(&self.pose(), &step);
+        let pose = step.applied_to(&self.pose());
         self.ekf.predict([pose.x_m, pose.y_m, pose.theta_rad], &jacobian, &noise);
-        self.odometry.pose = moved(&self.odometry.pose, &step);
-        self.odometry.path_m += step.path_m;
-        self.odometry.position_variance += 0.5 * (step.noise[0][0] + step.noise[1][1]);
-        self.odometry.heading_variance += step.noise[2][2];
+        self.odometry.advance(&step);
         let known = Factor { value: 1.0, state: None };
         let nominal = motion::step(&self.rig.drive, &travel, &Factors { first: known, second: known, track: known });
-        self.nominal = moved(&self.nominal, &nominal);
+        self.nominal = nominal.applied_to(&self.nominal);
         self.last_step = step;
     }
 
@@ -375,6 +360,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             sensor: sensor as u8,
             hit_m,
             direction: beam.direction,
+            by_factor: self.odometry.by_factor(hit_m),
             range_m: reading.range_m,
             sigma_m: reading.sigma_m(),
             position_variance: self.odometry.position_variance,
@@ -464,14 +450,29 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         let position = (self.odometry.position_variance - line.position_variance).max(0.0);
         let (s, c) = sin_cos(normal_rad);
         let lever_m = centroid_m[1] * c - centroid_m[0] * s;
-        let mut by_gains = heapless::Vec::new();
+        let points = || self.buffer.iter().zip(members).filter(|(_, member)| **member).map(|(point, _)| point);
+        let mut by_calibration = heapless::Vec::new();
         for (sensor, state) in self.layout.gains.iter().enumerate() {
             let Some(state) = *state else { continue };
-            let of_sensor = self.buffer.iter().zip(members).filter(|(p, m)| **m && usize::from(p.sensor) == sensor);
-            let (offset, direction) = line.by_gain(of_sensor.map(|(p, _)| p), self.gain(sensor));
+            let gain = self.gain(sensor);
+            let of_sensor = points().filter(|p| usize::from(p.sensor) == sensor);
+            // hit = origin + range / gain * direction
+            let (offset, direction) =
+                line.by_parameter(of_sensor, |p| p.direction.map(|d| -p.range_m / (gain * gain) * d));
             if offset != 0.0 {
-                let _ = by_gains.push((state, offset, direction));
+                let _ = by_calibration.push((state, offset, direction));
             }
+        }
+        for (factor, state) in [self.layout.first_scale, self.layout.second_scale, self.layout.track].iter().enumerate()
+        {
+            let Some(state) = *state else { continue };
+            // What moves the point moves the robot too: what counts is the difference.
+            let (offset, direction) = line.by_parameter(points(), |p| {
+                let [then, now] =
+                    [p.by_factor, self.odometry.by_factor(p.hit_m)].map(|d| d.get(factor).copied().unwrap_or([0.0; 2]));
+                [then[0] - now[0], then[1] - now[1]]
+            });
+            let _ = by_calibration.push((state, offset, direction));
         }
         LocalLine {
             centroid_m,
@@ -479,7 +480,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             // A heading that walks randomly over a stretch moves its end by a third of the lever squared.
             variance_m2: line.variance_m2 + position + heading * lever_m * lever_m * (1.0 / 3.0),
             direction_variance: line.direction_variance + heading,
-            by_gains,
+            by_calibration,
         }
     }
 
