@@ -37,7 +37,14 @@ impl Bench {
         Self { overhead: idle.count(|| ()), counter }
     }
 
-    /// Measures one call.
+    /// What a call returned, and its cost.
+    pub fn measure<R>(&self, body: impl FnOnce() -> R) -> (R, u32) {
+        let start = self.now();
+        let result = core::hint::black_box(body());
+        (result, self.now().wrapping_sub(start).saturating_sub(self.overhead))
+    }
+
+    /// Measures one call and prints it.
     pub fn case<R>(&self, name: &str, body: impl FnOnce() -> R) {
         self.print(name, self.count(body));
     }
@@ -49,9 +56,7 @@ impl Bench {
     }
 
     fn count<R>(&self, body: impl FnOnce() -> R) -> u32 {
-        let start = self.now();
-        core::hint::black_box(body());
-        self.now().wrapping_sub(start).saturating_sub(self.overhead)
+        self.measure(body).1
     }
 
     fn now(&self) -> u32 {
@@ -61,7 +66,8 @@ impl Bench {
         }
     }
 
-    fn print(&self, name: &str, count: u32) {
+    /// Prints a cost that was measured.
+    pub fn print(&self, name: &str, count: u32) {
         let unit = match self.counter {
             Counter::Instructions => "instructions",
             Counter::Cycles => "cycles",

@@ -1,5 +1,9 @@
 //! What is measured. A case's name appears in docs/timing.csv.
 
+mod drive;
+mod filter;
+mod home;
+
 use crate::bench::Bench;
 use core::hint::black_box;
 use slam_core::angle;
@@ -7,5 +11,6 @@ use slam_core::angle;
 /// Runs every case.
 pub fn run(bench: &Bench) {
     bench.worst("sin_cos", 64, |call| angle::sin_cos(black_box(call as f32 * 0.1 - 3.2)));
-    bench.case("wrap", || angle::wrap(black_box(4.0)));
+    filter::run(bench);
+    drive::run(bench);
 }

@@ -1,0 +1,49 @@
+//! The filter alone: one scalar update and one prediction, with a capacity fitted to the state.
+
+use crate::bench::Bench;
+use core::hint::black_box;
+use slam_core::covariance::blocks;
+use slam_core::ekf::{Ekf, Jacobian, LEADING, MotionJacobian};
+
+/// Every state length that is measured.
+pub fn run(bench: &Bench) {
+    one_length::<3, { blocks(3) }>(bench, ["update_n20", "predict_n20"], 20);
+    one_length::<5, { blocks(5) }>(bench, ["update_n36", "predict_n36"], 36);
+    one_length::<9, { blocks(9) }>(bench, ["update_n68", "predict_n68"], 68);
+    one_length::<10, { blocks(10) }>(bench, ["update_n79", "predict_n79"], 79);
+    one_length::<17, { blocks(17) }>(bench, ["update_n132", "predict_n132"], 132);
+}
+
+#[inline(never)]
+fn one_length<const NB: usize, const BLOCKS: usize>(bench: &Bench, names: [&str; 2], n: usize) {
+    let mut ekf: Ekf<NB, BLOCKS> = Ekf::EMPTY;
+    for i in 0..n {
+        // Every state depends a little on the first, so that no covariance is zero.
+        let jacobian: Jacobian = (i > 0).then_some((0, 0.1)).into_iter().collect();
+        ekf.augment(0.0, &jacobian, 1.0);
+    }
+    let jacobian = reading(n);
+    bench.case(names[0], || ekf.update(black_box(0.01), black_box(&jacobian), black_box(1e-4)));
+    let motion = motion();
+    let noise = [[1e-6, 0.0, 0.0], [0.0, 1e-6, 0.0], [0.0, 0.0, 1e-6]];
+    bench.case(names[1], || ekf.predict(black_box([0.01, 0.0, 0.0]), black_box(&motion), black_box(&noise)));
+}
+
+/// A reading of a grid wall: pose, grid direction, the sensor's gain, the wall's distance.
+fn reading(n: usize) -> Jacobian {
+    [(0, -1.0), (1, 0.1), (2, 0.3), (3, 0.2), (9, 1.0), (n - 1, 1.0)].into_iter().collect()
+}
+
+/// Two wheels with a scale each, and the track.
+fn motion() -> MotionJacobian {
+    let mut jacobian = [[0.0; LEADING]; 3];
+    for (i, row) in jacobian.iter_mut().enumerate() {
+        row[i] = 1.0;
+        row[4] = 0.01;
+        row[5] = -0.01;
+        row[6] = 0.02;
+    }
+    jacobian[0][2] = -0.01;
+    jacobian[1][2] = 0.01;
+    jacobian
+}
