@@ -38,10 +38,10 @@ struct RunArgs {
     #[arg(long, value_name = "NAME|FILE", default_value = "flat")]
     plan: String,
     /// Length of the drive in minutes.
-    #[arg(long, value_name = "M", default_value = "10", value_parser = minutes)]
+    #[arg(long, value_name = "M", default_value = "10", value_parser = minutes, allow_negative_numbers = true)]
     minutes: f64,
     /// Seed of everything random: the same seed gives the same drive, bit for bit.
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(long, value_name = "S", default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
     /// Rig file of the robot; the built-in one has eight Sharp sensors and two encoders.
     #[arg(long, value_name = "FILE")]

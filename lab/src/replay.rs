@@ -59,6 +59,8 @@ impl Replay {
         let mut streams = Streams::create(&folder)?;
         let mut times_s = Vec::new();
         let error = feed(&mut *rows, &mut session, &mut streams, &mut times_s, &mut progress)?;
+        let is_empty = error.is_none() && times_s.is_empty();
+        let error = if is_empty { Some(FileError::new(&self.log, "has a header but no rows")) } else { error };
         streams.close()?;
         let mut recording = session.finish();
         score::score(&mut recording, &times_s, truth.as_ref());

@@ -48,8 +48,6 @@ pub enum RunError {
     File(FileError),
     /// Something wrong with the plan.
     Plan(PlanError),
-    /// Plan and robot cannot be simulated.
-    Simulation(SimError),
 }
 
 impl fmt::Display for RunError {
@@ -57,7 +55,6 @@ impl fmt::Display for RunError {
         match self {
             Self::File(error) => error.fmt(f),
             Self::Plan(error) => error.fmt(f),
-            Self::Simulation(error) => error.fmt(f),
         }
     }
 }
@@ -96,7 +93,8 @@ impl Run {
             None => built_in_robot()?,
         };
         let rig_name = self.rig.clone().unwrap_or_else(|| PathBuf::from("built-in rig"));
-        let mut drive = Drive::new(&plan, &robot, SimOptions::default(), self.seed).map_err(RunError::Simulation)?;
+        let mut drive = Drive::new(&plan, &robot, SimOptions::default(), self.seed)
+            .map_err(|error| self.simulation_error(&rig_name, &error))?;
         let mut session =
             Session::new(&robot, self.config, plan.name.clone()).map_err(|error| rig_error(&rig_name, &error))?;
         let names: Vec<&str> = NAMES.iter().copied().chain(["log.csv", "rig.toml"]).collect();
@@ -114,6 +112,12 @@ impl Run {
         }
         output::finish(&folder, &recording, &self.origin(rig_toml))?;
         Ok(recording)
+    }
+
+    /// What cannot be simulated, as an error in the file that is at fault.
+    fn simulation_error(&self, rig: &Path, error: &SimError) -> FileError {
+        let plan = Path::new(&self.plan);
+        FileError::new(if matches!(error, SimError::StartBlocked(..)) { plan } else { rig }, error.to_string())
     }
 
     fn drive(

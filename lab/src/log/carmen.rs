@@ -72,7 +72,7 @@ impl Reader {
         let Some(time_us) = self.clock.tick(scan.t_s) else { return Ok(None) };
         let mut ranges = [RangeInput::Missing; MAX_SENSORS];
         for (range, (bearing_deg, name)) in ranges.iter_mut().zip(&self.bearings) {
-            *range = scan.range(scan.beam(*bearing_deg, name)?)?;
+            *range = scan.range(scan.beam(*bearing_deg, name)?);
         }
         let motion = Motion::Increment(self.differencer.step(scan.odometry));
         let sample = Sample { time_us, motion, ranges };
@@ -129,7 +129,7 @@ impl Rows for Reader {
 
 /// One FLASER message.
 struct Scan<'a> {
-    ranges: Vec<&'a str>,
+    ranges_m: Vec<f32>,
     odometry: Pose2,
     t_text: &'a str,
     t_s: f64,
@@ -155,11 +155,16 @@ impl<'a> Scan<'a> {
             finite(tail[5], "odometry theta")?,
         );
         let t_text = tail[8];
-        Ok(Self { ranges: fields[2..2 + n].to_vec(), odometry, t_text, t_s: finite(t_text, "logger timestamp")? })
+        let ranges_m = fields[2..2 + n].iter().enumerate().map(|(beam, text)| {
+            let what = || (format!("range {beam}"), format!("is {text:?}; it must be a number of metres"));
+            text.parse::<f32>().map_err(|_| what())
+        });
+        let ranges_m = ranges_m.collect::<Result<Vec<f32>, _>>()?;
+        Ok(Self { ranges_m, odometry, t_text, t_s: finite(t_text, "logger timestamp")? })
     }
 
     fn spacing_deg(&self) -> f64 {
-        180.0 / self.ranges.len() as f64
+        180.0 / self.ranges_m.len() as f64
     }
 
     fn bearing_deg(&self, beam: usize) -> f64 {
@@ -170,20 +175,16 @@ impl<'a> Scan<'a> {
     fn beam(&self, bearing_deg: f64, name: &str) -> Result<usize, (String, String)> {
         let beam = ((bearing_deg + 90.0) / self.spacing_deg()).round();
         // The last beam stops one spacing short of +90 degrees: +90 itself is still that beam's.
-        if !(-0.0..=self.ranges.len() as f64).contains(&beam) {
+        if !(-0.0..=self.ranges_m.len() as f64).contains(&beam) {
             let what = format!("points at {bearing_deg:.1} degrees; the laser's beams span -90 to 90");
             return Err((format!("range sensor {name}"), what));
         }
-        Ok((beam as usize).min(self.ranges.len() - 1))
+        Ok((beam as usize).min(self.ranges_m.len() - 1))
     }
 
-    fn range(&self, beam: usize) -> Result<RangeInput, (String, String)> {
-        let text = self.ranges[beam];
-        match text.parse::<f32>() {
-            Ok(range_m) if range_m.is_nan() => Ok(RangeInput::Missing),
-            Ok(range_m) => Ok(RangeInput::Metres(range_m)),
-            Err(_) => Err((format!("range {beam}"), format!("is {text:?}; it must be a number of metres"))),
-        }
+    fn range(&self, beam: usize) -> RangeInput {
+        let range_m = self.ranges_m[beam];
+        if range_m.is_nan() { RangeInput::Missing } else { RangeInput::Metres(range_m) }
     }
 }
 

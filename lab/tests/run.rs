@@ -1,0 +1,122 @@
+//! `lab run` as a user calls it.
+
+mod common;
+
+use common::{ODOMETRY_RIG, Place, SHARP_RIG};
+use predicates::prelude::*;
+use predicates::str::contains;
+
+const OUTPUTS: [&str; 9] = [
+    "trajectory.tum",
+    "truth.tum",
+    "estimate.csv",
+    "walls.csv",
+    "calibration.csv",
+    "summary.json",
+    "report.html",
+    "log.csv",
+    "rig.toml",
+];
+
+#[test]
+fn without_arguments_it_simulates_into_out_run() {
+    let place = Place::new();
+    place
+        .lab()
+        .args(["--minutes", "0.2"])
+        .assert()
+        .success()
+        .stdout(contains("flat:").and(contains("dead reckoning")).and(contains("results in out/run")));
+    for name in OUTPUTS {
+        assert!(place.path("out/run").join(name).exists(), "{name}");
+    }
+    let summary = place.summary("out/run");
+    assert_eq!(summary["seed"], 1);
+    assert_eq!(summary["rows"], 301);
+    assert_eq!(summary["configuration"]["arguments"]["plan"], "flat");
+    for key in ["ate_m", "start_m", "heading_deg", "mean_nis", "path_m", "duration_s"] {
+        assert!(summary[key].is_number(), "{key}: {summary}");
+    }
+    assert!(summary["odometry"]["ate_m"].is_number());
+    assert!(summary["map"]["missed"].is_number());
+}
+
+#[test]
+fn a_replay_of_the_runs_log_gives_the_same_estimate_bit_for_bit() {
+    let place = Place::new();
+    place.lab().args(["run", "--plan", "room", "--minutes", "1", "--seed", "7", "--out", "one"]).assert().success();
+    place.lab().args(["replay", "one/log.csv", "--rig", "one/rig.toml", "--out", "two"]).assert().success();
+    for name in ["estimate.csv", "trajectory.tum", "truth.tum", "walls.csv", "calibration.csv"] {
+        assert_eq!(place.get(&format!("one/{name}")), place.get(&format!("two/{name}")), "{name}");
+    }
+    for key in ["ate_m", "start_m", "heading_deg", "nees", "mean_nis", "odometry", "counters"] {
+        assert_eq!(place.summary("one")[key], place.summary("two")[key], "{key}");
+    }
+    // The replay may go into the run's own folder, whose log and rig stay.
+    let log = place.get("one/log.csv");
+    place.lab().args(["replay", "one/log.csv", "--rig", "one/rig.toml", "--out", "one"]).assert().success();
+    assert_eq!(place.get("one/log.csv"), log);
+    place.lab().args(["run", "--plan", "room", "--minutes", "0.1", "--out", "one"]).assert().success();
+}
+
+#[test]
+fn a_seed_is_a_drive() {
+    let place = Place::new();
+    for (seed, out) in [("3", "a"), ("3", "b"), ("4", "c")] {
+        place.lab().args(["--plan", "l-shape", "--minutes", "0.5", "--seed", seed, "--out", out]).assert().success();
+    }
+    for name in ["log.csv", "estimate.csv", "walls.csv"] {
+        assert_eq!(place.get(&format!("a/{name}")), place.get(&format!("b/{name}")), "{name}");
+        assert_ne!(place.get(&format!("a/{name}")), place.get(&format!("c/{name}")), "{name}");
+    }
+}
+
+#[test]
+fn a_rig_file_changes_the_robot() {
+    let place = Place::new();
+    let rig = place.put("one-eyed.toml", SHARP_RIG);
+    place.lab().args(["--minutes", "0.1", "--rig"]).arg(rig).assert().success();
+    let header = place.get("out/run/log.csv");
+    assert!(header.starts_with("t_s,left_ticks,right_ticks,adc_0,true_x_m,true_y_m,true_theta_rad\n"));
+    assert_eq!(place.get("out/run/rig.toml"), SHARP_RIG);
+}
+
+#[test]
+fn wrong_requests_get_one_clear_error() {
+    let place = Place::new();
+    place.put("flying.toml", ODOMETRY_RIG);
+    place.put("bad-plan.toml", "[start]\nx_m = 1\n");
+    let cases: [(&[&str], &str); 8] = [
+        (&["--plan", "castle"], "castle"),
+        (&["--plan", "bad-plan.toml"], "bad-plan.toml"),
+        (&["--minutes", "0"], "above 0"),
+        (&["--minutes", "nan"], "above 0"),
+        (&["--seed", "-1"], "seed"),
+        (&["--rig", "flying.toml"], "flying.toml: "),
+        (&["--rig", "none.toml"], "none.toml: cannot read"),
+        (&["fly"], "fly"),
+    ];
+    for (arguments, expected) in cases {
+        place.lab().args(arguments).assert().failure().stderr(contains(expected));
+    }
+    assert!(!place.path("out").exists(), "nothing was run");
+}
+
+#[test]
+fn foreign_files_are_not_overwritten() {
+    let place = Place::new();
+    place.put("mine/log.csv", "my only copy");
+    let refusal = "mine/log.csv: is not a result of";
+    place.lab().args(["--minutes", "0.1", "--out", "mine"]).assert().failure().stderr(contains(refusal));
+    assert_eq!(place.get("mine/log.csv"), "my only copy");
+    assert!(!place.path("mine/summary.json").exists());
+    place.put("other/summary.json", "{\"program\": \"another\", \"files\": [\"summary.json\"]}");
+    place.lab().args(["--minutes", "0.1", "--out", "other"]).assert().failure().stderr(contains("summary.json"));
+    place.put("good/notes.txt", "keep me");
+    for _ in 0..2 {
+        place.lab().args(["--minutes", "0.1", "--out", "good"]).assert().success();
+    }
+    assert_eq!(place.get("good/notes.txt"), "keep me");
+    place.put("file", "not a folder");
+    place.lab().args(["--minutes", "0.1", "--out", "file"]).assert().failure().stderr(contains("file: "));
+}
