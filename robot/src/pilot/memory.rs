@@ -160,7 +160,8 @@ impl<const N: usize> Memory<N> {
     }
 
     /// Moves the picture when the robot comes near its edge: what falls off at the far side is forgotten.
-    pub(super) fn keep_around(&mut self, pose: &Pose) {
+    /// Returns whether cells are now called otherwise.
+    pub(super) fn keep_around(&mut self, pose: &Pose) -> bool {
         let margin = (N / 8) as i16;
         let cell = self.cell_at(pose.x_m, pose.y_m);
         let shift = |index: i16| {
@@ -176,6 +177,7 @@ impl<const N: usize> Memory<N> {
         if cols != 0 || rows != 0 {
             self.shift(cols, rows);
         }
+        cols != 0 || rows != 0
     }
 
     fn shift(&mut self, cols: i16, rows: i16) {

@@ -17,7 +17,7 @@ use slam_core::{Pose, Rig};
 use crate::contact::Contacts;
 use crate::traits::WheelSpeeds;
 use memory::{Cell, Memory};
-use search::Route;
+use search::{Route, Squeeze};
 use steer::Beam;
 
 /// Size of the robot and manner of driving.
@@ -25,7 +25,7 @@ use steer::Beam;
 pub struct PilotConfig {
     /// Cruising speed, m/s.
     pub speed_mps: f32,
-    /// Fastest turn, rad/s.
+    /// Fastest turn, rad/s. A Sharp reading is some 40 ms old: at 0.8 rad/s its beam has turned by 2 degrees since.
     pub turn_radps: f32,
     /// Radius of the body, metres.
     pub radius_m: f32,
@@ -43,7 +43,7 @@ impl Default for PilotConfig {
     fn default() -> Self {
         Self {
             speed_mps: 0.25,
-            turn_radps: 1.2,
+            turn_radps: 0.8,
             radius_m: 0.17,
             track_m: 0.235,
             standoff_m: 0.33,
@@ -88,6 +88,12 @@ const BACK_OFF_US: u64 = 1_200_000;
 const ROUTE_US: u64 = 250_000;
 /// Without coming nearer to its target for this long, the pilot gives the target up, microseconds.
 const PATIENCE_US: u64 = 6_000_000;
+/// Targets this near to each other are one, in cells.
+const SAME_TARGET: i16 = 3;
+/// A target at most this near that falls out of reach is let go, in steps.
+const FLICKER_STEPS: u16 = 6;
+/// Changes of the target that count as progress.
+const PATIENT_SWITCHES: u8 = 4;
 /// Held up by something ahead for this long, the pilot takes the place to be blocked, microseconds.
 const PINCH_US: u64 = 1_000_000;
 /// Steps without a reading after which a sensor is taken to see nothing, and how far it then surely sees, metres.
@@ -112,6 +118,8 @@ pub struct Pilot<const S: usize, const N: usize = 80> {
     /// Fewest steps to the target so far, and when that was reached.
     best_steps: u16,
     progress_us: u64,
+    /// Changes of the target since the trail last grew.
+    switches: u8,
     /// When the robot was last told to move.
     moving_us: u64,
     rounds: u16,
@@ -132,6 +140,7 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
             turn_sign: 1.0,
             best_steps: u16::MAX,
             progress_us: 0,
+            switches: 0,
             moving_us: 0,
             rounds: 0,
             given_up: 0,
@@ -157,6 +166,11 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
         self.activity
     }
 
+    /// Where the pilot is going, in the estimated frame, metres.
+    pub fn target_m(&self) -> Option<[f32; 2]> {
+        self.route.map(|route| self.memory.centre_m(route.target))
+    }
+
     /// Rounds completed: how often everything known and reachable had been visited.
     pub fn rounds(&self) -> u16 {
         self.rounds
@@ -169,11 +183,15 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
 
     fn remember(&mut self, senses: &Senses<S>) {
         let pose = &senses.pose;
-        self.memory.keep_around(pose);
+        if self.memory.keep_around(pose) {
+            self.route = None;
+            self.next_route_us = 0;
+        }
         let here = self.memory.cell_at(pose.x_m, pose.y_m);
         if self.memory.visit(here, TRAIL) {
             self.best_steps = u16::MAX;
             self.progress_us = senses.time_us;
+            self.switches = 0;
         }
         self.memory.stand_on(here);
         for beam in &self.beams {
@@ -264,14 +282,17 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
         let start = self.memory.cell_at(pose.x_m, pose.y_m);
         let eighths = libm::roundf(pose.theta_rad * (4.0 / core::f32::consts::PI)) as i32;
         let octant = (eighths & 7) as usize;
-        self.route = search::find_route(&mut self.memory, start, octant);
+        let before = self.route;
+        let memory = &mut self.memory;
+        self.route = search::find_route(memory, start, octant, Squeeze::Leave)
+            .or_else(|| search::find_route(memory, start, octant, Squeeze::Through));
         if self.route.is_none() {
             self.rounds = self.rounds.saturating_add(1);
             self.memory.forget_visits();
             self.memory.visit(start, TRAIL);
             self.best_steps = u16::MAX;
             self.progress_us = senses.time_us;
-            self.route = search::find_route(&mut self.memory, start, octant);
+            self.route = search::find_route(&mut self.memory, start, octant, Squeeze::Leave);
         }
         let activity = match self.route {
             None => Activity::Wandering,
@@ -281,9 +302,25 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
         if activity != self.activity {
             self.begin(activity, senses);
         }
-        if let Some(route) = self.route
-            && route.steps < self.best_steps
+        self.watch_progress(before, senses);
+    }
+
+    /// Notes when the robot last came nearer to its target. A new target counts as progress, but not again and again.
+    fn watch_progress(&mut self, before: Option<Route>, senses: &Senses<S>) {
+        let Some(route) = self.route else { return };
+        if let Some(before) = before
+            && before.target.moves_to(route.target) > SAME_TARGET
         {
+            // A near place that fell out of reach comes back into it as soon as the robot has turned away: let it go.
+            if before.steps <= FLICKER_STEPS && route.steps > 2 * FLICKER_STEPS {
+                self.memory.visit(before.target, 1);
+            }
+            self.switches = self.switches.saturating_add(1);
+            if self.switches <= PATIENT_SWITCHES {
+                self.best_steps = u16::MAX;
+            }
+        }
+        if route.steps < self.best_steps {
             self.best_steps = route.steps;
             self.progress_us = senses.time_us;
         }

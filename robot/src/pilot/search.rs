@@ -16,9 +16,14 @@ const FRONT: usize = 320;
 /// How much farther a stretch of wall may be than unseen space to be preferred, in cells.
 const WALL_PREFERENCE: u16 = 16;
 
-/// Where the robot stands too near an obstacle, the wave passes near obstacles for this many cells: there must be a
-/// way out.
-const ESCAPE: i16 = 2;
+/// How near to obstacles the wave may pass while it is still near the robot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Squeeze {
+    /// Only to leave a place that is itself too near an obstacle: two cells.
+    Leave,
+    /// For five cells: when there is no other way.
+    Through,
+}
 
 /// Length of the path's first part that is handed out, in cells.
 pub(super) const LOOK_AHEAD: usize = 4;
@@ -57,11 +62,20 @@ fn borders_on_unknown<const N: usize>(memory: &Memory<N>, cell: Cell) -> bool {
 
 /// The route to the nearest place that is worth a visit: unvisited and beside a wall, or else at the edge of the
 /// unknown. `octant` is the robot's heading in eighths of a turn.
-pub(super) fn find_route<const N: usize>(memory: &mut Memory<N>, start: Cell, octant: usize) -> Option<Route> {
+pub(super) fn find_route<const N: usize>(
+    memory: &mut Memory<N>,
+    start: Cell,
+    octant: usize,
+    squeeze: Squeeze,
+) -> Option<Route> {
     memory.clear_steps();
     let mut front: Deque<(Cell, u16), FRONT> = Deque::new();
     let mut edge: Option<(Cell, u16)> = None;
-    let escape = if is_passable(memory, start) { 0 } else { ESCAPE };
+    let escape = match squeeze {
+        Squeeze::Through => 5,
+        Squeeze::Leave if is_passable(memory, start) => 0,
+        Squeeze::Leave => 2,
+    };
     memory.set_step_label(start, 0);
     let _ = front.push_back((start, 0));
     while let Some((cell, steps)) = front.pop_front() {
@@ -153,7 +167,7 @@ mod tests {
             "#vvvvvvvv#.........#",
             "####################",
         ]);
-        let route = find_route(&mut memory, start, 0).unwrap();
+        let route = find_route(&mut memory, start, 0, Squeeze::Leave).unwrap();
         assert!(route.wall && route.target.col > 11, "{route:?}");
         assert_eq!(route.count, LOOK_AHEAD);
         assert_eq!(route.first[0].moves_to(start), 1);
@@ -163,13 +177,13 @@ mod tests {
     #[test]
     fn everything_visited_leaves_nothing_to_do() {
         let (mut memory, start) = drawn(&["######", "#vvvv#", "#vvRv#", "#vvvv#", "######"]);
-        assert_eq!(find_route(&mut memory, start, 3), None);
+        assert_eq!(find_route(&mut memory, start, 3, Squeeze::Leave), None);
     }
 
     #[test]
     fn the_edge_of_the_unknown_is_a_target_where_no_wall_is_in_sight() {
         let (mut memory, start) = drawn(&["vvvvvvv...", "vvvRvvv...", "vvvvvvv..."]);
-        let route = find_route(&mut memory, start, 0).unwrap();
+        let route = find_route(&mut memory, start, 0, Squeeze::Leave).unwrap();
         assert!(!route.wall && route.target.col >= 9, "{route:?}");
     }
 }
