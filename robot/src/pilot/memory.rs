@@ -23,7 +23,8 @@ impl Cell {
 // One byte a cell. Low four bits: 0 unknown, else evidence from 1 (surely free) to 15 (surely occupied).
 const EVIDENCE: u8 = 0x0F;
 const NEUTRAL: u8 = 8;
-const OCCUPIED: u8 = 10;
+/// Two hits where nothing was known: one may be a spike.
+const OCCUPIED: u8 = 12;
 const HIT: u8 = 3;
 const VISITED: u8 = 0x10;
 const STEP: u8 = 0x60;
@@ -206,7 +207,10 @@ mod tests {
         let cell = memory.cell_at(0.5, -0.3);
         assert!(!memory.is_known(cell));
         memory.see_hit(cell);
+        assert!(memory.is_free(cell), "one hit may be a spike");
+        memory.see_hit(cell);
         assert!(memory.is_obstacle(cell));
+        memory.see_free(cell);
         memory.see_free(cell);
         assert!(memory.is_obstacle(cell));
         memory.see_free(cell);
@@ -221,7 +225,7 @@ mod tests {
         for target in [[3.9, 0.1], [-3.9, 0.1], [0.1, 3.9], [-7.5, -7.5], [3.0, -3.0]] {
             let mut memory = Memory::<40>::new(0.2);
             let wall_m = [target[0] * 0.5, target[1] * 0.5];
-            memory.see_hit(memory.cell_at(wall_m[0], wall_m[1]));
+            (0..2).for_each(|_| memory.see_hit(memory.cell_at(wall_m[0], wall_m[1])));
             memory.keep_around(&Pose::new(target[0], target[1], 0.0));
             let here = memory.cell_at(target[0], target[1]);
             assert!(here.col >= 5 && here.col < 35 && here.row >= 5 && here.row < 35, "{here:?}");

@@ -136,7 +136,7 @@ mod tests {
             for (col, mark) in line.bytes().enumerate() {
                 let cell = Cell { col: col as i16 + 2, row: row as i16 + 2 };
                 match mark {
-                    b'#' => memory.see_hit(cell),
+                    b'#' => (0..2).for_each(|_| memory.see_hit(cell)),
                     b' ' => {}
                     _ => memory.see_free(cell),
                 }
