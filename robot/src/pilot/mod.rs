@@ -273,6 +273,9 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
             self.moving_us = senses.time_us;
             let ahead_m = senses.pose.transform([self.config.radius_m + 0.5 * self.config.cell_m, 0.0]);
             self.memory.block(self.memory.cell_at(ahead_m[0], ahead_m[1]));
+            if let Some(Route { count: 1.., first: [next, ..], .. }) = self.route {
+                self.memory.block(next);
+            }
             self.next_route_us = 0;
         }
     }
