@@ -10,6 +10,13 @@ use crate::wall::Direction;
 /// Largest direction sigma of a free line, radians: two degrees.
 const DIRECTION_SIGMA: f32 = 0.035;
 
+/// Shortest free wall, metres: a few points from around a corner turn a line of half the length by ten degrees, and no
+/// grid is there to tell.
+const FREE_LENGTH_M: f32 = 0.5;
+
+/// Fewest points of a free wall.
+const FREE_POINTS: u32 = 8;
+
 /// The line in the robot's present frame, with its derivatives by the calibration.
 #[derive(Clone, Debug)]
 pub struct LocalLine {
@@ -21,6 +28,10 @@ pub struct LocalLine {
     pub variance_m2: f32,
     /// Variance of the direction, rad^2; likewise.
     pub direction_variance: f32,
+    /// Length, metres.
+    pub length_m: f32,
+    /// Number of points.
+    pub count: u32,
     /// (calibration state, d centroid, d direction): three of the drive and up to 16 gains.
     pub by_calibration: heapless::Vec<(usize, f32, f32), 19>,
 }
@@ -45,7 +56,9 @@ pub fn judge<const NB: usize, const BLOCKS: usize>(
     grid: Option<&GridDirection>,
     line: &LocalLine,
 ) -> Verdict {
-    let determined = line.direction_variance < DIRECTION_SIGMA * DIRECTION_SIGMA;
+    let determined = line.direction_variance < DIRECTION_SIGMA * DIRECTION_SIGMA
+        && line.length_m >= FREE_LENGTH_M
+        && line.count >= FREE_POINTS;
     let free = if determined { Verdict::Free } else { Verdict::Wait };
     let Some(grid) = grid.filter(|_| policy != WallPolicy::Free) else { return free };
     let theta = ekf.mean(THETA) + line.normal_rad;

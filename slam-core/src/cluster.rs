@@ -98,8 +98,10 @@ fn grow<const B: usize>(buffer: &OutlierBuffer<B>, members: &mut Members<B>, lin
         let cos = point.direction[0] * line.normal[0] + point.direction[1] * line.normal[1];
         let noise = point.sigma_m * cos;
         let near = along > line.lo_m - PROLONGATION_M && along < line.hi_m + PROLONGATION_M;
-        // 95 % of a chi-square distribution with one degree of freedom: a corner's other wall must not creep in.
-        if near && cos > 0.0 && residual * residual < 3.84 * (noise * noise + sigma * sigma) {
+        // A line that does not know where it is going cannot tell its own points from those of a corner's other wall.
+        let known = sigma < noise;
+        // 95 % of a chi-square distribution with one degree of freedom.
+        if near && cos > 0.0 && known && residual * residual < 3.84 * (noise * noise + sigma * sigma) {
             *member = true;
         }
     }

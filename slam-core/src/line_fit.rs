@@ -69,11 +69,11 @@ impl Moments {
 }
 
 impl Scatter {
-    /// Noise or line (report 3.3): the scatter across is what the measurement noise makes of a straight line, to 3 sigma
+    /// Noise or line (report 3.3): the scatter across is what the measurement noise makes of a straight line, to 2 sigma
     /// of its chi-square distribution.
     pub fn is_straight(&self) -> bool {
         let freedom = self.count.saturating_sub(2) as f32;
-        self.across <= freedom + 3.0 * libm::sqrtf(2.0 * freedom)
+        self.across <= freedom + 2.0 * libm::sqrtf(2.0 * freedom)
     }
 }
 

@@ -1,0 +1,161 @@
+//! Extending the map: the outlier buffer, births, and the map's upkeep (report 3.3).
+
+use crate::angle::sin_cos;
+use crate::birth::{self, LocalLine, Verdict};
+use crate::buffer::Outlier;
+use crate::cluster::{Members, newest_line};
+use crate::grid::{self, GridDirection};
+use crate::line_fit::FittedLine;
+use crate::range::Reading;
+use crate::wall::Wall;
+use crate::{Slam, StepReport};
+
+/// A length that a wall must have to be told from a chair leg, metres; what the buffer's room per sensor is spread over
+/// twice.
+const SHORTEST_WALL_M: f32 = 0.25;
+
+impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOCKS: usize> Slam<S, W, B, NB, BLOCKS> {
+    /// Puts a reading that fits no wall into the ring buffer, unless the sensor's last one ended at the same place.
+    pub(crate) fn keep_outlier(&mut self, sensor: usize, reading: &Reading) {
+        let pose = self.odometry.pose;
+        let beam = self.mount_then(sensor).beam([pose.x_m, pose.y_m], sin_cos(pose.theta_rad));
+        let hit_m = beam.at(reading.range_m / self.gain(sensor));
+        let spacing_m = self.spacing_m();
+        if let Some((_, last)) = self.buffer.newest_of(sensor as u8) {
+            // Across the beam: along it, noise alone moves the hit.
+            let d = [hit_m[0] - last.hit_m[0], hit_m[1] - last.hit_m[1]];
+            let across_m = d[1] * beam.direction[0] - d[0] * beam.direction[1];
+            if across_m.abs() < spacing_m {
+                return;
+            }
+        }
+        let outlier = Outlier {
+            sensor: sensor as u8,
+            hit_m,
+            direction: beam.direction,
+            by_factor: self.odometry.by_factor(hit_m),
+            range_m: reading.range_m,
+            sigma_m: reading.sigma_m(),
+            position_variance: self.odometry.position_variance,
+            heading_variance: self.odometry.heading_variance,
+        };
+        self.counters.buffered = self.counters.buffered.saturating_add(1);
+        if self.buffer.push(outlier) {
+            self.counters.overwritten = self.counters.overwritten.saturating_add(1);
+        }
+        if let Some(pending) = self.pending.get_mut(sensor) {
+            *pending = true;
+        }
+    }
+
+    /// Distance between buffered hits of one sensor at which the buffer holds a stretch twice as long as the shortest
+    /// wall for every sensor at once.
+    fn spacing_m(&self) -> f32 {
+        2.0 * SHORTEST_WALL_M * self.rig.sensors.len() as f32 / B as f32
+    }
+
+    /// Finds at most one new wall among the outliers (report 3.3), and keeps the map tidy.
+    pub(crate) fn extend_map(&mut self, report: &mut StepReport<S>) {
+        if let Some(sensor) = self.pending.iter().position(|p| *p) {
+            if let Some(pending) = self.pending.get_mut(sensor) {
+                *pending = false;
+            }
+            let found = newest_line(&self.buffer, sensor as u8, self.config.clustering, self.spacing_m());
+            if let Some((members, line)) = found
+                && self.is_wall(sensor, &line)
+                && self.give_birth(&members, &line)
+            {
+                report.births += 1;
+                self.counters.births = self.counters.births.saturating_add(1);
+            }
+        }
+        grid::upkeep(&mut self.map, &mut self.ekf, &mut self.has_grid, self.config.walls, self.counters.steps as usize);
+        let walls = self.map.walls().len();
+        // One wall a step is held against all others.
+        let turn =
+            if report.births > 0 { walls.saturating_sub(1) } else { self.counters.steps as usize % walls.max(1) };
+        if self.map.merge(&mut self.ekf, turn) {
+            report.merges += 1;
+            self.counters.merges = self.counters.merges.saturating_add(1);
+        }
+        if self.map.prune(&mut self.ekf, self.odometry.path_m) {
+            report.prunes += 1;
+            self.counters.prunes = self.counters.prunes.saturating_add(1);
+        }
+    }
+
+    /// Long enough, seen under angles that the sensor supports, and not bent around a corner (3 sigma).
+    fn is_wall(&self, sensor: usize, line: &FittedLine) -> bool {
+        let Some(limits) = self.rig.sensors.get(sensor) else { return false };
+        line.length_m() >= SHORTEST_WALL_M
+            && line.cos_incidence >= libm::cosf(limits.max_incidence_rad)
+            && line.bend < 3.0
+    }
+
+    fn give_birth(&mut self, members: &Members<B>, line: &FittedLine) -> bool {
+        let local = self.in_robot_frame(members, line);
+        let grid = self.has_grid.then(|| GridDirection::of(&self.ekf));
+        let verdict = birth::judge(&self.ekf, self.config.walls, grid.as_ref(), &local);
+        if verdict == Verdict::Wait {
+            return false;
+        }
+        let states = if self.map.is_full() { None } else { birth::add_states(&mut self.ekf, verdict, &local) };
+        let Some((rho, direction)) = states else {
+            self.counters.map_full = self.counters.map_full.saturating_add(1);
+            return false;
+        };
+        let grid = GridDirection::of(&self.ekf);
+        let wall = Wall { rho, direction, ..Wall::NEW };
+        let centroid = self.pose().transform(local.centroid_m);
+        let along_m = wall.line(&self.ekf, &grid).along(centroid);
+        let extent = (along_m + line.lo_m, along_m + line.hi_m);
+        self.map.add(rho, direction, extent, line.count, self.odometry.path_m);
+        self.buffer.retain(|i, _| !members.get(i).copied().unwrap_or(false));
+        true
+    }
+
+    /// The fitted line from the odometry frame into the robot's, with the odometry's noise since its points were seen.
+    fn in_robot_frame(&self, members: &Members<B>, line: &FittedLine) -> LocalLine {
+        let to_robot = self.odometry.pose.inverse();
+        let centroid_m = to_robot.transform(line.centroid_m);
+        let normal_rad = line.normal_rad - self.odometry.pose.theta_rad;
+        let heading = (self.odometry.heading_variance - line.heading_variance).max(0.0);
+        let position = (self.odometry.position_variance - line.position_variance).max(0.0);
+        let (s, c) = sin_cos(normal_rad);
+        let lever_m = centroid_m[1] * c - centroid_m[0] * s;
+        let points = || self.buffer.iter().zip(members).filter(|(_, member)| **member).map(|(point, _)| point);
+        let mut by_calibration = heapless::Vec::new();
+        for (sensor, state) in self.layout.gains.iter().enumerate() {
+            let Some(state) = *state else { continue };
+            let gain = self.gain(sensor);
+            let of_sensor = points().filter(|p| usize::from(p.sensor) == sensor);
+            // hit = origin + range / gain * direction
+            let (offset, direction) =
+                line.by_parameter(of_sensor, |p| p.direction.map(|d| -p.range_m / (gain * gain) * d));
+            if offset != 0.0 {
+                let _ = by_calibration.push((state, offset, direction));
+            }
+        }
+        for (factor, state) in [self.layout.first_scale, self.layout.second_scale, self.layout.track].iter().enumerate()
+        {
+            let Some(state) = *state else { continue };
+            // What moves the point moves the robot too: what counts is the difference.
+            let (offset, direction) = line.by_parameter(points(), |p| {
+                let [then, now] =
+                    [p.by_factor, self.odometry.by_factor(p.hit_m)].map(|d| d.get(factor).copied().unwrap_or([0.0; 2]));
+                [then[0] - now[0], then[1] - now[1]]
+            });
+            let _ = by_calibration.push((state, offset, direction));
+        }
+        LocalLine {
+            centroid_m,
+            normal_rad,
+            // A heading that walks randomly over a stretch moves its end by a third of the lever squared.
+            variance_m2: line.variance_m2 + position + heading * lever_m * lever_m * (1.0 / 3.0),
+            direction_variance: line.direction_variance + heading,
+            length_m: line.length_m(),
+            count: line.count,
+            by_calibration,
+        }
+    }
+}

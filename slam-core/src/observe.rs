@@ -1,0 +1,178 @@
+//! One scalar update for every reading: association, gate, Jacobian (report 3.1 and 3.2).
+
+use crate::angle::{sin_cos, wrap};
+use crate::association::{Candidate, first_met};
+use crate::beam::{Beam, FixedMount, Prediction};
+use crate::config::WallPolicy;
+use crate::ekf::Jacobian;
+use crate::grid::GridDirection;
+use crate::layout::{ALPHA, THETA, X, Y};
+use crate::range::{Noise, Reading, SHARP_HOLD_S};
+use crate::wall::{Direction, Wall};
+use crate::{Outcome, RangeInput, RangeModel, Refusal, Sample, Slam, StepReport};
+
+/// Walls that one beam is held against: beyond its end a wall may go on or not, and at a corner two may.
+const MAX_CANDIDATES: usize = 4;
+
+impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOCKS: usize> Slam<S, W, B, NB, BLOCKS> {
+    /// One scalar update for every reading (report eq. 3).
+    pub(crate) fn observe(&mut self, sample: &Sample<S>, report: &mut StepReport<S>) {
+        for (i, (input, report)) in sample.ranges.iter().zip(&mut report.readings).enumerate() {
+            let (Some(sensor), Some(front_end)) = (self.rig.sensors.get(i), self.front_ends.get_mut(i)) else { break };
+            if *input == RangeInput::Missing {
+                continue;
+            }
+            let path_m = self.odometry.path_m;
+            let reading = match front_end.read(sensor, self.rig.adc.as_ref(), *input, self.dt_s, path_m) {
+                Ok(reading) => reading,
+                Err(refusal) => {
+                    report.outcome = self.refuse(refusal);
+                    continue;
+                }
+            };
+            let gain = self.gain(i);
+            report.range_m = Some(reading.range_m / gain);
+            report.outcome = match self.associate(i, &reading) {
+                Ok(outcome) => outcome,
+                Err(refusal) => self.refuse(refusal),
+            };
+            if matches!(report.outcome, Outcome::Unexplained | Outcome::Gated { .. }) {
+                self.keep_outlier(i, &reading);
+            }
+        }
+    }
+
+    fn refuse(&mut self, refusal: Refusal) -> Outcome {
+        if let Some(count) = self.counters.refused.get_mut(refusal as usize) {
+            *count = count.saturating_add(1);
+        }
+        Outcome::Refused(refusal)
+    }
+
+    /// The mount as it was when the reading was made: an analogue sensor's is half a hold old when it comes out, and has
+    /// been held for half a sampling period, or hold, on average.
+    pub(crate) fn mount_then(&self, sensor: usize) -> FixedMount {
+        let mount = self.mounts.get(sensor).copied().unwrap_or_else(|| FixedMount::new(&Default::default()));
+        let holds = self.rig.sensors.get(sensor).is_some_and(|s| matches!(s.model, RangeModel::Sharp { .. }));
+        if !holds || self.dt_s <= 0.0 {
+            return mount;
+        }
+        let age_s = 0.5 * (SHARP_HOLD_S + self.dt_s.min(SHARP_HOLD_S));
+        let i = self.last_step.increment;
+        let ratio = age_s / self.dt_s;
+        mount.lagging([ratio * i.forward_m, ratio * i.left_m], ratio * i.turn_rad)
+    }
+
+    fn position(&self) -> [f32; 2] {
+        [self.ekf.mean(X), self.ekf.mean(Y)]
+    }
+
+    /// Finds the wall that the beam meets and updates with it.
+    fn associate(&mut self, sensor: usize, reading: &Reading) -> Result<Outcome, Refusal> {
+        let heading = sin_cos(self.ekf.mean(THETA));
+        let beam = self.mount_then(sensor).beam(self.position(), heading);
+        let grid = GridDirection::of(&self.ekf);
+        let Some(limits) = self.rig.sensors.get(sensor).copied() else { return Err(Refusal::Invalid) };
+        let gain = self.gain(sensor);
+        let mut outcome = Outcome::Unexplained;
+        let mut beyond_m = 0.0;
+        for _ in 0..MAX_CANDIDATES {
+            let met = first_met(&self.ekf, &grid, self.map.walls(), &beam, beyond_m, 1.5 * limits.max_m);
+            let Some(met) = met else { break };
+            // A tenth of a millimetre on, so that rounding does not bring the same wall again.
+            beyond_m = met.range_m + 1e-4;
+            let Some(&wall) = self.map.walls().get(met.index) else { break };
+            let prediction = beam.predict(&met.line);
+            let predicted_m = gain * prediction.range_m;
+            let innovation = reading.innovation(predicted_m);
+            let jacobian = self.jacobian(sensor, gain, &wall, &prediction);
+            let noise = innovation.noise_m2 + self.timing_variance(reading, &prediction, heading);
+            let variance_m2 = self.ekf.variance(&jacobian) + noise;
+            let innovation_m = innovation.value_m;
+            if innovation_m * innovation_m <= self.config.gate * variance_m2 {
+                if met.cos_incidence < libm::cosf(limits.max_incidence_rad) {
+                    return Err(Refusal::Incidence);
+                }
+                // A reading that only its noise brought inside the sensor's limits is a biased one.
+                let margin = 2.0 * libm::sqrtf(innovation.noise_m2);
+                if predicted_m > limits.max_m - margin {
+                    return Err(Refusal::TooFar);
+                }
+                if predicted_m < limits.min_m + margin.min(0.5 * limits.min_m) {
+                    return Err(Refusal::TooNear);
+                }
+                self.ekf.update(innovation_m, &jacobian, noise).map_err(|_| Refusal::Degenerate)?;
+                self.ekf.set_mean(THETA, wrap(self.ekf.mean(THETA)));
+                self.counters.updates = self.counters.updates.saturating_add(1);
+                self.map.met(met.index, met.along_m, self.odometry.path_m);
+                return Ok(Outcome::Updated { wall: wall.id, innovation_m, variance_m2 });
+            }
+            if outcome == Outcome::Unexplained {
+                outcome = Outcome::Gated { wall: wall.id, innovation_m, variance_m2 };
+            }
+            if met.inside_m > 0.0 {
+                self.judge_pass(&met, innovation_m, variance_m2);
+                break;
+            }
+        }
+        Ok(outcome)
+    }
+
+    /// A reading well beyond a wall, well inside its extent, went through it.
+    fn judge_pass(&mut self, met: &Candidate, innovation_m: f32, variance_m2: f32) {
+        let margin_m = 0.1 + 3.0 * libm::sqrtf(variance_m2);
+        if innovation_m > margin_m && met.inside_m > margin_m {
+            self.map.passed_through(met.index);
+        }
+    }
+
+    /// Variance of an analogue reading from not knowing when it was made: uniform within a sampling period or hold.
+    fn timing_variance(&self, reading: &Reading, prediction: &Prediction, (sin, cos): (f32, f32)) -> f32 {
+        if matches!(reading.noise, Noise::Metres { .. }) || self.dt_s <= 0.0 {
+            return 0.0;
+        }
+        let i = self.last_step.increment;
+        let moved = [cos * i.forward_m - sin * i.left_m, sin * i.forward_m + cos * i.left_m];
+        let change_m = prediction.by_position[0] * moved[0]
+            + prediction.by_position[1] * moved[1]
+            + prediction.by_heading * i.turn_rad;
+        let spread_m = change_m * (self.dt_s.min(SHARP_HOLD_S) / self.dt_s);
+        spread_m * spread_m * (1.0 / 12.0)
+    }
+
+    /// Row of the measurement Jacobian, at most seven entries.
+    fn jacobian(&self, sensor: usize, gain: f32, wall: &Wall, prediction: &Prediction) -> Jacobian {
+        let mut row = Jacobian::new();
+        let mut push = |i: usize, derivative: f32| {
+            // The capacity is three times what a measurement has.
+            let _ = row.push((i, derivative));
+        };
+        push(X, gain * prediction.by_position[0]);
+        push(Y, gain * prediction.by_position[1]);
+        push(THETA, gain * prediction.by_heading);
+        match wall.direction {
+            Direction::Grid(_) => push(ALPHA, gain * prediction.by_beta),
+            Direction::Free(theta) => push(theta, gain * prediction.by_beta),
+            Direction::Snapped(theta) => {
+                push(ALPHA, gain * prediction.by_beta);
+                if self.config.walls == (WallPolicy::Snapped { theta_moves: true }) {
+                    push(theta, gain * prediction.by_beta);
+                }
+            }
+        }
+        push(wall.rho, gain * prediction.by_rho);
+        if let Some(state) = self.layout.gains.get(sensor).copied().flatten() {
+            push(state, prediction.range_m);
+        }
+        row
+    }
+
+    /// Where the beams ended, with the pose after the step.
+    pub(crate) fn place_hits(&self, report: &mut StepReport<S>) {
+        let heading = sin_cos(self.ekf.mean(THETA));
+        for (i, reading) in report.readings.iter_mut().enumerate() {
+            let beam: Beam = self.mount_then(i).beam(self.position(), heading);
+            reading.hit_m = reading.range_m.map(|range_m| beam.at(range_m));
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! What the estimator shows of itself.
+
+use crate::grid::GridDirection;
+use crate::layout::{ALPHA, THETA, X, Y};
+use crate::wall::WallKind;
+use crate::{Counters, DriveModel, Pose, Rig, Slam};
+
+/// A calibration state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Parameter {
+    /// Scale of the left wheel.
+    ScaleLeft,
+    /// Scale of the right wheel.
+    ScaleRight,
+    /// Factor of the track.
+    Track,
+    /// Scale of travelled distance.
+    ScaleDistance,
+    /// Scale of turned angle.
+    ScaleTurn,
+    /// Gain of the range sensor with this index.
+    Gain(u8),
+}
+
+/// A wall of the map: the points p with p . (cos beta, sin beta) = rho, from lo to hi along (-sin beta, cos beta).
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct WallView {
+    /// Identifier, never used again after the wall is gone.
+    pub id: u16,
+    /// Representation.
+    pub kind: WallKind,
+    /// Signed distance of the line from the origin along its normal, metres.
+    pub rho_m: f32,
+    /// Direction of the normal, radians. It points away from the side that the wall was seen from.
+    pub beta_rad: f32,
+    /// Start of the observed extent, metres.
+    pub lo_m: f32,
+    /// End of the observed extent, metres.
+    pub hi_m: f32,
+    /// 1-sigma of rho, metres.
+    pub sigma_rho_m: f32,
+    /// Readings that updated it.
+    pub updates: u32,
+}
+
+impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOCKS: usize> Slam<S, W, B, NB, BLOCKS> {
+    /// The rig.
+    pub fn rig(&self) -> &Rig<S> {
+        &self.rig
+    }
+
+    /// The estimated pose in the map frame.
+    pub fn pose(&self) -> Pose {
+        Pose { x_m: self.ekf.mean(X), y_m: self.ekf.mean(Y), theta_rad: self.ekf.mean(THETA) }
+    }
+
+    /// Covariance of (x, y, theta): m^2, m rad, rad^2.
+    pub fn pose_covariance(&self) -> [[f32; 3]; 3] {
+        [X, Y, THETA].map(|i| [X, Y, THETA].map(|j| self.ekf.covariance(i, j)))
+    }
+
+    /// The pose by the motion input alone, with the rig's nominal calibration.
+    pub fn dead_reckoning(&self) -> Pose {
+        self.nominal
+    }
+
+    /// Direction of the wall grid and its 1-sigma, radians; none before the first grid wall.
+    pub fn alpha(&self) -> Option<(f32, f32)> {
+        self.has_grid.then(|| (self.ekf.mean(ALPHA), self.sigma(ALPHA)))
+    }
+
+    fn sigma(&self, i: usize) -> f32 {
+        libm::sqrtf(self.ekf.covariance(i, i).max(0.0))
+    }
+
+    /// The walls of the map.
+    pub fn walls(&self) -> impl Iterator<Item = WallView> + '_ {
+        let grid = GridDirection::of(&self.ekf);
+        self.map.walls().iter().map(move |wall| {
+            let line = wall.line(&self.ekf, &grid);
+            WallView {
+                id: wall.id,
+                kind: wall.kind(),
+                rho_m: line.rho_m,
+                beta_rad: line.beta_rad,
+                lo_m: wall.lo_m,
+                hi_m: wall.hi_m,
+                sigma_rho_m: self.sigma(wall.rho),
+                updates: wall.updates,
+            }
+        })
+    }
+
+    /// Every calibration state with its estimate (a factor, 1 where exact) and 1-sigma.
+    pub fn calibration(&self) -> impl Iterator<Item = (Parameter, f32, f32)> + '_ {
+        let (first, second) = match self.rig.drive {
+            DriveModel::Wheels { .. } => (Parameter::ScaleLeft, Parameter::ScaleRight),
+            DriveModel::Odometry { .. } => (Parameter::ScaleDistance, Parameter::ScaleTurn),
+        };
+        let drive = [
+            (first, self.layout.first_scale),
+            (second, self.layout.second_scale),
+            (Parameter::Track, self.layout.track),
+        ];
+        let gains = self.layout.gains.iter().enumerate().map(|(i, state)| (Parameter::Gain(i as u8), *state));
+        drive
+            .into_iter()
+            .chain(gains)
+            .filter_map(|(parameter, state)| state.map(|i| (parameter, self.ekf.mean(i), self.sigma(i))))
+    }
+
+    /// Counts of everything used and refused.
+    pub fn counters(&self) -> &Counters {
+        &self.counters
+    }
+
+    /// Length of the state vector at present.
+    pub fn state_len(&self) -> usize {
+        self.ekf.len()
+    }
+}
