@@ -1,12 +1,15 @@
 //! Floor plans as TOML: the built-in ones and the user's own. The format is described in `docs/plan-format.md`.
 
+mod check;
+mod schema;
+
 use core::fmt;
 use std::path::Path;
 
-use serde::Deserialize;
-
 use crate::plan::{Cliff, Door, Face, Person, Plan, Room, Round};
 use crate::pose::TruePose;
+use check::Check;
+use schema::{Cuboid, File};
 
 /// The built-in plans: name and text.
 pub const BUILT_IN: [(&str, &str); 6] = [
@@ -63,158 +66,6 @@ impl fmt::Display for PlanError {
 }
 
 impl std::error::Error for PlanError {}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    name: Option<String>,
-    start: Start,
-    #[serde(default)]
-    outline: Vec<Outline>,
-    #[serde(default, rename = "box")]
-    boxes: Vec<Cuboid>,
-    #[serde(default)]
-    wall: Vec<Wall>,
-    #[serde(default)]
-    round: Vec<RoundThing>,
-    #[serde(default)]
-    room: Vec<RoomArea>,
-    #[serde(default)]
-    door: Vec<DoorLeaf>,
-    #[serde(default)]
-    person: Vec<Walker>,
-    #[serde(default)]
-    cliff: Vec<Hole>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Start {
-    x_m: f64,
-    y_m: f64,
-    #[serde(default)]
-    heading_deg: f64,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Outline {
-    points_m: Vec<[f64; 2]>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Cuboid {
-    min_m: [f64; 2],
-    max_m: [f64; 2],
-    #[serde(default)]
-    turn_deg: f64,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Wall {
-    from_m: [f64; 2],
-    to_m: [f64; 2],
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RoundThing {
-    centre_m: [f64; 2],
-    radius_m: f64,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RoomArea {
-    name: String,
-    min_m: [f64; 2],
-    max_m: [f64; 2],
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct DoorLeaf {
-    from_m: [f64; 2],
-    to_m: [f64; 2],
-    #[serde(default)]
-    closes_at_s: f64,
-    opens_at_s: Option<f64>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Walker {
-    #[serde(default = "leg_radius_m")]
-    radius_m: f64,
-    #[serde(default = "walking_speed_mps")]
-    speed_mps: f64,
-    path_m: Vec<[f64; 2]>,
-}
-
-fn leg_radius_m() -> f64 {
-    0.15
-}
-
-fn walking_speed_mps() -> f64 {
-    0.5
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Hole {
-    min_m: [f64; 2],
-    max_m: [f64; 2],
-}
-
-/// Farthest a coordinate may be from the plan's origin, metres.
-const LARGEST_M: f64 = 1000.0;
-
-const COORDINATE: &str = "metres between -1000 and 1000 are allowed";
-
-/// Checks values and names the place of a bad one.
-struct Check<'a> {
-    file: &'a str,
-}
-
-impl Check<'_> {
-    fn fail<T>(&self, key: String, allowed: &'static str) -> Result<T, PlanError> {
-        Err(PlanError::Value { file: self.file.into(), key, allowed })
-    }
-
-    fn point(&self, key: &str, point_m: [f64; 2]) -> Result<(), PlanError> {
-        if point_m.iter().all(|value| value.abs() <= LARGEST_M) { Ok(()) } else { self.fail(key.into(), COORDINATE) }
-    }
-
-    fn positive(&self, key: &str, value: f64) -> Result<(), PlanError> {
-        if value > 0.0 && value <= LARGEST_M {
-            Ok(())
-        } else {
-            self.fail(key.into(), "a number above 0 and up to 1000 is allowed")
-        }
-    }
-
-    fn rectangle(&self, key: &str, min_m: [f64; 2], max_m: [f64; 2]) -> Result<(), PlanError> {
-        self.point(&format!("{key}.min_m"), min_m)?;
-        self.point(&format!("{key}.max_m"), max_m)?;
-        if min_m[0] < max_m[0] && min_m[1] < max_m[1] {
-            Ok(())
-        } else {
-            self.fail(format!("{key}.max_m"), "both coordinates must be larger than min_m's")
-        }
-    }
-
-    fn segment(&self, key: &str, from_m: [f64; 2], to_m: [f64; 2]) -> Result<(), PlanError> {
-        self.point(&format!("{key}.from_m"), from_m)?;
-        self.point(&format!("{key}.to_m"), to_m)?;
-        if libm::hypot(to_m[0] - from_m[0], to_m[1] - from_m[1]) > 1e-3 {
-            Ok(())
-        } else {
-            self.fail(format!("{key}.to_m"), "must be at least 1 mm from from_m")
-        }
-    }
-}
 
 /// The plan with this built-in name, or else the plan in the file of this name.
 ///

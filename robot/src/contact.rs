@@ -6,6 +6,7 @@ use crate::traits::WheelSpeeds;
 
 /// What the robot touches, or is about to fall over.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Contacts {
     /// The left half of the front bumper is pressed.
     pub bump_left: bool,

@@ -15,6 +15,7 @@ pub struct HBridge<P, F, B> {
 
 /// Which output failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum HBridgeError<P, F, B> {
     /// The PWM output.
     Speed(P),

@@ -48,6 +48,7 @@ pub trait DriveMotors {
 
 /// Share of the supply at each motor: -1 (full speed backwards) to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Duty {
     /// Left wheel.
     pub left: f32,
@@ -57,6 +58,7 @@ pub struct Duty {
 
 /// Speed of each wheel over the ground, metres per second, forward positive.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct WheelSpeeds {
     /// Left wheel, m/s.
     pub left_mps: f32,

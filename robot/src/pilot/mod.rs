@@ -8,7 +8,9 @@
 //! It takes the pose as it comes: an error of a few centimetres or a jump of ten blur the picture, and passing beams
 //! clear it again.
 
+mod beam;
 mod memory;
+mod patience;
 mod search;
 mod steer;
 
@@ -16,9 +18,10 @@ use slam_core::{Pose, Rig};
 
 use crate::contact::Contacts;
 use crate::traits::WheelSpeeds;
+use beam::{Beam, draw_beam};
 use memory::{Cell, Memory};
+use patience::Patience;
 use search::{Route, Squeeze};
-use steer::Beam;
 
 /// Size of the robot and manner of driving.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,6 +71,7 @@ pub struct Senses<const S: usize> {
 
 /// What the pilot is doing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Activity {
     /// Nothing is known to go to: straight on, turning away from what is ahead.
     #[default]
@@ -86,19 +90,8 @@ pub enum Activity {
 const BACK_OFF_US: u64 = 1_200_000;
 /// A route is looked for this often, microseconds.
 const ROUTE_US: u64 = 250_000;
-/// Without coming nearer to its target for this long, the pilot gives the target up, microseconds.
-const PATIENCE_US: u64 = 6_000_000;
-/// Targets this near to each other are one, in cells.
-const SAME_TARGET: i16 = 3;
-/// A target at most this near that falls out of reach is let go, in steps.
-const FLICKER_STEPS: u16 = 6;
-/// Changes of the target that count as progress.
-const PATIENT_SWITCHES: u8 = 4;
 /// Held up by something ahead for this long, the pilot takes the place to be blocked, microseconds.
 const PINCH_US: u64 = 1_000_000;
-/// Steps without a reading after which a sensor is taken to see nothing, and how far it then surely sees, metres.
-const EMPTY_STEPS: u8 = 5;
-const EMPTY_M: f32 = 0.5;
 /// Half width of the trail of visited cells, in cells.
 const TRAIL: i16 = 2;
 
@@ -115,11 +108,7 @@ pub struct Pilot<const S: usize, const N: usize = 80> {
     since_us: u64,
     /// Direction of the next turn away: 1 counter-clockwise, -1 clockwise.
     turn_sign: f32,
-    /// Fewest steps to the target so far, and when that was reached.
-    best_steps: u16,
-    progress_us: u64,
-    /// Changes of the target since the trail last grew.
-    switches: u8,
+    patience: Patience,
     /// When the robot was last told to move.
     moving_us: u64,
     rounds: u16,
@@ -138,9 +127,7 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
             activity: Activity::default(),
             since_us: 0,
             turn_sign: 1.0,
-            best_steps: u16::MAX,
-            progress_us: 0,
-            switches: 0,
+            patience: Patience::new(),
             moving_us: 0,
             rounds: 0,
             given_up: 0,
@@ -189,9 +176,7 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
         }
         let here = self.memory.cell_at(pose.x_m, pose.y_m);
         if self.memory.visit(here, TRAIL) {
-            self.best_steps = u16::MAX;
-            self.progress_us = senses.time_us;
-            self.switches = 0;
+            self.patience.renew(senses.time_us);
         }
         self.memory.stand_on(here);
         for beam in &self.beams {
@@ -232,20 +217,28 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
 
     /// Remembers what was touched and backs off from it.
     fn touch(&mut self, senses: &Senses<S>) {
-        let contacts = senses.contacts;
-        let reach_m = self.config.radius_m + 0.4 * self.config.cell_m;
-        let bearings_rad =
-            [(contacts.bump_left, 0.6), (contacts.bump_right, -0.6), (contacts.cliff || contacts.any(), 0.0)];
-        let both = contacts.bump_left == contacts.bump_right;
-        for (_, bearing_rad) in bearings_rad.iter().filter(|(on, bearing_rad)| *on && (both || *bearing_rad != 0.0)) {
-            let (s, c) = slam_core::angle::sin_cos(*bearing_rad);
-            let [x_m, y_m] = senses.pose.transform([reach_m * c, reach_m * s]);
-            self.memory.block(self.memory.cell_at(x_m, y_m));
+        let Contacts { bump_left, bump_right, .. } = senses.contacts;
+        if bump_left {
+            self.block_towards(0.6, senses);
         }
-        if !both {
-            self.turn_sign = if contacts.bump_left { -1.0 } else { 1.0 };
+        if bump_right {
+            self.block_towards(-0.6, senses);
+        }
+        if bump_left == bump_right {
+            // Head on, or a cliff.
+            self.block_towards(0.0, senses);
+        } else {
+            self.turn_sign = if bump_left { -1.0 } else { 1.0 };
         }
         self.begin(Activity::BackingOff, senses);
+    }
+
+    /// Remembers something touching the body in this direction (radians from straight ahead).
+    fn block_towards(&mut self, bearing_rad: f32, senses: &Senses<S>) {
+        let reach_m = self.config.radius_m + 0.45 * self.config.cell_m;
+        let (s, c) = slam_core::angle::sin_cos(bearing_rad);
+        let [x_m, y_m] = senses.pose.transform([reach_m * c, reach_m * s]);
+        self.memory.block(self.memory.cell_at(x_m, y_m));
     }
 
     fn travel(&mut self, senses: &Senses<S>) -> (f32, f32) {
@@ -255,7 +248,7 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
             self.look_for_route(senses);
         }
         let Some(route) = self.route else { return self.wander() };
-        if senses.time_us.saturating_sub(self.progress_us) > PATIENCE_US {
+        if self.patience.is_over(senses.time_us) {
             self.give_up(route, senses);
             return (0.0, 0.0);
         }
@@ -271,8 +264,7 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
         }
         if senses.time_us.saturating_sub(self.moving_us) > PINCH_US {
             self.moving_us = senses.time_us;
-            let ahead_m = senses.pose.transform([self.config.radius_m + 0.5 * self.config.cell_m, 0.0]);
-            self.memory.block(self.memory.cell_at(ahead_m[0], ahead_m[1]));
+            self.block_towards(0.0, senses);
             if let Some(Route { count: 1.., first: [next, ..], .. }) = self.route {
                 self.memory.block(next);
             }
@@ -293,8 +285,7 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
             self.rounds = self.rounds.saturating_add(1);
             self.memory.forget_visits();
             self.memory.visit(start, TRAIL);
-            self.best_steps = u16::MAX;
-            self.progress_us = senses.time_us;
+            self.patience.renew(senses.time_us);
             self.route = search::find_route(&mut self.memory, start, octant, Squeeze::Leave);
         }
         let activity = match self.route {
@@ -305,27 +296,11 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
         if activity != self.activity {
             self.begin(activity, senses);
         }
-        self.watch_progress(before, senses);
-    }
-
-    /// Notes when the robot last came nearer to its target. A new target counts as progress, but not again and again.
-    fn watch_progress(&mut self, before: Option<Route>, senses: &Senses<S>) {
-        let Some(route) = self.route else { return };
-        if let Some(before) = before
-            && before.target.moves_to(route.target) > SAME_TARGET
+        if let Some(route) = self.route
+            && self.patience.note(before.as_ref(), &route, senses.time_us)
+            && let Some(before) = before
         {
-            // A near place that fell out of reach comes back into it as soon as the robot has turned away: let it go.
-            if before.steps <= FLICKER_STEPS && route.steps > 2 * FLICKER_STEPS {
-                self.memory.visit(before.target, 1);
-            }
-            self.switches = self.switches.saturating_add(1);
-            if self.switches <= PATIENT_SWITCHES {
-                self.best_steps = u16::MAX;
-            }
-        }
-        if route.steps < self.best_steps {
-            self.best_steps = route.steps;
-            self.progress_us = senses.time_us;
+            self.memory.visit(before.target, 1);
         }
     }
 
@@ -350,8 +325,7 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
         self.given_up = self.given_up.saturating_add(1);
         self.memory.visit(route.target, 1);
         self.route = None;
-        self.best_steps = u16::MAX;
-        self.progress_us = senses.time_us;
+        self.patience.renew(senses.time_us);
         self.turn_sign = -self.turn_sign;
         self.begin(Activity::BackingOff, senses);
     }
@@ -365,45 +339,5 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
     }
 }
 
-/// Draws one beam into the picture: free up to its end, and a hit there where it is near enough to be placed.
-fn draw_beam<const N: usize>(memory: &mut Memory<N>, beam: &Beam, pose: &Pose, config: &PilotConfig) {
-    let trusted_m = config.trusted_m.min(0.8 * beam.max_m);
-    let empty = beam.age >= EMPTY_STEPS;
-    if beam.age != 0 && !empty {
-        return;
-    }
-    let free_m = if empty { EMPTY_M.min(trusted_m) } else { (beam.range_m - memory.cell_m).min(trusted_m) };
-    let from_m = pose.transform(beam.mount_m);
-    let to_m = pose.transform(beam.point_m(1.0));
-    let along = [to_m[0] - from_m[0], to_m[1] - from_m[1]];
-    let cell_at = |memory: &Memory<N>, range_m: f32| {
-        memory.cell_at(from_m[0] + range_m * along[0], from_m[1] + range_m * along[1])
-    };
-    let step_m = 0.5 * memory.cell_m;
-    let mut last = Cell { col: i16::MIN, row: 0 };
-    let mut range_m = 0.0;
-    while range_m < free_m {
-        let cell = cell_at(memory, range_m);
-        // A sensor that is blind sees nothing, too: it makes no wall vanish.
-        if cell != last && !(empty && memory.is_obstacle(cell)) {
-            memory.see_free(cell);
-        }
-        last = cell;
-        range_m += step_m;
-    }
-    if !empty && beam.range_m <= trusted_m {
-        let cell = cell_at(memory, beam.range_m);
-        memory.see_hit(cell);
-    }
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_pilot_of_the_robot_fits_in_8_kib() {
-        assert!(size_of::<Pilot<8>>() <= 8192, "{}", size_of::<Pilot<8>>());
-        assert!(size_of::<Pilot<16>>() <= 8192, "{}", size_of::<Pilot<16>>());
-    }
-}
+mod tests;

@@ -1,57 +1,10 @@
 //! From a point to go to and the readings of the moment to a forward speed and a turn rate.
 
+use slam_core::Pose;
 use slam_core::angle::wrap;
-use slam_core::{Pose, Rig};
 
 use super::PilotConfig;
-
-/// One sensor as the pilot sees it.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Beam {
-    pub mount_m: [f32; 2],
-    pub direction: [f32; 2],
-    pub min_m: f32,
-    pub max_m: f32,
-    /// Last reading, metres, and the number of steps since.
-    pub range_m: f32,
-    pub age: u8,
-}
-
-impl Beam {
-    /// The beams of a rig, none of them read yet.
-    pub(super) fn of_rig<const S: usize>(rig: &Rig<S>) -> [Beam; S] {
-        let mut beams = [Beam { age: u8::MAX, ..Beam::default() }; S];
-        for (beam, sensor) in beams.iter_mut().zip(&rig.sensors) {
-            let (s, c) = slam_core::angle::sin_cos(sensor.mount.bearing_rad);
-            beam.mount_m = [sensor.mount.x_m, sensor.mount.y_m];
-            beam.direction = [c, s];
-            beam.min_m = sensor.min_m;
-            beam.max_m = sensor.max_m;
-        }
-        beams
-    }
-
-    /// Takes this step's reading, if there is one that the sensor can make.
-    pub(super) fn take(&mut self, range_m: Option<f32>) {
-        match range_m {
-            Some(range_m) if range_m >= self.min_m && range_m <= self.max_m => {
-                self.range_m = range_m;
-                self.age = 0;
-            }
-            _ => self.age = self.age.saturating_add(1),
-        }
-    }
-
-    /// A point on the beam in the robot's frame, metres.
-    pub(super) fn point_m(&self, range_m: f32) -> [f32; 2] {
-        [self.mount_m[0] + range_m * self.direction[0], self.mount_m[1] + range_m * self.direction[1]]
-    }
-
-    /// Where the beam ends in the robot's frame, if it was read in the last moments.
-    fn hit_m(&self) -> Option<[f32; 2]> {
-        (self.age <= 3).then(|| self.point_m(self.range_m))
-    }
-}
+use super::beam::Beam;
 
 /// Free way straight ahead of the body (or behind it), metres.
 pub(super) fn gap_m(beams: &[Beam], config: &PilotConfig, backwards: bool) -> f32 {

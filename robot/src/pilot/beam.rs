@@ -1,0 +1,90 @@
+//! What the pilot keeps of each range sensor, and how it goes into the picture.
+
+use slam_core::{Pose, Rig};
+
+use super::PilotConfig;
+use super::memory::{Cell, Memory};
+
+/// Steps without a reading after which a sensor is taken to see nothing, and how far it then surely sees, metres.
+const EMPTY_STEPS: u8 = 5;
+const EMPTY_M: f32 = 0.5;
+
+/// One sensor as the pilot sees it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Beam {
+    pub mount_m: [f32; 2],
+    pub direction: [f32; 2],
+    pub min_m: f32,
+    pub max_m: f32,
+    /// Last reading, metres, and the number of steps since.
+    pub range_m: f32,
+    pub age: u8,
+}
+
+impl Beam {
+    /// The beams of a rig, none of them read yet.
+    pub(super) fn of_rig<const S: usize>(rig: &Rig<S>) -> [Beam; S] {
+        let mut beams = [Beam { age: u8::MAX, ..Beam::default() }; S];
+        for (beam, sensor) in beams.iter_mut().zip(&rig.sensors) {
+            let (s, c) = slam_core::angle::sin_cos(sensor.mount.bearing_rad);
+            beam.mount_m = [sensor.mount.x_m, sensor.mount.y_m];
+            beam.direction = [c, s];
+            beam.min_m = sensor.min_m;
+            beam.max_m = sensor.max_m;
+        }
+        beams
+    }
+
+    /// Takes this step's reading, if there is one that the sensor can make.
+    pub(super) fn take(&mut self, range_m: Option<f32>) {
+        match range_m {
+            Some(range_m) if range_m >= self.min_m && range_m <= self.max_m => {
+                self.range_m = range_m;
+                self.age = 0;
+            }
+            _ => self.age = self.age.saturating_add(1),
+        }
+    }
+
+    /// A point on the beam in the robot's frame, metres.
+    pub(super) fn point_m(&self, range_m: f32) -> [f32; 2] {
+        [self.mount_m[0] + range_m * self.direction[0], self.mount_m[1] + range_m * self.direction[1]]
+    }
+
+    /// Where the beam ends in the robot's frame, if it was read in the last moments.
+    pub(super) fn hit_m(&self) -> Option<[f32; 2]> {
+        (self.age <= 3).then(|| self.point_m(self.range_m))
+    }
+}
+
+/// Draws one beam into the picture: free up to its end, and a hit there where it is near enough to be placed.
+pub(super) fn draw_beam<const N: usize>(memory: &mut Memory<N>, beam: &Beam, pose: &Pose, config: &PilotConfig) {
+    let trusted_m = config.trusted_m.min(0.8 * beam.max_m);
+    let empty = beam.age >= EMPTY_STEPS;
+    if beam.age != 0 && !empty {
+        return;
+    }
+    let free_m = if empty { EMPTY_M.min(trusted_m) } else { (beam.range_m - memory.cell_m).min(trusted_m) };
+    let from_m = pose.transform(beam.mount_m);
+    let to_m = pose.transform(beam.point_m(1.0));
+    let along = [to_m[0] - from_m[0], to_m[1] - from_m[1]];
+    let cell_at = |memory: &Memory<N>, range_m: f32| {
+        memory.cell_at(from_m[0] + range_m * along[0], from_m[1] + range_m * along[1])
+    };
+    let step_m = 0.5 * memory.cell_m;
+    let mut last = Cell { col: i16::MIN, row: 0 };
+    let mut range_m = 0.0;
+    while range_m < free_m {
+        let cell = cell_at(memory, range_m);
+        // A sensor that is blind sees nothing, too: it makes no wall vanish.
+        if cell != last && !(empty && memory.is_obstacle(cell)) {
+            memory.see_free(cell);
+        }
+        last = cell;
+        range_m += step_m;
+    }
+    if !empty && beam.range_m <= trusted_m {
+        let cell = cell_at(memory, beam.range_m);
+        memory.see_hit(cell);
+    }
+}

@@ -1,0 +1,87 @@
+//! The pilot by itself, without a home around it.
+
+use super::*;
+
+fn senses(time_us: u64, pose: Pose, ranges_m: [Option<f32>; 8], contacts: Contacts) -> Senses<8> {
+    Senses { time_us, pose, ranges_m, contacts }
+}
+
+fn pilot() -> Pilot<8> {
+    let sensor = |bearing_rad| slam_core::RangeSensor {
+        mount: slam_core::Mount { x_m: 0.0, y_m: 0.0, bearing_rad },
+        min_m: 0.15,
+        max_m: 1.5,
+        max_incidence_rad: 1.2,
+        gain_sigma: 0.0,
+        model: slam_core::RangeModel::Metric { noise_m: 0.01, noise_rel: 0.0 },
+    };
+    let drive = slam_core::DriveModel::Wheels {
+        track_m: 0.235,
+        track_sigma: 0.0,
+        metres_per_tick: 0.000_445,
+        scale_sigma: 0.0,
+        noise_m2_per_m: 0.0,
+    };
+    let sensors = (0..8).map(|i| sensor(i as f32 * core::f32::consts::FRAC_PI_4)).collect();
+    Pilot::new(PilotConfig::default(), &Rig { drive, adc: None, sensors })
+}
+
+#[test]
+fn a_bump_leads_to_backing_off_and_turning_away_from_it() {
+    for (bump_left, sign) in [(true, -1.0), (false, 1.0)] {
+        let mut pilot = pilot();
+        let bump = Contacts { bump_left, bump_right: !bump_left, cliff: false };
+        let back = pilot.step(&senses(0, Pose::default(), [None; 8], bump));
+        assert_eq!(pilot.activity(), Activity::BackingOff);
+        assert!(back.left_mps < 0.0 && back.right_mps < 0.0);
+        pilot.step(&senses(2_000_000, Pose::default(), [None; 8], Contacts::default()));
+        let turn = pilot.step(&senses(2_040_000, Pose::default(), [None; 8], Contacts::default()));
+        assert_eq!(pilot.activity(), Activity::TurningAway);
+        assert!((turn.right_mps - turn.left_mps) * sign > 0.0);
+    }
+}
+
+#[test]
+fn it_never_drives_on_towards_something_just_ahead() {
+    let mut pilot = pilot();
+    for step in 0..200 {
+        let mut ranges_m = [Some(1.0); 8];
+        ranges_m[0] = Some(0.2);
+        let speeds = pilot.step(&senses(step * 40_000, Pose::default(), ranges_m, Contacts::default()));
+        assert!(speeds.left_mps + speeds.right_mps < 0.01, "{step}: {speeds:?}");
+    }
+}
+
+#[test]
+fn whatever_it_is_told_the_speeds_are_finite_and_limited() {
+    let mut pilot = pilot();
+    let mut bits = 1_u32;
+    let mut random = move || {
+        bits ^= bits << 13;
+        bits ^= bits >> 17;
+        bits ^= bits << 5;
+        bits
+    };
+    for _ in 0..20_000 {
+        let mut value = || match random() % 8 {
+            0 => f32::NAN,
+            1 => f32::INFINITY,
+            2 => f32::from_bits(random()),
+            3 => -1.0,
+            _ => (random() % 1000) as f32 * 0.005,
+        };
+        let pose = Pose { x_m: value(), y_m: value(), theta_rad: value() };
+        let ranges_m = [(); 8].map(|()| Some(value()));
+        let contacts = Contacts { bump_left: random() % 9 == 0, bump_right: random() % 9 == 0, cliff: false };
+        let speeds = pilot.step(&senses(u64::from(random()), pose, ranges_m, contacts));
+        for speed_mps in [speeds.left_mps, speeds.right_mps] {
+            assert!(speed_mps.abs() <= 0.25 + 0.5 * 0.235 * 0.8 + 1e-6, "{speeds:?}");
+        }
+    }
+}
+
+#[test]
+fn the_pilot_of_the_robot_fits_in_8_kib() {
+    assert!(size_of::<Pilot<8>>() <= 8192, "{}", size_of::<Pilot<8>>());
+    assert!(size_of::<Pilot<16>>() <= 8192, "{}", size_of::<Pilot<16>>());
+}
