@@ -69,7 +69,7 @@ fn a_run_with_truth_shows_its_figures_map_and_charts() {
         assert_eq!(seen["figures"][figure], value, "{figure}");
     }
     assert_eq!(seen["figures"]["path"], "15.00 m");
-    assert_eq!(seen["figures"]["duration"], "1 min 0 s");
+    assert_eq!(seen["figures"]["duration"], "1:00");
     let charts = ["distance", "heading", "error-x", "error-y", "nees", "nis", "walls", "alpha"];
     let calibration = ["gain_front", "gain_left", "scale_left", "scale_right"].map(|p| format!("calibration-{p}"));
     let expected: Vec<&str> = charts.into_iter().chain(calibration.iter().map(String::as_str)).collect();
@@ -131,6 +131,7 @@ fn toggles_colourings_and_themes_change_the_picture() {
         await click("[data-class='0']");
         await click("[data-colouring='sensor']");
         const sensors = document.querySelectorAll("[data-class]").length;
+        await click("[data-comparison='fit']");
         await click("#zoom-in");
         await click("#walls button");
         await click("[data-theme-choice='dark']");
@@ -146,6 +147,40 @@ fn toggles_colourings_and_themes_change_the_picture() {
     assert!(seen["passes"].as_u64().unwrap() >= 2, "the second lap is a second pass: {}", seen["passes"]);
     assert_eq!(seen["sensors"], 8);
     assert_ne!(seen["dark"], seen["light"]);
+}
+
+#[test]
+fn pointing_at_map_and_charts_tells_what_is_there() {
+    let probe = r##"
+        const point = (node, type, x, y) => {
+            const box = node.getBoundingClientRect();
+            node.dispatchEvent(new PointerEvent(type, { bubbles: true, pointerId: 1, clientX: box.x + x, clientY: box.y + y }));
+        };
+        const chart = document.querySelector("[data-chart='distance']");
+        const canvas = chart.querySelector("canvas");
+        const readout = () => chart.querySelector(".readout").textContent;
+        const before = readout();
+        // Half of the plotting area, between the margins of 52 and 12 pixels.
+        point(canvas, "pointermove", 52 + (canvas.clientWidth - 64) / 2, 50);
+        const hovered = readout();
+        point(canvas, "pointerleave", 0, 0);
+        const after = readout();
+        const map = document.querySelector("#map");
+        const tip = document.querySelector("#map-tip");
+        const tips = new Set();
+        for (let x = 4; x < map.clientWidth; x += 4) {
+            point(map, "pointermove", x, map.clientHeight / 2);
+            if (!tip.hidden) tips.add(tip.textContent);
+        }
+        return { before, hovered, after, tips: [...tips] };
+    "##;
+    let Some(seen) = open("pointing", &sample_recording(60.0, 10.0), "", probe) else { return };
+    assert!(seen["hovered"].as_str().unwrap().starts_with("0:30.0 · Estimate 0.8\u{a0}cm"), "{}", seen["hovered"]);
+    assert_ne!(seen["before"], seen["hovered"]);
+    assert_eq!(seen["before"], seen["after"]);
+    let tips: Vec<&str> = seen["tips"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+    assert!(tips.iter().any(|tip| tip.starts_with("Wall ")), "{tips:?}");
+    assert!(tips.iter().any(|tip| tip.contains(": used, wall ") && tip.contains("pass 1")), "{tips:?}");
 }
 
 #[test]

@@ -317,6 +317,11 @@ fn score(score: &PathScore) -> Value {
         "start_m": score.start_m,
         "heading_deg": score.heading_deg,
         "nees": score.nees,
+        "alignment": {
+            "x": score.alignment.x_m,
+            "y": score.alignment.y_m,
+            "theta": score.alignment.theta_rad,
+        },
     })
 }
 

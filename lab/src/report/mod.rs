@@ -16,11 +16,12 @@ const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("style.css");
 
 /// In the order in which they build on each other.
-const SCRIPTS: [&str; 14] = [
+const SCRIPTS: [&str; 15] = [
     include_str!("js/errors.js"),
     include_str!("js/format.js"),
     include_str!("js/theme.js"),
     include_str!("js/decode.js"),
+    include_str!("js/display.js"),
     include_str!("js/hits.js"),
     include_str!("js/clock.js"),
     include_str!("js/view.js"),

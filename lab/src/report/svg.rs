@@ -3,7 +3,7 @@
 use super::{data::wall_ends, escape};
 use crate::recording::{Pose2, Recording};
 use slam_core::{Outcome, WallKind};
-use std::fmt::Write;
+use std::{f64::consts::FRAC_PI_2, fmt::Write};
 
 /// Size of the longer side of the drawing, SVG units.
 const SIZE: f64 = 840.0;
@@ -24,8 +24,9 @@ const ESTIMATE: &str = "#2d8be0";
 const TRUTH: &str = "#7d8590";
 const ODOMETRY: &str = "#c9910a";
 
-/// Map metres to SVG units.
+/// Map metres to SVG units, turned so that the wall grid is upright.
 struct Frame {
+    turn: [f64; 2],
     x0: f64,
     y1: f64,
     scale: f64,
@@ -36,6 +37,9 @@ struct Frame {
 impl Frame {
     /// Around everything but dead reckoning, which may wander off.
     fn around(recording: &Recording) -> Self {
+        let alpha = recording.steps.iter().rev().find_map(|s| s.alpha).map_or(0.0, |(alpha, _)| f64::from(alpha));
+        let (s, c) = ((alpha / FRAC_PI_2).round() * FRAC_PI_2 - alpha).sin_cos();
+        let turned = |[x, y]: [f64; 2]| [c * x - s * y, s * x + c * y];
         let mut points: Vec<[f64; 2]> = recording.steps.iter().map(|s| [s.pose.x_m, s.pose.y_m]).collect();
         points.extend(recording.true_walls.iter().flat_map(|s| [s.from_m, s.to_m]));
         for [x0, y0, x1, y1] in recording.walls().iter().map(wall_ends) {
@@ -43,7 +47,7 @@ impl Frame {
         }
         let mut low = [f64::INFINITY; 2];
         let mut high = [f64::NEG_INFINITY; 2];
-        for point in points.iter().filter(|p| p[0].is_finite() && p[1].is_finite()) {
+        for point in points.into_iter().map(turned).filter(|p| p[0].is_finite() && p[1].is_finite()) {
             for axis in 0..2 {
                 low[axis] = low[axis].min(point[axis]);
                 high[axis] = high[axis].max(point[axis]);
@@ -55,6 +59,7 @@ impl Frame {
         let extent = [(high[0] - low[0]).max(0.5), (high[1] - low[1]).max(0.5)];
         let scale = (SIZE - 2.0 * MARGIN) / extent[0].max(extent[1]);
         Self {
+            turn: [c, s],
             x0: low[0] - MARGIN / scale,
             y1: high[1] + MARGIN / scale,
             scale,
@@ -64,7 +69,8 @@ impl Frame {
     }
 
     fn place(&self, x_m: f64, y_m: f64) -> [f64; 2] {
-        [(x_m - self.x0) * self.scale, (self.y1 - y_m) * self.scale]
+        let [c, s] = self.turn;
+        [(c * x_m - s * y_m - self.x0) * self.scale, (self.y1 - s * x_m - c * y_m) * self.scale]
     }
 
     fn line(&self, [x0, y0, x1, y1]: [f64; 4]) -> String {

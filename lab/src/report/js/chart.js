@@ -14,7 +14,7 @@ class Chart {
     this.cursor = element("div", { class: "cursor", "aria-hidden": "true" });
     this.hoverLine = element("div", { class: "cursor hover", "aria-hidden": "true", hidden: true });
     this.readout = element("p", { class: "readout" });
-    const legend = element("ul", { class: "legend" }, ...spec.series.map((series) => element("li", {},
+    const legend = spec.small ? "" : element("ul", { class: "legend" }, ...spec.series.map((series) => element("li", {},
       element("span", { class: `swatch ${series.kind} ${series.dash ? "dashed" : ""}`, style: `--c:var(--${series.colour})` }),
       series.label)));
     this.figure = element("figure", { class: "chart card", "data-chart": spec.id },
@@ -82,7 +82,7 @@ class Chart {
       const text = i < 0 ? NONE : series.kind === "band" ? this.bandText(series, i) : this.spec.unit(series.y[i]);
       return `${series.label} ${text}`;
     });
-    this.readout.textContent = [clockTime(seconds), ...values].join("  \u00b7  ");
+    this.readout.textContent = [clockTime(seconds), ...values].join(" \u00b7 ");
   }
 
   bandText(series, i) {
@@ -114,7 +114,7 @@ class Chart {
     context.lineWidth = 1;
     context.textBaseline = "middle";
     context.textAlign = "right";
-    const marks = this.spec.log ? decades(...this.range) : ticks(...this.range, height / 48);
+    const marks = this.spec.log ? decades(...this.range) : ticks(...this.range, Math.max(3, height / 48));
     for (const value of marks) {
       const y = Math.round(this.yOf(value)) + 0.5;
       context.beginPath();
@@ -184,12 +184,12 @@ class Chart {
 
   drawDots(context, { t, y }) {
     for (let i = 0; i < t.length; i++) {
-      if (Number.isFinite(y[i])) context.fillRect(this.xOf(t[i]) - 1, this.yOf(Math.min(y[i], this.range[1])) - 1, 2, 2);
+      if (y[i] >= this.range[0]) context.fillRect(this.xOf(t[i]) - 1, this.yOf(Math.min(y[i], this.range[1])) - 1, 2, 2);
     }
   }
 
   drawBand(context, { t, low, high }, colour) {
-    context.fillStyle = translucent(colour, 0.16);
+    context.fillStyle = translucent(colour, 0.2);
     const skip = Math.max(1, Math.floor(t.length / (2 * this.canvas.clientWidth)));
     let from = 0;
     while (from < t.length) {

@@ -6,7 +6,7 @@ const degText = (v) => degrees(v, 2);
 const scaled = (values, factor) => values.map((v) => v * factor);
 
 function metresAxis(value) {
-  return value >= 1 ? `${plain(value).replace(/\.00$/, "")} m` : value >= 0.01 ? `${Math.round(value * 100)} cm` : `${Math.round(value * 1000)} mm`;
+  return value >= 1 ? `${Math.round(value)} m` : value >= 0.01 ? `${Math.round(value * 100)} cm` : `${Math.round(value * 1000)} mm`;
 }
 
 // Signed error of the estimate with its own 2-sigma bounds.
@@ -77,13 +77,13 @@ function errorCharts(run) {
   return charts;
 }
 
-// Squared innovations in units of their variance: one dot for each step and sensor that was used.
-function nisDots(run) {
+// Squared innovations in units of their variance: a dot for each reading with this outcome.
+function nisDots(run, outcome) {
   const t = [];
   const y = [];
   for (let step = 0; step < run.count; step++) {
     for (const sensor of run.sensors) {
-      if (sensor.code[step] !== USED) continue;
+      if (sensor.code[step] !== outcome) continue;
       t.push(run.t[step]);
       y.push(sensor.sigmas[step] ** 2);
     }
@@ -114,19 +114,20 @@ function consistencyCharts(run) {
       ],
     });
   }
-  const dots = nisDots(run);
   charts.push({
     id: "nis",
     title: "NIS: surprise of each reading",
     note: "Innovation squared over its variance: 1 on average for honest error bars. Dots are readings, lines are means of 30 s.",
     unit: plain,
-    axis: plain,
-    range: [0, 8],
+    axis: String,
+    log: true,
+    range: [0.01, 100],
     series: [
-      { kind: "dots", label: "Reading", colour: "soft", ...dots, quiet: true },
+      { kind: "dots", label: "Reading used", colour: "soft", ...nisDots(run, USED), quiet: true },
+      { kind: "dots", label: "Outside the gate", colour: "gated", ...nisDots(run, GATED), quiet: true },
       { kind: "level", label: "Ideal, 1", colour: "soft", y: 1 },
-      { kind: "line", label: "Mean, used", colour: "estimate", t, y: run.nisUsed },
-      { kind: "line", label: "Mean, with those outside the gate", colour: "odometry", dash: true, t, y: run.nisAll },
+      { kind: "line", label: "Mean of those used", colour: "estimate", t, y: run.nisUsed },
+      { kind: "line", label: "Mean with those outside the gate", colour: "estimate", dash: true, t, y: run.nisAll },
     ],
   });
   charts.push({
@@ -175,15 +176,18 @@ function calibrationCharts(run) {
   const { t, parameters } = run.calibration;
   if (!t.length) return [];
   const percent = (values) => values.map((v) => 100 * (v - 1));
+  // The wide bands of the first moments may leave the chart.
+  const settled = Math.floor(t.length * 0.1);
   let most = 0.2;
   for (const p of parameters) {
     p.value.forEach((v, i) => {
-      const size = 100 * (Math.abs(v - 1) + 2 * p.sigma[i]);
+      const size = 100 * (Math.abs(v - 1) + (i < settled ? 0 : 2 * p.sigma[i]));
       if (Number.isFinite(size)) most = Math.max(most, size);
     });
     if (Number.isFinite(p.truth)) most = Math.max(most, 110 * Math.abs(p.truth - 1));
   }
-  return parameters.map((p) => {
+  // A parameter without uncertainty is not estimated.
+  return parameters.filter((p) => p.sigma.some((s) => s > 0)).map((p) => {
     const y = percent(p.value);
     const series = [
       { kind: "band", label: "2 sigma", colour: "estimate", t, low: y.map((v, i) => v - 200 * p.sigma[i]), high: y.map((v, i) => v + 200 * p.sigma[i]), quiet: true },
@@ -199,6 +203,7 @@ function calibrationCharts(run) {
       unit: (v) => `${fixed(v, 2)} %`,
       axis: (v) => `${fixed(v, most < 1 ? 1 : 0)}`,
       range: [-most * 1.05, most * 1.05],
+      small: true,
       series,
     };
   });

@@ -41,7 +41,7 @@ function honesty(nees) {
 
 function truthFigures({ estimate, odometry }) {
   const compare = (key, text) => ({ estimate: estimate[key], odometry: odometry?.[key], value: text(estimate[key]), text });
-  const cards = [
+  return [
     { id: "ate", name: "Path error", ...compare("ate_m", length),
       note: "ATE: root mean square distance from the true path after the best rigid alignment. The shape of the path." },
     { id: "start", name: "Error from the start", ...compare("start_m", length),
@@ -49,11 +49,6 @@ function truthFigures({ estimate, odometry }) {
     { id: "heading", name: "Heading error", ...compare("heading_deg", degrees),
       note: "Root mean square, the alignment's rotation removed." },
   ];
-  if (Number.isFinite(estimate.nees)) {
-    cards.push({ id: "nees", name: "NEES", value: plain(estimate.nees),
-      note: `Squared pose error in units of the estimator's own covariance; 3 is ideal. ${honesty(estimate.nees)}` });
-  }
-  return cards;
 }
 
 function passFigure(passes) {
@@ -64,7 +59,11 @@ function passFigure(passes) {
 function showFigures(run, passes) {
   const f = run.figures;
   document.getElementById("verdict").textContent = verdict(run, passes);
-  const cards = f.estimate ? truthFigures(f) : [];
+  const cards = [];
+  if (Number.isFinite(f.estimate?.nees)) {
+    cards.push({ id: "nees", name: "NEES", value: plain(f.estimate.nees),
+      note: `Squared pose error in units of the estimator's own covariance; 3 is ideal. ${honesty(f.estimate.nees)}` });
+  }
   cards.push({ id: "nis", name: "NIS", value: plain(f.mean_nis ?? NaN),
     note: "Mean squared surprise of the readings used, in units of its expected size; 1 is ideal, more means sensors worse than the rig file says." });
   if (Number.isFinite(passes.worst)) cards.push(passFigure(passes));
@@ -73,13 +72,14 @@ function showFigures(run, passes) {
     : "Straight pieces in the finished map.";
   cards.push(
     { id: "walls", name: "Walls", value: whole(f.walls), note: against },
-    { id: "path", name: "Path", value: length(f.path_m), note: "Driven, by the wheels." },
-    { id: "duration", name: "Duration", value: duration(f.duration_s), note: speedNote(f) },
+    { id: "path", name: "Path", value: length(f.path_m), note: "Length driven, by the motion sensors alone." },
+    { id: "duration", name: "Duration", value: clockTime(f.duration_s).replace(/\.\d$/, ""), note: speedNote(f) },
   );
+  document.getElementById("accuracy").replaceChildren(...(f.estimate ? truthFigures(f) : []).map(figureCard));
   document.getElementById("figures").replaceChildren(...cards.map(figureCard));
 }
 
 function speedNote({ duration_s: driven, estimator_s: computed }) {
-  if (!(computed > 0) || !(driven > 0)) return "From the first sample to the last.";
-  return `From the first sample to the last. The estimator took ${fixed(computed, computed < 10 ? 2 : 0)} s: ${whole(driven / computed)} times faster.`;
+  if (!(computed > 0) || !(driven > 0)) return "Minutes and seconds from the first sample to the last.";
+  return `Minutes and seconds. The estimator took ${fixed(computed, computed < 10 ? 2 : 0)} s: ${whole(driven / computed)} times faster.`;
 }

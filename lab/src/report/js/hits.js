@@ -69,12 +69,29 @@ function numberPasses(run, hits) {
 }
 
 const NEAR_WALL_M = 0.25;
-const FEWEST_HITS_OF_A_PASS = 5;
+const FEWEST_HITS_OF_A_PASS = 8;
+// This near to a wall's end, a hit that met no known wall may belong to the next wall.
+const CORNER_M = 0.15;
+
+// Directions of the walls of the finished map by their id, radians.
+function wallDirections(run) {
+  const directions = new Map();
+  for (const wall of run.walls) {
+    const ends = wallAt(wall, run.count - 1);
+    if (ends) directions.set(wall.id, Math.atan2(ends.y1 - ends.y0, ends.x1 - ends.x0));
+  }
+  return directions;
+}
+
+// A wall that is not in the finished map has no direction and is as good as none.
+function nearlyParallel(a, b) {
+  return a === undefined || b === undefined || Math.abs(Math.sin(a - b)) < 0.25;
+}
 
 // How the hits lie about one wall of the final map: RMS distance, and how far the means of its passes are apart.
-// Only hits seen from the side that most of its updates came from count, so that the two faces of one partition do
-// not mix.
-function wallThickness(run, hits, wall) {
+// Hits count that were seen from the side that most of its updates came from, so that the two faces of one partition do
+// not mix, and that belong to no wall of another direction, so that corners do not count.
+function wallThickness(run, hits, wall, directions) {
   const ends = wallAt(wall, run.count - 1);
   const size = ends ? Math.hypot(ends.x1 - ends.x0, ends.y1 - ends.y0) : 0;
   const result = { length: size, passes: 0, rms: NaN, apart: NaN };
@@ -89,8 +106,11 @@ function wallThickness(run, hits, wall) {
     if (hits.code[h] >= REFUSED) continue;
     const along = (hits.x[h] - ends.x0) * ux + (hits.y[h] - ends.y0) * uy;
     if (along < 0 || along > size || Math.abs(offset(hits.x[h], hits.y[h])) > NEAR_WALL_M) continue;
+    const met = run.sensors[hits.sensor[h]].wall[hits.step[h]];
+    if (met === wall.id) balance += sideOf(h);
+    else if (met < 0 && Math.min(along, size - along) < CORNER_M) continue;
+    else if (!nearlyParallel(directions.get(met), directions.get(wall.id))) continue;
     near.push(h);
-    if (run.sensors[hits.sensor[h]].wall[hits.step[h]] === wall.id) balance += sideOf(h);
   }
   const byPass = new Map();
   let sum = 0;

@@ -49,6 +49,8 @@ function bindMapControls(map) {
     map.view.fitAll();
   });
   byId("follow").addEventListener("click", () => map.setFollow(!map.follow));
+  byId("comparison").hidden = !map.run.truths.fit;
+  chooseOne(byId("comparison"), (button) => map.compare(button.dataset.comparison));
   chooseOne(byId("colouring"), (button) => {
     map.colouring = button.dataset.colouring;
     showHitClasses(map);
@@ -60,7 +62,7 @@ function bindMapTip(map, run, hits, clock) {
   const tip = document.getElementById("map-tip");
   const { canvas } = map;
   canvas.addEventListener("pointermove", (event) => {
-    const text = event.buttons ? null : tipText(map, run, hits, event.offsetX, event.offsetY);
+    const text = event.buttons ? "" : tipText(map, run, hits, event.offsetX, event.offsetY);
     tip.hidden = !text;
     if (!text) return;
     tip.textContent = text;
@@ -78,6 +80,12 @@ function bindMapTip(map, run, hits, clock) {
 }
 
 function tipText(map, run, hits, px, py) {
+  const lines = [];
+  const near = map.wallNear(px, py);
+  if (near) {
+    const { wall, ends } = near;
+    lines.push(`Wall ${wall.id}, ${wall.kind}: ${length(Math.hypot(ends.x1 - ends.x0, ends.y1 - ends.y0))} long, sigma ${length(ends.sigma)}`);
+  }
   const h = map.hitNear(px, py);
   if (h >= 0) {
     const step = hits.step[h];
@@ -85,12 +93,9 @@ function tipText(map, run, hits, px, py) {
     const wall = sensor.wall[step] >= 0 ? `, wall ${sensor.wall[step]}` : "";
     const sigmas = Number.isFinite(sensor.sigmas[step]) ? `, ${fixed(sensor.sigmas[step], 1)}\u03c3` : "";
     const pass = hits.pass[h] ? `, pass ${hits.pass[h]}` : "";
-    return `${sensor.name} at ${clockTime(run.t[step])}: ${outcomeText(run, sensor.code[step]).toLowerCase()}${wall}${sigmas}${pass}`;
+    lines.push(`Hit by ${sensor.name} at ${clockTime(run.t[step])}: ${outcomeText(run, sensor.code[step]).toLowerCase()}${wall}${sigmas}${pass}`);
   }
-  const near = map.wallNear(px, py);
-  if (!near) return null;
-  const { wall, ends } = near;
-  return `Wall ${wall.id}, ${wall.kind}: ${length(Math.hypot(ends.x1 - ends.x0, ends.y1 - ends.y0))} long, sigma ${length(ends.sigma)}`;
+  return lines.join("\n");
 }
 
 function addCharts(id, specs, clock) {
@@ -122,11 +127,12 @@ function openAtAddress(clock, chooseTheme) {
 
 function start() {
   const run = decode(JSON.parse(document.getElementById("data").textContent));
-  const hits = collectHits(run);
+  const shown = displayRun(run);
+  const hits = collectHits(shown);
   const clock = new Clock(run);
-  const map = new MapView(document.getElementById("map"), run, hits, clock);
+  const map = new MapView(document.getElementById("map"), shown, hits, clock);
   document.getElementById("map-empty").hidden = run.count > 0;
-  showFigures(run, fillWallTable(run, hits, map));
+  showFigures(run, fillWallTable(shown, hits, map));
   fillCounts(run);
   const charts = allCharts(run, clock);
   const trace = new TraceTable(run);

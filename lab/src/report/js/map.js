@@ -27,13 +27,21 @@ class MapView {
     this.hitsDrawn = 0;
     this.highlight = null;
     this.follow = false;
-    this.view = new View(canvas, mapBounds(run), () => this.redrawHits());
+    const bounds = mapBounds(run);
+    canvas.style.aspectRatio = String(Math.min(3, Math.max(0.9, (bounds.x1 - bounds.x0) / Math.max(0.1, bounds.y1 - bounds.y0))));
+    this.view = new View(canvas, bounds, () => this.redrawHits());
     this.view.onPan = () => this.setFollow(false);
   }
 
   setTheme(theme) {
     this.theme = theme;
     this.redrawHits();
+  }
+
+  // Compare with the truth from the common start ("start") or in the best rigid fit ("fit").
+  compare(how) {
+    Object.assign(this.run, this.run.truths[how]);
+    this.draw();
   }
 
   setFollow(on) {
@@ -86,6 +94,7 @@ class MapView {
     this.context = surface.context;
     this.context.clearRect(0, 0, surface.width, surface.height);
     this.paintGrid(surface);
+    this.paintStart();
     if (shown.plan) this.paintPlan();
     if (shown.hits) this.paintHits(surface);
     if (shown.odometry) this.paintPath(run.odometry, this.theme.odometry, 1.5, []);
@@ -124,6 +133,25 @@ class MapView {
       context.lineTo(width, py);
     }
     context.stroke();
+  }
+
+  // The map frame's origin: where the robot started, and which way it looked.
+  paintStart() {
+    const { context, view, theme } = this;
+    const [px, py] = view.toScreen(0, 0);
+    const c = Math.cos(this.run.turn);
+    const s = Math.sin(this.run.turn);
+    context.strokeStyle = theme.soft;
+    context.fillStyle = theme.soft;
+    context.lineWidth = 1.5;
+    context.beginPath();
+    context.arc(px, py, 3, 0, 2 * Math.PI);
+    context.moveTo(px, py);
+    context.lineTo(px + 22 * c, py - 22 * s);
+    context.stroke();
+    context.font = `12px ${theme.font}`;
+    context.textAlign = "center";
+    context.fillText("start", px, py + 18);
   }
 
   stroke(x0, y0, x1, y1) {

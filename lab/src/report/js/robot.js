@@ -69,9 +69,10 @@ function paintEllipse(map, step) {
   const minor = 2 * Math.sqrt(Math.max(0, mean - root));
   if (!Number.isFinite(major)) return;
   const [px, py] = view.toScreen(run.estimate.x[step], run.estimate.y[step]);
+  const angle = 0.5 * Math.atan2(cross, difference) + run.turn;
   context.beginPath();
   // The screen's y axis points down, so a counter-clockwise angle is negative there.
-  context.ellipse(px, py, major * view.scale, minor * view.scale, -0.5 * Math.atan2(cross, difference), 0, 2 * Math.PI);
+  context.ellipse(px, py, major * view.scale, minor * view.scale, -angle, 0, 2 * Math.PI);
   context.fillStyle = translucent(theme.estimate, 0.2);
   context.strokeStyle = translucent(theme.estimate, 0.8);
   context.lineWidth = 1;

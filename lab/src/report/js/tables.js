@@ -77,8 +77,9 @@ class TraceTable {
 
 // The finished map's walls, the ones whose passes disagree most first. Returns a summary of that disagreement.
 function fillWallTable(run, hits, map) {
+  const directions = wallDirections(run);
   const walls = run.walls.filter((wall) => wallAt(wall, run.count - 1))
-    .map((wall) => ({ wall, ends: wallAt(wall, run.count - 1), ...wallThickness(run, hits, wall) }));
+    .map((wall) => ({ wall, ends: wallAt(wall, run.count - 1), ...wallThickness(run, hits, wall, directions) }));
   walls.sort((a, b) => (b.apart || 0) - (a.apart || 0) || b.length - a.length);
   document.getElementById("walls-note").textContent = walls.length
     ? `Thickness is the root mean square distance of the hits from the wall's line; passes apart is how far the means of visits more than ${PASS_GAP_S} s apart differ. Both are small where the map is right. Choose a wall to see it on the map.`
