@@ -84,6 +84,18 @@ impl Encoders {
     }
 }
 
+/// Variance of (x, y, theta) at the start: the map frame's origin is where the robot stands, but an encoder tells only
+/// to one tick where that is, then and at any later time. The error, the difference of two uniform ones, does not grow.
+pub fn start_variance(drive: &DriveModel) -> [f32; 3] {
+    match *drive {
+        DriveModel::Wheels { track_m, metres_per_tick, .. } => {
+            let wheel = metres_per_tick * metres_per_tick * (1.0 / 6.0);
+            [0.5 * wheel, 0.0, 2.0 * wheel / (track_m * track_m)]
+        }
+        DriveModel::Odometry { .. } => [0.0; 3],
+    }
+}
+
 /// sin(h) / h and its derivative, for the half turn h of one step.
 fn sinc(h: f32) -> (f32, f32) {
     let h2 = h * h;

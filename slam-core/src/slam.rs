@@ -4,7 +4,7 @@ use crate::angle::sin_cos;
 use crate::beam::FixedMount;
 use crate::buffer::OutlierBuffer;
 use crate::ekf::{Ekf, Jacobian};
-use crate::layout::{ALPHA, Layout, THETA, X, Y};
+use crate::layout::{Layout, THETA};
 use crate::map::Map;
 use crate::motion::{self, Encoders, Factor, Factors, Step};
 use crate::odometry::Odometry;
@@ -50,8 +50,8 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         const { assert!(S <= 16 && B <= 255 && 4 + 3 + S <= 8 * NB, "S <= 16, B <= 255, room for the calibration") };
         rig.validate()?;
         let mut ekf = Ekf::EMPTY;
-        for _ in [X, Y, THETA, ALPHA] {
-            ekf.augment(0.0, &Jacobian::new(), 0.0);
+        for variance in motion::start_variance(&rig.drive).into_iter().chain([0.0]) {
+            ekf.augment(0.0, &Jacobian::new(), variance);
         }
         let layout = Layout::new(&rig, &config, |sigma| {
             ekf.augment(1.0, &Jacobian::new(), sigma * sigma);
