@@ -14,6 +14,12 @@ use crate::{Outcome, RangeInput, RangeModel, Refusal, Sample, Slam, StepReport};
 /// Walls that one beam is held against: beyond its end a wall may go on or not, and at a corner two may.
 const MAX_CANDIDATES: usize = 4;
 
+/// Within this distance of a wall's ends, and beyond them, another surface may be the one that was met, metres.
+const END_M: f32 = 0.1;
+
+/// Gate there: 95 % of a chi-square distribution with one degree of freedom.
+const END_GATE: f32 = 3.84;
+
 impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOCKS: usize> Slam<S, W, B, NB, BLOCKS> {
     /// One scalar update for every reading (report eq. 3).
     pub(crate) fn observe(&mut self, sample: &Sample<S>, report: &mut StepReport<S>) {
@@ -89,7 +95,8 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             let noise = innovation.noise_m2 + self.timing_variance(reading, &prediction, heading);
             let variance_m2 = self.ekf.variance(&jacobian) + noise;
             let innovation_m = innovation.value_m;
-            if innovation_m * innovation_m <= self.config.gate * variance_m2 {
+            let gate = if met.inside_m < END_M { self.config.gate.min(END_GATE) } else { self.config.gate };
+            if innovation_m * innovation_m <= gate * variance_m2 {
                 if met.cos_incidence < libm::cosf(limits.max_incidence_rad) {
                     return Err(Refusal::Incidence);
                 }
