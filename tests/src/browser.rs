@@ -67,7 +67,7 @@ impl Browser {
             .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"])
             .args(["--disable-background-networking", "--disable-component-update", "--disable-sync"])
             .args(["--host-resolver-rules=MAP * ~NOTFOUND", "--proxy-server=127.0.0.1:9", "--enable-logging=stderr"])
-            .args(["--window-size=1200,900", "--virtual-time-budget=600000", "--dump-dom"])
+            .args(["--window-size=1200,900", "--virtual-time-budget=60000", "--dump-dom"])
             .arg(format!("--user-data-dir={}", dir.join("profile").display()))
             .arg(format!("file://{}#{hash}", page.display()))
             .stdin(Stdio::null())
@@ -82,15 +82,16 @@ impl Browser {
 
 /// The page with our script at its end. What the script returns goes into an element of its own.
 ///
-/// Virtual time leaps ahead whenever nothing is due, while frames are painted in real time: the probe waits for frames
-/// (`settle`, `until`), and a steady beat keeps virtual time from running out before they come.
+/// The browser runs in virtual time, which leaps to the next timer whenever nothing is due. Frames would come in real
+/// time, too late for it; so they become timers, and the probe's `settle` and `until` wait in virtual time too.
 fn with_probe(html: &str, probe: &str) -> String {
+    let frames = "<head><script>\
+         window.requestAnimationFrame = (paint) => setTimeout(() => paint(performance.now()), 16);\
+         </script>";
     let script = format!(
         "<script>(async () => {{\n\
-         const beat = setInterval(() => {{}}, 1);\n\
-         const frame = () => new Promise((done) => requestAnimationFrame(done));\n\
-         const settle = async () => {{ for (let i = 0; i < 3; i++) await frame(); }};\n\
-         const until = async (met) => {{ for (let i = 0; i < 300 && !met(); i++) await frame(); }};\n\
+         const settle = (ms = 100) => new Promise((done) => setTimeout(done, ms));\n\
+         const until = async (met) => {{ for (let i = 0; i < 300 && !met(); i++) await settle(); }};\n\
          await settle();\n\
          let answer;\n\
          try {{ answer = await (async () => {{ {probe} }})(); }} catch (fault) {{ answer = {{ fault: String(fault) }}; }}\n\
@@ -98,10 +99,9 @@ fn with_probe(html: &str, probe: &str) -> String {
          box.id = 'probe';\n\
          box.textContent = encodeURIComponent(JSON.stringify(answer ?? null));\n\
          document.body.append(box);\n\
-         clearInterval(beat);\n\
          }})();</script></body>"
     );
-    html.replace("</body>", &script)
+    html.replacen("<head>", frames, 1).replace("</body>", &script)
 }
 
 /// Standard output and error of a browser, which is ended when it takes too long.

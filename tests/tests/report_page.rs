@@ -129,6 +129,7 @@ fn toggles_colourings_and_themes_change_the_picture() {
         await click("[data-colouring='pass']");
         const passes = document.querySelectorAll("[data-class]").length;
         await click("[data-class='0']");
+        await click("[data-colouring='time']");
         await click("[data-colouring='sensor']");
         const sensors = document.querySelectorAll("[data-class]").length;
         await click("[data-comparison='fit']");

@@ -114,7 +114,7 @@ class Chart {
     context.lineWidth = 1;
     context.textBaseline = "middle";
     context.textAlign = "right";
-    const marks = this.spec.log ? decades(...this.range) : ticks(...this.range, Math.max(3, height / 48));
+    const marks = this.spec.log ? decades(...this.range) : ticks(...this.range, Math.max(2.2, height / 60));
     for (const value of marks) {
       const y = Math.round(this.yOf(value)) + 0.5;
       context.beginPath();
@@ -239,11 +239,11 @@ function valueRange(spec) {
   return [spec.fromZero ? 0 : low - air, high + air];
 }
 
-// Round values between two limits, about `wanted` of them.
+// Round values between two limits, at least `wanted` of them.
 function ticks(low, high, wanted) {
-  const raw = (high - low) / Math.max(2, wanted);
-  const power = 10 ** Math.floor(Math.log10(raw));
-  const spacing = power * ([1, 2, 5].find((m) => m * power >= raw) ?? 10);
+  const most = (high - low) / wanted;
+  const power = 10 ** Math.floor(Math.log10(most));
+  const spacing = power * [5, 2, 1].find((m) => m * power <= most);
   const out = [];
   for (let k = Math.ceil(low / spacing - 1e-9); k * spacing <= high + 1e-9 * spacing; k++) out.push(k * spacing);
   return out;

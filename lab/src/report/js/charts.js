@@ -66,7 +66,7 @@ function errorCharts(run) {
       title: "Uncertainty of the position",
       note: "The estimator's own 2 sigma along each axis, in centimetres.",
       unit: cmText,
-      axis: plain,
+      axis: (v) => String(Number(v.toPrecision(3))),
       fromZero: true,
       series: [
         { kind: "line", label: "Along x", colour: "one", t, y: scaled(sigma.x, 2 * CM) },
@@ -171,42 +171,50 @@ function parameterName(name) {
   return PARAMETER_NAMES[name] ?? name.replace(/^gain_(.*)$/, "Gain, $1");
 }
 
-// Small multiples on one common scale, so that they can be compared.
-function calibrationCharts(run) {
-  const { t, parameters } = run.calibration;
-  if (!t.length) return [];
-  const percent = (values) => values.map((v) => 100 * (v - 1));
-  // The wide bands of the first moments may leave the chart.
-  const settled = Math.floor(t.length * 0.1);
+// Largest deviation from 1 that a group of parameters and their bands show, percent. The wide bands of the first
+// moments may leave the chart.
+function widestDeviation(parameters) {
   let most = 0.2;
   for (const p of parameters) {
+    const settled = Math.floor(p.value.length * 0.1);
     p.value.forEach((v, i) => {
       const size = 100 * (Math.abs(v - 1) + (i < settled ? 0 : 2 * p.sigma[i]));
       if (Number.isFinite(size)) most = Math.max(most, size);
     });
-    if (Number.isFinite(p.truth)) most = Math.max(most, 110 * Math.abs(p.truth - 1));
+    if (Number.isFinite(p.truth)) most = Math.max(most, 100 * Math.abs(p.truth - 1));
   }
+  return most;
+}
+
+// Small multiples: gains on one common scale and motion on another, so that they can be compared.
+function calibrationCharts(run) {
   // A parameter without uncertainty is not estimated.
-  return parameters.filter((p) => p.sigma.some((s) => s > 0)).map((p) => {
-    const y = percent(p.value);
-    const series = [
-      { kind: "band", label: "2 sigma", colour: "estimate", t, low: y.map((v, i) => v - 200 * p.sigma[i]), high: y.map((v, i) => v + 200 * p.sigma[i]), quiet: true },
-      { kind: "line", label: "Estimate", colour: "estimate", t, y },
-    ];
-    if (Number.isFinite(p.truth)) series.push({ kind: "level", label: "True", colour: "ink", y: 100 * (p.truth - 1), dash: true });
-    const last = p.value.length - 1;
-    const known = Number.isFinite(p.truth) ? `, true ${signedPercent(p.truth)}` : "";
-    return {
-      id: `calibration-${p.name}`,
-      title: parameterName(p.name),
-      note: `${signedPercent(p.value[last])} \u00b1 ${fixed(200 * p.sigma[last], 2)} %${known}`,
-      unit: (v) => `${fixed(v, 2)} %`,
-      axis: (v) => `${fixed(v, most < 1 ? 1 : 0)}`,
-      range: [-most * 1.05, most * 1.05],
-      small: true,
-      series,
-    };
-  });
+  const estimated = run.calibration.parameters.filter((p) => p.sigma.some((s) => s > 0));
+  const groups = [(p) => p.name.startsWith("gain_"), (p) => !p.name.startsWith("gain_")].map((f) => estimated.filter(f));
+  return groups.flatMap((group) => group.map((p) => calibrationChart(run, p, 1.05 * widestDeviation(group))));
+}
+
+function calibrationChart(run, p, most) {
+  const { t } = run.calibration;
+  const y = p.value.map((v) => 100 * (v - 1));
+  const band = (sign) => y.map((v, i) => v + sign * 200 * p.sigma[i]);
+  const series = [
+    { kind: "band", label: "2 sigma", colour: "estimate", t, low: band(-1), high: band(1), quiet: true },
+    { kind: "line", label: "Estimate", colour: "estimate", t, y },
+  ];
+  const known = Number.isFinite(p.truth);
+  if (known) series.push({ kind: "level", label: "True", colour: "ink", y: 100 * (p.truth - 1), dash: true });
+  const last = p.value.length - 1;
+  return {
+    id: `calibration-${p.name}`,
+    title: parameterName(p.name),
+    note: `${signedPercent(p.value[last])} \u00b1 ${fixed(200 * p.sigma[last], 2)} %${known ? `, true ${signedPercent(p.truth)}` : ""}`,
+    unit: (v) => `${fixed(v, 2)} %`,
+    axis: (v) => String(Number(v.toPrecision(3))).replace("-", "\u2212"),
+    range: [-most, most],
+    small: true,
+    series,
+  };
 }
 
 function signedPercent(factor) {

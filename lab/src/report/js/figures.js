@@ -12,7 +12,7 @@ function verdict(run, passes) {
       : times > 0.95 ? "about as far as dead reckoning" : "worse than dead reckoning";
     return `${drive}: the estimated path lies ${length(estimate.ate_m)} from the true one, ${versus}; ${walls} in the map.`;
   }
-  const apart = Number.isFinite(passes.worst) ? ` Different visits of one wall agree within ${length(passes.worst)}.` : "";
+  const apart = Number.isFinite(passes.worst) ? ` Hits of different visits of one wall lie at most ${length(passes.worst)} apart.` : "";
   return `${drive}, ${walls} in the map. The true path is not known.${apart}`;
 }
 
@@ -73,7 +73,7 @@ function showFigures(run, passes) {
   cards.push(
     { id: "walls", name: "Walls", value: whole(f.walls), note: against },
     { id: "path", name: "Path", value: length(f.path_m), note: "Length driven, by the motion sensors alone." },
-    { id: "duration", name: "Duration", value: clockTime(f.duration_s).replace(/\.\d$/, ""), note: speedNote(f) },
+    { id: "duration", name: "Duration", value: clockTime(Math.round(f.duration_s)).replace(/\.\d$/, ""), note: speedNote(f) },
   );
   document.getElementById("accuracy").replaceChildren(...(f.estimate ? truthFigures(f) : []).map(figureCard));
   document.getElementById("figures").replaceChildren(...cards.map(figureCard));
@@ -81,5 +81,5 @@ function showFigures(run, passes) {
 
 function speedNote({ duration_s: driven, estimator_s: computed }) {
   if (!(computed > 0) || !(driven > 0)) return "Minutes and seconds from the first sample to the last.";
-  return `Minutes and seconds. The estimator took ${fixed(computed, computed < 10 ? 2 : 0)} s: ${whole(driven / computed)} times faster.`;
+  return `Minutes and seconds. The estimator took ${computed < 1 ? `${fixed(1000 * computed, 0)} ms` : `${fixed(computed, 1)} s`}: ${whole(driven / computed)} times faster.`;
 }

@@ -21,6 +21,7 @@ function buildLayerToggles(map, run) {
 const COLOURING_NOTES = {
   outcome: "Readings outside the gate or without a wall wait in a buffer, where new walls are born from.",
   pass: `A new pass starts when a place was not seen for ${PASS_GAP_S} s. Where the map is right, the passes lie on top of each other.`,
+  time: "Where late colours lie beside early ones instead of on top of them, the map has drifted apart.",
   sensor: "A sensor whose hits lie in front of or behind the others' is mounted or calibrated differently than the rig file says.",
 };
 

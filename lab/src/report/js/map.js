@@ -57,6 +57,10 @@ class MapView {
     if (this.colouring === "sensor") {
       return this.run.sensors.map((s, i) => ({ label: s.name, colour: SERIES[i % SERIES.length] }));
     }
+    if (this.colouring === "time") {
+      const span = (k) => clockTime((this.run.end * k) / AGES.length).replace(/\.\d$/, "");
+      return AGES.map((colour, k) => ({ label: `${span(k)} to ${span(k + 1)}`, colour }));
+    }
     let most = 0;
     for (const pass of this.hits.pass) most = Math.max(most, pass);
     most = Math.min(most, SERIES.length);
@@ -69,7 +73,11 @@ class MapView {
   // Class of a hit; -1: not shown under this colouring.
   classOf(h) {
     if (this.colouring === "outcome") return this.hits.code[h] - USED;
-    if (this.colouring === "sensor") return this.hits.code[h] >= REFUSED ? -1 : this.hits.sensor[h];
+    if (this.hits.code[h] >= REFUSED) return -1;
+    if (this.colouring === "sensor") return this.hits.sensor[h];
+    if (this.colouring === "time") {
+      return Math.min(AGES.length - 1, Math.floor((AGES.length * this.run.t[this.hits.step[h]]) / (this.run.end || 1)));
+    }
     return Math.min(this.hits.pass[h], SERIES.length) - 1;
   }
 

@@ -3,10 +3,14 @@
 const COLOUR_NAMES = [
   "paper", "card", "ink", "soft", "line", "grid", "estimate", "odometry", "truth", "plan", "wall", "free",
   "used", "gated", "unexplained", "refused", "one", "two", "three", "four", "five", "six", "seven", "eight",
+  "time-1", "time-2", "time-3", "time-4", "time-5", "time-6",
 ];
 
 // Colours of categories that have no meaning of their own (passes, sensors), distinguishable with colour blindness.
 const SERIES = ["one", "two", "three", "four", "five", "six", "seven", "eight"];
+
+// Colours of times, early to late.
+const AGES = ["time-1", "time-2", "time-3", "time-4", "time-5", "time-6"];
 
 function readTheme() {
   const probe = element("span", { hidden: true });
