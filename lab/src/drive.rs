@@ -7,6 +7,7 @@ use crate::log::Row;
 use crate::output::numbers::shortest;
 use crate::recording::{Pose2, Recording, Segment};
 use crate::rig_file::Robot;
+use crate::score;
 use crate::score::map::{LONG_M, PASSED_M, PassedWall};
 use crate::session::Session;
 
@@ -50,6 +51,38 @@ impl Drive {
         row
     }
 
+    /// Drives for this long (seconds); `each` gets every row when it is recorded.
+    ///
+    /// # Errors
+    /// The first error of `each`, which ends the drive.
+    pub fn run<E>(
+        &mut self,
+        session: &mut Session,
+        duration_s: f64,
+        mut each: impl FnMut(&Row, &Recording) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut t_s = f64::NEG_INFINITY;
+        while t_s < duration_s {
+            let row = self.step(session);
+            t_s = row.t_s;
+            each(&row, session.recording())?;
+        }
+        Ok(())
+    }
+
+    /// Ends the session: the record with every score against what is true here.
+    pub fn finish(&self, session: Session) -> Recording {
+        let mut recording = session.finish();
+        recording.true_walls = self.plan.clone();
+        self.reveal_calibration(&mut recording);
+        score::score(&mut recording, &[], None);
+        if let Some(alignment) = recording.figures.estimate.map(|score| score.alignment) {
+            let map = score::map::score(recording.walls(), &self.plan, &self.passed(), &alignment);
+            recording.figures.map = Some(map);
+        }
+        recording
+    }
+
     /// The true plan in the map frame.
     pub fn plan(&self) -> &[Segment] {
         &self.plan
@@ -62,7 +95,7 @@ impl Drive {
     }
 
     /// Puts the true values of the calibration into a record.
-    pub fn reveal_calibration(&self, recording: &mut Recording) {
+    fn reveal_calibration(&self, recording: &mut Recording) {
         let truth = self.robot.simulation.calibration();
         let drive = [
             ("scale_left", truth.drive.scale_left),

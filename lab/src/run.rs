@@ -17,7 +17,6 @@ use crate::output::{self, NAMES};
 use crate::recording::Recording;
 use crate::replay::{read_text, rig_error};
 use crate::rig_file::Robot;
-use crate::score;
 use crate::session::Session;
 
 /// Names of the built-in robot's sensors, in their order.
@@ -100,16 +99,19 @@ impl Run {
         let names: Vec<&str> = NAMES.iter().copied().chain(["log.csv", "rig.toml"]).collect();
         let folder = Folder::prepare(&self.out, &names)?;
         folder.write("rig.toml", &rig_toml)?;
-        self.drive(&mut drive, &mut session, &robot, &folder, &mut progress)?;
-        let mut recording = session.finish();
+        let mut streams = Streams::create(&folder)?;
+        let mut log = LineFile::create(folder.file("log.csv"))?;
+        log.line(&writer::header(&robot))?;
+        let duration_s = 60.0 * self.minutes;
+        drive.run(&mut session, duration_s, |row, recording| -> Result<(), FileError> {
+            progress(row.t_s / duration_s);
+            log.line(&writer::line(&robot, row))?;
+            recording.steps.last().map_or(Ok(()), |step| streams.push(step))
+        })?;
+        log.close()?;
+        streams.close()?;
+        let mut recording = drive.finish(session);
         recording.seed = Some(self.seed);
-        recording.true_walls = drive.plan().to_vec();
-        drive.reveal_calibration(&mut recording);
-        score::score(&mut recording, &[], None);
-        if let Some(alignment) = recording.figures.estimate.map(|score| score.alignment) {
-            let map = score::map::score(recording.walls(), drive.plan(), &drive.passed(), &alignment);
-            recording.figures.map = Some(map);
-        }
         output::finish(&folder, &recording, &self.origin(rig_toml))?;
         Ok(recording)
     }
@@ -118,32 +120,6 @@ impl Run {
     fn simulation_error(&self, rig: &Path, error: &SimError) -> FileError {
         let plan = Path::new(&self.plan);
         FileError::new(if matches!(error, SimError::StartBlocked(..)) { plan } else { rig }, error.to_string())
-    }
-
-    fn drive(
-        &self,
-        drive: &mut Drive,
-        session: &mut Session,
-        robot: &Robot,
-        folder: &Folder,
-        progress: &mut impl FnMut(f64),
-    ) -> Result<(), FileError> {
-        let mut streams = Streams::create(folder)?;
-        let mut log = LineFile::create(folder.file("log.csv"))?;
-        log.line(&writer::header(robot))?;
-        let duration_s = 60.0 * self.minutes;
-        let mut t_s = 0.0;
-        while t_s < duration_s {
-            let row = drive.step(session);
-            t_s = row.t_s;
-            log.line(&writer::line(robot, &row))?;
-            if let Some(step) = session.recording().steps.last() {
-                streams.push(step)?;
-            }
-            progress(t_s / duration_s);
-        }
-        log.close()?;
-        streams.close()
     }
 
     fn origin(&self, rig_toml: String) -> Origin {

@@ -1,4 +1,7 @@
 //! Cross-crate tests live in `tests/`; here is what several of them share.
 
 pub mod browser;
+pub mod real_logs;
 pub mod sample_recording;
+pub mod simulated;
+pub mod snapshot;

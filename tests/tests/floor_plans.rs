@@ -1,0 +1,49 @@
+//! Every built-in floor plan from start to end, beside the committed figures in `snapshots/floor_plans.csv`.
+
+use tests::simulated::drive;
+use tests::snapshot::{Column, check};
+
+const fn column(name: &'static str, absolute: f64, relative: f64) -> Column {
+    Column { name, absolute, relative }
+}
+
+/// The drives are the same bits everywhere, the scores nearly so: the tolerances are for changes of the estimator that
+/// are no changes of what it can do.
+const COLUMNS: [Column; 10] = [
+    column("path_m", 0.0, 0.05),
+    column("ate_m", 0.005, 0.2),
+    column("start_m", 0.01, 0.3),
+    column("heading_deg", 0.1, 0.3),
+    column("nees", 1.0, 0.3),
+    column("mean_nis", 0.1, 0.0),
+    column("walls", 2.0, 0.0),
+    column("offset_m", 0.005, 0.2),
+    column("missed", 0.0, 0.0),
+    column("invented", 1.0, 0.0),
+];
+
+#[test]
+fn every_plan_is_mapped_as_before() {
+    let rows: Vec<(String, Vec<f64>)> = hal_sim::plan_file::BUILT_IN
+        .iter()
+        .map(|(plan, _)| {
+            let figures = drive(plan, 6.0, 1).figures;
+            let score = figures.estimate.expect("there is a truth");
+            let map = figures.map.expect("there is a plan");
+            let numbers = vec![
+                figures.path_m,
+                score.ate_m,
+                score.start_m,
+                score.heading_deg,
+                score.nees.expect("there is a covariance"),
+                figures.mean_nis.expect("there are updates"),
+                figures.walls as f64,
+                map.offset_m,
+                map.missed as f64,
+                map.invented as f64,
+            ];
+            ((*plan).to_owned(), numbers)
+        })
+        .collect();
+    check("floor_plans", &COLUMNS, &rows);
+}
