@@ -1,7 +1,8 @@
 //! The command line.
 
 use std::error::Error;
-use std::path::PathBuf;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
@@ -9,6 +10,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use slam_core::Config;
 
 use crate::output::closing;
+use crate::recording::Recording;
 use crate::replay::{Replay, Replayed};
 use crate::run::Run;
 
@@ -99,8 +101,7 @@ fn run(args: RunArgs) -> Result<(), Box<dyn Error>> {
     let run = Run { plan, minutes, seed, rig, out, config: Config::default() };
     let recording = run.run(|share| bar.set_position((1000.0 * share) as u64));
     bar.finish_and_clear();
-    print!("{}", closing::table(&recording?));
-    println!("  results in {}", run.out.display());
+    say(&recording?, &run.out);
     Ok(())
 }
 
@@ -114,9 +115,13 @@ fn replay(args: ReplayArgs) -> Result<(), Box<dyn Error>> {
     for note in notes {
         eprintln!("note: {}: {note}", replay.log.display());
     }
-    print!("{}", closing::table(&recording));
-    println!("  results in {}", replay.out.display());
+    say(&recording, &replay.out);
     error.map_or(Ok(()), |error| Err(error.into()))
+}
+
+/// The closing table on the standard output, where somebody still listens.
+fn say(recording: &Recording, out: &Path) {
+    let _ = writeln!(std::io::stdout(), "{}  results in {}", closing::table(recording), out.display());
 }
 
 fn style(template: &str) -> ProgressStyle {
