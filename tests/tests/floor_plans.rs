@@ -14,7 +14,7 @@ const COLUMNS: [Column; 10] = [
     column("ate_m", 0.01, 0.5),
     column("start_m", 0.06, 0.5),
     column("heading_deg", 0.3, 0.5),
-    column("nees", 3.0, 0.5),
+    column("nees", 8.0, 0.5),
     column("mean_nis", 0.1, 0.0),
     column("walls", 4.0, 0.0),
     column("offset_m", 0.015, 0.5),
