@@ -3,6 +3,24 @@
 //! [`Plan`] is the home, [`Simulation`] the robot in it: wheel speeds in, [`Sample`](slam_core::Sample)s out, and the
 //! truth beside them. Everything random follows from one seed, bit for bit and on every machine: own random streams,
 //! `libm` for every transcendental function.
+//!
+//! ```
+//! use hal_sim::{ClosedLoop, Estimate, SimOptions, Simulation, default_rig, plan_file};
+//! use slam_core::{Config, HostSlam};
+//!
+//! let plan = plan_file::load("flat")?;
+//! let rig = default_rig();
+//! let simulation = Simulation::new(&plan, &rig, SimOptions::default(), 1)?;
+//! let mut slam = HostSlam::new(rig.clone(), Config::default()).expect("a rig that can be");
+//! let mut robot = ClosedLoop::new(simulation, &rig, robot::PilotConfig::default());
+//! // Record once; feed the samples to as many estimators as you like.
+//! let frames = robot.record(5.0, &mut |sample| {
+//!     let report = slam.step(sample);
+//!     Estimate { pose: slam.pose(), ranges_m: report.readings.map(|reading| reading.range_m) }
+//! });
+//! assert_eq!(frames.len(), 126);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
@@ -28,5 +46,5 @@ pub use options::{DriveOptions, SharpOptions, SimOptions};
 pub use plan::{Face, Plan};
 pub use plan_file::PlanError;
 pub use pose::TruePose;
-pub use rig::{default_rig, default_rig_with};
+pub use rig::{default_rig, default_rig_with, measured_rig};
 pub use simulation::{MAX_SENSORS, SimError, Simulation, TrueCalibration};

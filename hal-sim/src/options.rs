@@ -20,6 +20,11 @@ pub struct SharpOptions {
 impl SharpOptions {
     /// Where the output reaches its floor, in multiples of the sensor's maximum range.
     pub const FLOOR_RANGE_RATIO: f64 = 1.2;
+
+    /// The floor of the sensor in [`measured_rig`](crate::rig::measured_rig).
+    pub fn measured() -> Self {
+        Self { floor_v: Some(0.47), ..Self::default() }
+    }
 }
 
 impl Default for SharpOptions {

@@ -44,6 +44,21 @@ pub fn default_rig() -> Rig<16> {
     }
 }
 
+/// The default robot with sensors as one was found on a real robot, instead of its data sheet's: a GP2Y0A21 moved along
+/// a rail in front of a wall (4,800 samples against true range). Between 0.15 and 0.7 m its range is 0.322 m x
+/// volts^-1.18 within 3 cm; the noise is white, close to normal, and five times the data sheet's. Beyond a metre the
+/// output stays near 0.47 V ([`SharpOptions::measured`](crate::SharpOptions::measured)), so that only ranges up to
+/// 0.55 m stand clear of it.
+pub fn measured_rig() -> Rig<16> {
+    let mut rig = default_rig();
+    for sensor in &mut rig.sensors {
+        sensor.min_m = 0.12;
+        sensor.max_m = 0.55;
+        sensor.model = RangeModel::Sharp { scale_m: 0.322, exponent: -1.18, noise_v: 0.065 };
+    }
+    rig
+}
+
 /// The default rig with the sensors at these indices only, in this order: for robots with fewer of them.
 pub fn default_rig_with(sensors: &[usize]) -> Rig<16> {
     let full = default_rig();

@@ -100,6 +100,26 @@ fn four_sensors_are_enough_for_every_room() {
 }
 
 #[test]
+fn sensors_as_noisy_as_real_ones_are_enough_for_every_room() {
+    let plan = plan_file::load("flat").unwrap();
+    let rig = hal_sim::measured_rig();
+    let options = SimOptions { sharp: hal_sim::SharpOptions::measured(), ..SimOptions::default() };
+    let simulation = Simulation::new(&plan, &rig, options, 1).unwrap();
+    let mut robot = ClosedLoop::new(simulation, &rig, PilotConfig::default());
+    let mut entered = vec![false; plan.rooms.len()];
+    let mut truth = Pose::default();
+    for _ in 0..25 * 600 {
+        let frame = robot.step(&mut |sample| Estimate { pose: truth, ranges_m: nominal_ranges(&rig, sample) });
+        truth = frame.truth.to_pose();
+        let place = robot.simulation.pose_in_plan();
+        for (room, entered) in plan.rooms.iter().zip(&mut entered) {
+            *entered |= room.contains(place.x_m, place.y_m);
+        }
+    }
+    assert!(entered.iter().all(|&entered| entered), "{entered:?}");
+}
+
+#[test]
 fn walls_stay_in_sight() {
     // The estimator lives on walls: nearly always some sensor should see one.
     for (name, _) in plan_file::BUILT_IN {
@@ -127,6 +147,30 @@ fn a_door_that_closes_and_people_do_not_trap_it() {
     plan.people.push(hal_sim::plan::Person { radius_m: 0.15, speed_mps: 0.4, path_m });
     let drive = drive(&plan, &ALL, 1, PoseError { noise_m: 0.005, ..PoseError::default() }, 10.0);
     assert!(drive.last_room_s < 580.0 && drive.standstill_s < 60.0, "{} {}", drive.last_room_s, drive.standstill_s);
+}
+
+#[test]
+fn a_home_larger_than_the_pilot_s_picture_is_explored() {
+    // Four rooms in a row, 18 m long; the picture measures 12 m.
+    let mut text = String::from("[start]\nx_m = 1.0\ny_m = 1.0\n");
+    text += "[[outline]]\npoints_m = [[0.0, 0.0], [18.0, 0.0], [18.0, 3.5], [0.0, 3.5]]\n";
+    for (room, x_m) in [0.0, 4.5, 9.0, 13.5].into_iter().enumerate() {
+        let far_m = x_m + 4.5;
+        text += &format!("[[room]]\nname = \"{room}\"\nmin_m = [{x_m}, 0.0]\nmax_m = [{far_m}, 3.5]\n");
+        if room > 0 {
+            let wall_m = x_m + 0.1;
+            text += &format!("[[box]]\nmin_m = [{x_m}, 0.0]\nmax_m = [{wall_m}, 1.3]\n");
+            text += &format!("[[box]]\nmin_m = [{x_m}, 2.2]\nmax_m = [{wall_m}, 3.5]\n");
+        }
+    }
+    let plan = plan_file::parse("row", "row", &text).unwrap();
+    let drive = drive(&plan, &ALL, 1, PoseError { noise_m: 0.005, ..PoseError::default() }, 15.0);
+    assert!(drive.last_room_s < 600.0 && drive.standstill_s < 60.0, "{} {}", drive.last_room_s, drive.standstill_s);
+    // It comes back to rooms that it has forgotten.
+    let late = &drive.frames[drive.frames.len() / 2..];
+    let reach_m = |pick: fn(f64, f64) -> f64, from| late.iter().map(|f| f.truth.x_m).fold(from, pick);
+    let (near_m, far_m) = (reach_m(f64::min, 99.0), reach_m(f64::max, -99.0));
+    assert!(far_m - near_m > 9.0, "{near_m} to {far_m}");
 }
 
 #[test]

@@ -218,16 +218,9 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
     /// Remembers what was touched and backs off from it.
     fn touch(&mut self, senses: &Senses<S>) {
         let Contacts { bump_left, bump_right, .. } = senses.contacts;
-        if bump_left {
-            self.block_towards(0.6, senses);
-        }
-        if bump_right {
-            self.block_towards(-0.6, senses);
-        }
-        if bump_left == bump_right {
-            // Head on, or a cliff.
-            self.block_towards(0.0, senses);
-        } else {
+        // Each half of the bumper covers an eighth of a turn; both at once: head on, or a cliff.
+        self.block_towards(f32::from(i8::from(bump_left) - i8::from(bump_right)) * 0.6, senses);
+        if bump_left != bump_right {
             self.turn_sign = if bump_left { -1.0 } else { 1.0 };
         }
         self.begin(Activity::BackingOff, senses);
