@@ -74,7 +74,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         // One wall a step is held against all others.
         let turn =
             if report.births > 0 { walls.saturating_sub(1) } else { self.counters.steps as usize % walls.max(1) };
-        if self.map.merge(&mut self.ekf, turn) {
+        if self.map.merge(&mut self.ekf, turn, report.births > 0) {
             report.merges += 1;
             self.counters.merges = self.counters.merges.saturating_add(1);
         }

@@ -117,22 +117,33 @@ impl<const W: usize> Map<W> {
 
     /// Merges wall `index` with the first other wall that is the same one: collinear within the uncertainty of both, and
     /// overlapping or nearly so. True where there was one.
-    pub fn merge<const NB: usize, const BLOCKS: usize>(&mut self, ekf: &mut Ekf<NB, BLOCKS>, index: usize) -> bool {
+    pub fn merge<const NB: usize, const BLOCKS: usize>(
+        &mut self,
+        ekf: &mut Ekf<NB, BLOCKS>,
+        index: usize,
+        newborn: bool,
+    ) -> bool {
         let grid = GridDirection::of(ekf);
         let Some(&wall) = self.walls.get(index) else { return false };
         let line = wall.line(ekf, &grid);
         let twin = self.walls.iter().enumerate().find_map(|(other, candidate)| {
-            if other == index {
+            // A free wall that is one with a wall of the grid is first taken into the grid.
+            let comparable = newborn || wall.kind() == candidate.kind();
+            if other == index || !comparable {
                 return None;
             }
             Tie::between(ekf, &grid, (&wall, &line), candidate).map(|tie| (other, tie))
         });
         let Some((other, tie)) = twin else { return false };
-        for (difference_m, jacobian) in &tie.differences {
-            // A tie that is numerically impossible leaves the filter as it was.
-            let _ = ekf.update(-difference_m, jacobian, FLUSH_M * FLUSH_M);
+        // A newborn twin is made of readings that the older wall's gate refused: the very ones that are off. It shows
+        // where the wall goes on, and nothing more.
+        if !newborn {
+            for (difference_m, jacobian) in &tie.differences {
+                // A tie that is numerically impossible leaves the filter as it was.
+                let _ = ekf.update(-difference_m, jacobian, FLUSH_M * FLUSH_M);
+            }
         }
-        let (kept, gone) = if wall.updates >= tie.updates { (index, other) } else { (other, index) };
+        let (kept, gone) = if !newborn && wall.updates >= tie.updates { (index, other) } else { (other, index) };
         let Some(&lost) = self.walls.get(gone) else { return false };
         if let Some(kept) = self.walls.get_mut(kept) {
             kept.lo_m = kept.lo_m.min(lost.lo_m);
