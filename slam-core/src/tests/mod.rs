@@ -1,0 +1,11 @@
+//! Tests that need what is private to this crate: each formula against an independent derivation.
+#![allow(clippy::needless_range_loop, reason = "a matrix is written with its indices")]
+
+mod angles;
+mod beams;
+mod covariances;
+mod filter;
+mod motions;
+mod numeric;
+mod oracle;
+mod random;
