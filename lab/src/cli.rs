@@ -7,12 +7,12 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
-use slam_core::Config;
 
 use crate::output::closing;
 use crate::recording::Recording;
 use crate::replay::{Replay, Replayed};
 use crate::run::Run;
+use crate::variant::VariantArgs;
 
 /// The workbench: a simulated cleaning robot maps a flat, or a recorded log is replayed through the same estimator.
 ///
@@ -51,6 +51,11 @@ struct RunArgs {
     /// Folder for the results.
     #[arg(long, value_name = "DIR", default_value = "out/run")]
     out: PathBuf,
+    /// Also write readings.csv: what became of every reading.
+    #[arg(long)]
+    trace: bool,
+    #[command(flatten)]
+    variant: VariantArgs,
 }
 
 #[derive(Debug, Args)]
@@ -66,6 +71,11 @@ struct ReplayArgs {
     /// True poses to score against; truth.csv beside the log when not given.
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
+    /// Also write readings.csv: what became of every reading.
+    #[arg(long)]
+    trace: bool,
+    #[command(flatten)]
+    variant: VariantArgs,
 }
 
 /// Longest drive, minutes: a record of a day fills the memory.
@@ -96,9 +106,9 @@ pub fn main() -> ExitCode {
 }
 
 fn run(args: RunArgs) -> Result<(), Box<dyn Error>> {
-    let RunArgs { plan, minutes, seed, rig, out } = args;
+    let RunArgs { plan, minutes, seed, rig, out, trace, variant } = args;
     let bar = ProgressBar::new(1000).with_style(style("driving {wide_bar} {percent} %, {eta} to go"));
-    let run = Run { plan, minutes, seed, rig, out, config: Config::default() };
+    let run = Run { plan, minutes, seed, rig, out, config: variant.config(), trace };
     let recording = run.run(|share| bar.set_position((1000.0 * share) as u64));
     bar.finish_and_clear();
     say(&recording?, &run.out);
@@ -106,9 +116,9 @@ fn run(args: RunArgs) -> Result<(), Box<dyn Error>> {
 }
 
 fn replay(args: ReplayArgs) -> Result<(), Box<dyn Error>> {
-    let ReplayArgs { log, rig, out, truth } = args;
+    let ReplayArgs { log, rig, out, truth, trace, variant } = args;
     let bar = ProgressBar::new_spinner().with_style(style("{spinner} {pos} rows, {elapsed}"));
-    let replay = Replay { log, rig, out, truth, config: Config::default() };
+    let replay = Replay { log, rig, out, truth, config: variant.config(), trace };
     let replayed = replay.run(|rows| bar.set_position(rows as u64));
     bar.finish_and_clear();
     let Replayed { recording, notes, error } = replayed?;

@@ -18,3 +18,4 @@ pub mod run;
 pub mod score;
 pub mod session;
 pub mod toml_table;
+pub mod variant;

@@ -184,6 +184,23 @@ pub struct Figures {
     pub odometry: Option<PathScore>,
     /// The map against the true plan.
     pub map: Option<MapScore>,
+    /// The map against itself.
+    pub consistency: Option<Consistency>,
+}
+
+/// How well a map agrees with itself: scores that need no truth.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Consistency {
+    /// Mean map entropy of the readings' end points by the estimate (radius 0.4 m), nats: less is sharper.
+    pub entropy_nats: f64,
+    /// The same by dead reckoning.
+    pub odometry_entropy_nats: f64,
+    /// Walls that were visited more than once, visits more than 30 s apart.
+    pub revisited: usize,
+    /// Largest distance between two visits' mean positions of one wall, along its normal, metres.
+    pub widest_gap_m: f64,
+    /// Mean over the revisited walls of the distance between their two farthest visits, metres.
+    pub mean_gap_m: f64,
 }
 
 /// Errors of a path against the truth.

@@ -30,6 +30,8 @@ pub struct Replay {
     pub truth: Option<PathBuf>,
     /// The estimator's settings.
     pub config: Config,
+    /// Whether to write what became of every reading.
+    pub trace: bool,
 }
 
 /// What a replay ended with.
@@ -73,6 +75,7 @@ impl Replay {
             ],
             rig_toml,
             config: self.config,
+            trace: self.trace,
             error: error.as_ref().map(ToString::to_string),
         };
         output::finish(&folder, &recording, &origin)?;

@@ -38,6 +38,8 @@ pub struct Run {
     pub out: PathBuf,
     /// The estimator's settings.
     pub config: Config,
+    /// Whether to write what became of every reading.
+    pub trace: bool,
 }
 
 /// Why a run could not be made.
@@ -133,6 +135,7 @@ impl Run {
             ],
             rig_toml,
             config: self.config,
+            trace: self.trace,
             error: None,
         }
     }

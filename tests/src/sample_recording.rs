@@ -254,5 +254,6 @@ fn figures(seconds: f64, walls: usize) -> Figures {
         estimate: Some(estimate),
         odometry: Some(odometry),
         map: Some(MapScore { offset_m: 0.0061, matched: walls, missed: 0, invented: 0 }),
+        consistency: None,
     }
 }

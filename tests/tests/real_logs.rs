@@ -15,6 +15,7 @@ fn replay(name: &str, log: &str, rows: usize) -> Option<Figures> {
         out: out.path().to_owned(),
         truth: None,
         config: Config::default(),
+        trace: false,
     };
     let replayed = replay.run(|_| ()).unwrap_or_else(|error| panic!("{error}"));
     assert!(replayed.error.is_none() && replayed.notes.is_empty(), "{:?} {:?}", replayed.error, replayed.notes);

@@ -53,6 +53,13 @@ fn write_filter(text: &mut String, recording: &Recording) -> std::fmt::Result {
         writeln!(text, "  {:<34}{:>12}   passed, longer than 1 m", "walls missed", map.missed)?;
         writeln!(text, "  {:<34}{:>12}", "walls invented", map.invented)?;
     }
+    if let Some(score) = &figures.consistency {
+        let (ours, theirs) =
+            (format!("{:.2} nats", score.entropy_nats), format!("{:.2} nats", score.odometry_entropy_nats));
+        writeln!(text, "  {:<34}{ours:>12}{theirs:>18}   less is sharper", "map entropy: estimate, odometry")?;
+        let gap = format!("{:.3} m", score.widest_gap_m);
+        writeln!(text, "  {:<34}{gap:>12}   of {} walls seen again", "widest gap between two visits", score.revisited)?;
+    }
     writeln!(text, "  {:<34}{:>12}   {} unexplained", "readings used", figures.updates, figures.outliers)?;
     if figures.estimator_s > 0.0 && figures.duration_s > 0.0 {
         let speed = format!("{:.0} x", figures.duration_s / figures.estimator_s);

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 use slam_core::{Clustering, Config, Refusal, WallPolicy};
 
-use crate::recording::{MapScore, PathScore, Recording};
+use crate::recording::{Consistency, MapScore, PathScore, Recording};
 
 /// What was run, for `summary.json`.
 #[derive(Clone, Debug)]
@@ -14,6 +14,8 @@ pub struct Origin {
     pub rig_toml: String,
     /// The estimator's settings.
     pub config: Config,
+    /// Whether every reading is to be written, too.
+    pub trace: bool,
     /// What ended the run early.
     pub error: Option<String>,
 }
@@ -48,6 +50,9 @@ pub fn summary(recording: &Recording, origin: &Origin) -> Value {
     if let Some(score) = &figures.map {
         put("map", map(score));
     }
+    if let Some(score) = &figures.consistency {
+        put("consistency", consistency(score));
+    }
     put("counters", counters(recording));
     put("seed", json!(recording.seed));
     put("configuration", configuration(origin));
@@ -69,6 +74,16 @@ fn map(score: &MapScore) -> Value {
         "matched": score.matched,
         "missed": score.missed,
         "invented": score.invented,
+    })
+}
+
+fn consistency(score: &Consistency) -> Value {
+    json!({
+        "entropy_nats": score.entropy_nats,
+        "odometry_entropy_nats": score.odometry_entropy_nats,
+        "revisited_walls": score.revisited,
+        "widest_gap_m": score.widest_gap_m,
+        "mean_gap_m": score.mean_gap_m,
     })
 }
 

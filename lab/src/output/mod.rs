@@ -6,6 +6,7 @@ pub mod folder;
 pub mod numbers;
 pub mod streams;
 pub mod tables;
+pub mod trace;
 
 use crate::error::FileError;
 use crate::recording::Recording;
@@ -14,8 +15,16 @@ use figures::Origin;
 use folder::Folder;
 
 /// What every run and replay writes, apart from what it adds of its own.
-pub const NAMES: [&str; 7] =
-    ["trajectory.tum", "truth.tum", "estimate.csv", "walls.csv", "calibration.csv", "summary.json", "report.html"];
+pub const NAMES: [&str; 8] = [
+    "trajectory.tum",
+    "truth.tum",
+    "estimate.csv",
+    "walls.csv",
+    "calibration.csv",
+    "summary.json",
+    "report.html",
+    "readings.csv",
+];
 
 /// Writes everything that is written when a run is over; what grew with the rows is there already.
 ///
@@ -24,6 +33,9 @@ pub const NAMES: [&str; 7] =
 pub fn finish(folder: &Folder, recording: &Recording, origin: &Origin) -> Result<(), FileError> {
     folder.write("walls.csv", &tables::walls(recording))?;
     folder.write("calibration.csv", &tables::calibration(recording))?;
+    if origin.trace {
+        trace::write(folder, recording)?;
+    }
     if let Some(truth) = tables::truth(recording) {
         folder.write("truth.tum", &truth)?;
     }

@@ -1,5 +1,6 @@
 //! Scores of a run against what is true.
 
+pub mod consistency;
 pub mod map;
 pub mod path;
 
@@ -10,6 +11,7 @@ use crate::recording::{Pose2, Recording};
 ///
 /// `truth` replaces what the rows themselves carried; `times_s` are the rows' times on its clock.
 pub fn score(recording: &mut Recording, times_s: &[f64], truth: Option<&Truth>) {
+    recording.figures.consistency = consistency::score(recording);
     if let Some(truth) = truth {
         for (step, pose) in recording.steps.iter_mut().zip(pair(times_s, truth)) {
             step.truth = pose;

@@ -22,7 +22,6 @@ class Chart {
       legend,
       element("div", { class: "plot" }, this.canvas, this.cursor, this.hoverLine),
       this.readout);
-    Object.assign(this, { width: 1, height: 1 });
     this.range = spec.range ?? valueRange(spec);
     this.bindPointer();
     clock.onChange(() => this.showMoment());
@@ -30,19 +29,19 @@ class Chart {
 
   // Time at a horizontal position of the canvas, and back.
   timeAt(px) {
-    const share = (px - MARGIN.left) / Math.max(1, this.width - MARGIN.left - MARGIN.right);
+    const share = (px - MARGIN.left) / Math.max(1, this.canvas.clientWidth - MARGIN.left - MARGIN.right);
     return Math.min(1, Math.max(0, share)) * this.clock.run.end;
   }
 
   xOf(seconds) {
-    const width = this.width - MARGIN.left - MARGIN.right;
+    const width = this.canvas.clientWidth - MARGIN.left - MARGIN.right;
     return MARGIN.left + (this.clock.run.end > 0 ? seconds / this.clock.run.end : 0) * width;
   }
 
   yOf(value) {
     const scale = this.spec.log ? Math.log10 : (v) => v;
     const [low, high] = this.range.map(scale);
-    const height = this.height - MARGIN.top - MARGIN.bottom;
+    const height = this.canvas.clientHeight - MARGIN.top - MARGIN.bottom;
     const clamped = this.spec.log ? Math.max(value, this.range[0] / 10) : value;
     return MARGIN.top + (1 - (scale(clamped) - low) / (high - low)) * height;
   }
@@ -93,8 +92,6 @@ class Chart {
   draw(theme) {
     const surface = prepare(this.canvas);
     const { context, width, height } = surface;
-    // Kept because asking for it is slow.
-    Object.assign(this, { width, height });
     context.clearRect(0, 0, width, height);
     context.font = `12px ${theme.font}`;
     this.drawAxes(surface, theme);
@@ -144,7 +141,7 @@ class Chart {
     context.beginPath();
     if (series.kind === "level") {
       context.moveTo(MARGIN.left, this.yOf(series.y));
-      context.lineTo(this.width - MARGIN.right, this.yOf(series.y));
+      context.lineTo(this.canvas.clientWidth - MARGIN.right, this.yOf(series.y));
     } else if (series.kind === "dots") {
       this.drawDots(context, series);
     } else {
@@ -193,7 +190,7 @@ class Chart {
 
   drawBand(context, { t, low, high }, colour) {
     context.fillStyle = translucent(colour, 0.2);
-    const skip = Math.max(1, Math.floor(t.length / (2 * this.width)));
+    const skip = Math.max(1, Math.floor(t.length / (2 * this.canvas.clientWidth)));
     let from = 0;
     while (from < t.length) {
       if (!Number.isFinite(low[from]) || !Number.isFinite(high[from])) {

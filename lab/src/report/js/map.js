@@ -99,7 +99,6 @@ class MapView {
     const { run, clock, shown } = this;
     if (this.follow && run.count) this.centreOnRobot();
     const surface = prepare(this.canvas);
-    this.view.measure();
     this.context = surface.context;
     this.context.clearRect(0, 0, surface.width, surface.height);
     this.paintGrid(surface);
@@ -226,20 +225,17 @@ class MapView {
 
   trace(path, to) {
     const { context, view } = this;
-    const { scale } = view;
-    const [originX, originY] = view.toScreen(0, 0);
     let open = false;
     let lastX = NaN;
     let lastY = NaN;
     context.beginPath();
     for (let i = 0; i <= to; i++) {
-      const px = originX + path.x[i] * scale;
-      const py = originY - path.y[i] * scale;
-      if (!Number.isFinite(px) || !Number.isFinite(py)) {
+      if (!Number.isFinite(path.x[i]) || !Number.isFinite(path.y[i])) {
         open = false;
         continue;
       }
-      if (open && i < to && Math.abs(px - lastX) < 1.5 && Math.abs(py - lastY) < 1.5) continue;
+      const [px, py] = view.toScreen(path.x[i], path.y[i]);
+      if (open && i < to && Math.abs(px - lastX) < 1 && Math.abs(py - lastY) < 1) continue;
       if (open) context.lineTo(px, py);
       else context.moveTo(px, py);
       open = true;

@@ -1,0 +1,62 @@
+//! Estimator settings on the command line.
+
+use clap::{Args, ValueEnum};
+use slam_core::{Clustering, Config, WallPolicy};
+
+/// Settings of the estimator, for comparison; the defaults are the ones to use.
+#[derive(Clone, Copy, Debug, Args)]
+#[command(next_help_heading = "Estimator (the defaults are the ones to use)")]
+pub struct VariantArgs {
+    /// Which walls the map may have.
+    #[arg(long, value_enum, default_value_t = Walls::Grid)]
+    walls: Walls,
+    /// How unexplained readings are grouped into new walls.
+    #[arg(long, value_enum, default_value_t = Groups::Sensor)]
+    clusters: Groups,
+    /// Take the rig file's gains, scales and track for exact.
+    #[arg(long)]
+    no_calibration: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Walls {
+    /// Grid walls, and free ones where the data are off the grid.
+    Grid,
+    /// Lines with their own direction.
+    Free,
+    /// Lines whose direction is snapped to the grid.
+    Snapped,
+    /// The same, each line's direction moving with the grid's.
+    SnappedMoving,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Groups {
+    /// By the sensor that made them.
+    Sensor,
+    /// By density over all sensors (DBSCAN).
+    Dbscan,
+}
+
+impl VariantArgs {
+    /// The settings.
+    pub fn config(&self) -> Config {
+        let calibrate = !self.no_calibration;
+        Config {
+            walls: match self.walls {
+                Walls::Grid => WallPolicy::Grid,
+                Walls::Free => WallPolicy::Free,
+                Walls::Snapped => WallPolicy::Snapped { theta_moves: false },
+                Walls::SnappedMoving => WallPolicy::Snapped { theta_moves: true },
+            },
+            clustering: match self.clusters {
+                Groups::Sensor => Clustering::BySensor,
+                Groups::Dbscan => Clustering::Dbscan,
+            },
+            calibrate_gains: calibrate,
+            calibrate_scales: calibrate,
+            calibrate_track: calibrate,
+            ..Config::default()
+        }
+    }
+}
