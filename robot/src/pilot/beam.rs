@@ -57,8 +57,15 @@ impl Beam {
     }
 }
 
-/// Draws one beam into the picture: free up to its end, and a hit there where it is near enough to be placed.
-pub(super) fn draw_beam<const N: usize>(memory: &mut Memory<N>, beam: &Beam, pose: &Pose, config: &PilotConfig) {
+/// Draws one beam into the picture: free up to its end (obstacles on its way vanish only where it `clears`), and a hit
+/// there where it is near enough to be placed.
+pub(super) fn draw_beam<const N: usize>(
+    memory: &mut Memory<N>,
+    beam: &Beam,
+    pose: &Pose,
+    config: &PilotConfig,
+    clears: bool,
+) {
     let trusted_m = config.trusted_m.min(0.8 * beam.max_m);
     let empty = beam.age >= EMPTY_STEPS;
     if beam.age != 0 && !empty {
@@ -77,7 +84,7 @@ pub(super) fn draw_beam<const N: usize>(memory: &mut Memory<N>, beam: &Beam, pos
     while range_m < free_m {
         let cell = cell_at(memory, range_m);
         // A sensor that is blind sees nothing, too: it makes no wall vanish.
-        if cell != last && !(empty && memory.is_obstacle(cell)) {
+        if cell != last && (clears && !empty || !memory.is_obstacle(cell)) {
             memory.see_free(cell);
         }
         last = cell;

@@ -92,6 +92,8 @@ const BACK_OFF_US: u64 = 1_200_000;
 const ROUTE_US: u64 = 250_000;
 /// Held up by something ahead for this long, the pilot takes the place to be blocked, microseconds.
 const PINCH_US: u64 = 1_000_000;
+/// Beams clear obstacles in one of so many steps only: a chair leg is hit by few beams and passed by many.
+const CLEARING_STEPS: u8 = 4;
 /// Half width of the trail of visited cells, in cells.
 const TRAIL: i16 = 2;
 
@@ -109,6 +111,7 @@ pub struct Pilot<const S: usize, const N: usize = 80> {
     /// Direction of the next turn away: 1 counter-clockwise, -1 clockwise.
     turn_sign: f32,
     patience: Patience,
+    steps: u8,
     /// When the robot was last told to move.
     moving_us: u64,
     rounds: u16,
@@ -128,6 +131,7 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
             since_us: 0,
             turn_sign: 1.0,
             patience: Patience::new(),
+            steps: 0,
             moving_us: 0,
             rounds: 0,
             given_up: 0,
@@ -179,9 +183,11 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
             self.patience.renew(senses.time_us);
         }
         self.memory.stand_on(here);
+        self.steps = self.steps.wrapping_add(1);
+        let clears = self.steps % CLEARING_STEPS == 0;
         for beam in &self.beams {
             if beam.max_m > 0.0 {
-                draw_beam(&mut self.memory, beam, pose, &self.config);
+                draw_beam(&mut self.memory, beam, pose, &self.config, clears);
             }
         }
     }
