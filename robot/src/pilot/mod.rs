@@ -184,7 +184,7 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
         }
         self.memory.stand_on(here);
         self.steps = self.steps.wrapping_add(1);
-        let clears = self.steps % CLEARING_STEPS == 0;
+        let clears = self.steps.is_multiple_of(CLEARING_STEPS);
         for beam in &self.beams {
             if beam.max_m > 0.0 {
                 draw_beam(&mut self.memory, beam, pose, &self.config, clears);
