@@ -10,6 +10,9 @@
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 
+#[cfg(test)]
+extern crate std;
+
 pub mod angle;
 mod association;
 mod beam;
@@ -34,6 +37,8 @@ pub mod report;
 pub mod rig;
 pub mod sample;
 mod slam;
+#[cfg(test)]
+mod tests;
 mod view;
 mod wall;
 

@@ -1,0 +1,15 @@
+//! Tests that need what is private to this crate: each formula against an independent derivation.
+#![allow(clippy::needless_range_loop, reason = "a matrix is written with its indices")]
+
+mod angles;
+mod beams;
+mod buffers;
+mod clusters;
+mod covariances;
+mod filter;
+mod lines;
+mod motions;
+mod numeric;
+mod oracle;
+mod random;
+mod rigs;
