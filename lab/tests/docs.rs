@@ -1,0 +1,60 @@
+//! What `docs/formats.md` says is what the program does.
+
+mod common;
+
+use std::path::Path;
+
+use common::Place;
+use lab::rig_file::Robot;
+
+const FORMATS: &str = include_str!("../../docs/formats.md");
+
+fn examples() -> Vec<&'static str> {
+    FORMATS.split("```toml\n").skip(1).map(|rest| rest.split("```").next().expect("an end")).collect()
+}
+
+#[test]
+fn the_rig_examples_are_good() {
+    let examples = examples();
+    assert_eq!(examples.len(), 2);
+    for example in examples {
+        let robot = Robot::parse(Path::new("docs/formats.md"), example).unwrap_or_else(|error| panic!("{error}"));
+        let spelt_out = robot.rig.sensors[0].max_incidence_rad;
+        let without: String = example
+            .lines()
+            .filter(|line| !line.starts_with("max_incidence"))
+            .fold(String::new(), |text, line| text + line + "\n");
+        let default = Robot::parse(Path::new("docs/formats.md"), &without).expect("it is optional");
+        assert_eq!(default.rig.sensors[0].max_incidence_rad, spelt_out, "the default is the documented one");
+    }
+}
+
+#[test]
+fn every_file_written_is_documented_with_its_header() {
+    let place = Place::new();
+    place.lab().args(["--plan", "room", "--minutes", "0.2", "--out", "out", "--trace"]).assert().success();
+    let mut names: Vec<String> = std::fs::read_dir(place.path("out"))
+        .expect("the folder")
+        .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    assert_eq!(names.len(), 10, "{names:?}");
+    for name in &names {
+        assert!(FORMATS.contains(&format!("`{name}`")), "{name} is not documented");
+    }
+    for name in ["estimate.csv", "walls.csv", "calibration.csv", "readings.csv"] {
+        let text = place.get(&format!("out/{name}"));
+        let header = text.lines().next().expect("a header");
+        assert!(FORMATS.contains(&format!("`{header}`")), "{name}: {header}");
+    }
+}
+
+#[test]
+fn every_figure_is_documented() {
+    let place = Place::new();
+    place.lab().args(["--plan", "room", "--minutes", "3", "--out", "out"]).assert().success();
+    let own = ["program", "version", "title", "estimator_s", "poses_compared", "seed", "configuration", "files"];
+    for key in place.summary("out").as_object().expect("an object").keys() {
+        assert!(own.contains(&key.as_str()) || FORMATS.contains(&format!("`{key}`")), "{key} is not documented");
+    }
+}
