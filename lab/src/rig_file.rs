@@ -14,10 +14,20 @@ pub const MAX_SENSORS: usize = 16;
 /// Largest incidence where the rig file names none, degrees: at grazing incidence an infrared spot smears over the wall.
 const DEFAULT_MAX_INCIDENCE_DEG: f32 = 70.0;
 
-const RELATIVE: Allowed = Allowed { min: 0.0, above_min: false, max: 1.0, words: "a ratio from 0 to 1" };
-const INCIDENCE: Allowed = Allowed { min: 0.0, above_min: true, max: 90.0, words: "an angle above 0 and up to 90" };
-const BEARING: Allowed = Allowed { min: -360.0, above_min: false, max: 360.0, words: "an angle from -360 to 360" };
-const EXPONENT: Allowed = Allowed { min: -10.0, above_min: false, max: -0.1, words: "a number from -10 to -0.1" };
+/// Largest incidence that the estimator takes, degrees: a rig file's 90 means no limit.
+const WIDEST_INCIDENCE_DEG: f32 = 89.9;
+
+/// Shortest range that the estimator takes, metres: a rig file's 0 means no limit.
+const SHORTEST_M: f32 = 1e-6;
+
+const fn closed(min: f64, max: f64, words: &'static str) -> Allowed {
+    Allowed { min, above_min: false, max, below_max: false, words }
+}
+
+const RELATIVE: Allowed = Allowed { below_max: true, ..closed(0.0, 0.5, "a ratio of at least 0 and less than 0.5") };
+const INCIDENCE: Allowed = Allowed { above_min: true, ..closed(0.0, 90.0, "an angle above 0 and up to 90") };
+const BEARING: Allowed = closed(-360.0, 360.0, "an angle from -360 to 360");
+const EXPONENT: Allowed = Allowed { below_max: true, ..closed(-4.0, 0.0, "a number from -4 to below 0") };
 
 /// A robot as its rig file describes it.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,6 +81,14 @@ impl Robot {
             let _ = rig.sensors.push(sensor);
         }
         root.nothing_else()?;
+        rig.validate().map_err(|error| {
+            let drive = if root.has("wheels") { root.table("wheels") } else { root.table("odometry") };
+            let own = |table: &Table<'_>| table.error(error.key, format!("must be {}", error.allowed));
+            match error.sensor.and_then(|index| tables.get(usize::from(index))) {
+                Some(table) => own(table),
+                None => drive.ok().flatten().map_or_else(|| own(&root), |table| own(&table)),
+            }
+        })?;
         Ok(Self { rig, names })
     }
 
@@ -139,9 +157,9 @@ fn read_sensor(table: &Table<'_>) -> Result<RangeSensor, FileError> {
             y_m: table.number("y_m", Allowed::FINITE)?,
             bearing_rad: bearing_deg.to_radians(),
         },
-        min_m,
+        min_m: min_m.max(SHORTEST_M),
         max_m,
-        max_incidence_rad: max_incidence_deg.to_radians(),
+        max_incidence_rad: max_incidence_deg.min(WIDEST_INCIDENCE_DEG).to_radians(),
         gain_sigma: table.number("gain_sigma", RELATIVE)?,
         model: read_model(table)?,
     };

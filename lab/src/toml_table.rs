@@ -17,26 +17,34 @@ pub struct Allowed {
     pub above_min: bool,
     /// Largest value.
     pub max: f64,
+    /// Whether `max` itself is excluded.
+    pub below_max: bool,
     /// The same in words.
     pub words: &'static str,
 }
 
 impl Allowed {
     /// Above zero.
-    pub const POSITIVE: Self = Self { min: 0.0, above_min: true, max: f64::INFINITY, words: "a number above 0" };
+    pub const POSITIVE: Self =
+        Self { min: 0.0, above_min: true, max: f64::INFINITY, below_max: false, words: "a number above 0" };
     /// Zero or more.
     pub const NOT_NEGATIVE: Self =
-        Self { min: 0.0, above_min: false, max: f64::INFINITY, words: "a number, 0 or more" };
+        Self { min: 0.0, above_min: false, max: f64::INFINITY, below_max: false, words: "a number, 0 or more" };
     /// Any finite number.
-    pub const FINITE: Self =
-        Self { min: f64::NEG_INFINITY, above_min: false, max: f64::INFINITY, words: "a finite number" };
+    pub const FINITE: Self = Self {
+        min: f64::NEG_INFINITY,
+        above_min: false,
+        max: f64::INFINITY,
+        below_max: false,
+        words: "a finite number",
+    };
 
     fn holds(&self, value: f64) -> bool {
         // The estimator computes in f32: what does not fit there is as impossible as infinity.
-        (value as f32).is_finite()
-            && value >= self.min
-            && value <= self.max
-            && !(self.above_min && value as f32 <= self.min as f32)
+        let narrow = value as f32;
+        let above = if self.above_min { narrow > self.min as f32 } else { value >= self.min };
+        let below = if self.below_max { narrow < self.max as f32 } else { value <= self.max };
+        narrow.is_finite() && above && below
     }
 }
 

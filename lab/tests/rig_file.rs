@@ -69,12 +69,17 @@ fn impossible_numbers_name_key_and_what_is_allowed() {
         ("track_m = 0.2", "track_m = 1e-60", "rig.toml:2: wheels.track_m: is 1e-60; it must be a number above 0"),
         ("track_m = 0.2", "track_m = \"wide\"", "rig.toml:2: wheels.track_m: is a text; it must be a number above 0"),
         ("track_m = 0.2", "track_m = true", "rig.toml:2: wheels.track_m: is a true-or-false value"),
-        ("scale_sigma = 0.005", "scale_sigma = -0.1", "wheels.scale_sigma: is -0.1; it must be a ratio from 0 to 1"),
+        (
+            "scale_sigma = 0.005",
+            "scale_sigma = -0.1",
+            "wheels.scale_sigma: is -0.1; it must be a ratio of at least 0 and less than 0.5",
+        ),
         (
             "noise_m2_per_m = 1e-5",
             "noise_m2_per_m = -1",
             "wheels.noise_m2_per_m: is -1; it must be a number, 0 or more",
         ),
+        ("scale_sigma = 0.005", "scale_sigma = 0.5", "wheels.scale_sigma: is 0.5; it must be a ratio"),
         ("x_m = 0.0", "x_m = nan", "range_sensor[0].x_m: is nan; it must be a finite number"),
         ("bearing_deg = 90.0", "bearing_deg = 900", "range_sensor[0].bearing_deg: is 900; it must be an angle"),
         ("min_m = 0.05", "min_m = -1", "range_sensor[0].min_m: is -1; it must be a number, 0 or more"),
@@ -102,6 +107,7 @@ fn analogue_sensors_need_a_converter_and_possible_values() {
         ("bits = 12", "bits = 12.5", "adc.bits: is 12.5; it must be a whole number"),
         ("vref_v = 3.3", "vref_v = 0.0", "adc.vref_v: is 0.0; it must be a number above 0"),
         ("exponent = -1.16", "exponent = 1.16", "range_sensor[0].exponent: is 1.16; it must be"),
+        ("exponent = -1.16", "exponent = -5", "range_sensor[0].exponent: is -5; it must be a number from -4"),
         ("exponent = -1.16", "exponent = 0", "range_sensor[0].exponent: is 0; it must be"),
         ("noise_v = 0.012", "noise_v = 0", "range_sensor[0].noise_v: is 0; it must be a number above 0"),
         ("noise_v = 0.012", "noise_v = 0.012\nnoise_m = 0.1", "range_sensor[0].noise_m: is there beside scale_m"),
@@ -140,6 +146,25 @@ fn unknown_keys_and_wrong_shapes_are_errors() {
     let head = SHARP_RIG.split_once("[[").expect("sensor").0;
     assert_error(&format!("{head}{many}"), &["there are 17; there must be 1 to 16"]);
     assert_error("", &["rig.toml:1: wheels: is missing"]);
+}
+
+#[test]
+fn whatever_the_rig_file_allows_the_estimator_takes() {
+    let limits = [
+        ("min_m = 0.05", "min_m = 0"),
+        ("max_m = 2.0", "max_m = 2.0\nmax_incidence_deg = 90"),
+        ("gain_sigma = 0.01", "gain_sigma = 0.499999"),
+        ("scale_sigma = 0.005", "scale_sigma = 0"),
+        ("noise_m2_per_m = 1e-5", "noise_m2_per_m = 0"),
+        ("bearing_deg = 90.0", "bearing_deg = -360"),
+        ("bearing_deg = 90.0", "bearing_deg = 0x10"),
+        ("track_m = 0.2", "track_m = 1_0.5e-1\ntrack_sigma = 0.4"),
+    ];
+    for (from, to) in limits {
+        let text = WHEELED_RIG.replacen(from, to, 1);
+        let robot = Robot::parse(Path::new("rig.toml"), &text).unwrap_or_else(|error| panic!("{error}"));
+        assert!(lab::session::Session::new(&robot, slam_core::Config::default(), "limits").is_ok(), "{to}");
+    }
 }
 
 #[test]
