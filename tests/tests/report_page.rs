@@ -204,6 +204,28 @@ fn a_run_without_truth_plan_or_calibration_says_what_it_can() {
 }
 
 #[test]
+fn a_truth_slower_than_the_log_still_makes_lines() {
+    let mut recording = sample_recording(30.0, 10.0);
+    for (i, step) in recording.steps.iter_mut().enumerate() {
+        step.truth = step.truth.filter(|_| i % 7 == 0);
+    }
+    let probe = r##"
+        const chart = document.querySelector("[data-chart='error-x']");
+        const canvas = chart.querySelector("canvas");
+        const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+        const columns = new Set();
+        // The error's line is the only thing of this strong blue.
+        for (let i = 0; i < data.length; i += 4) {
+            if (data[i] < 60 && data[i + 2] > 150 && data[i + 3] > 200) columns.add((i / 4) % canvas.width);
+        }
+        return { covered: columns.size / canvas.width, readout: chart.querySelector(".readout").textContent };
+    "##;
+    let Some(seen) = open("sparse", &recording, "theme=light", probe) else { return };
+    assert!(seen["covered"].as_f64().unwrap() > 0.8, "{}", seen["covered"]);
+    assert!(seen["readout"].as_str().unwrap().ends_with("cm"), "{}", seen["readout"]);
+}
+
+#[test]
 fn odd_recordings_still_make_a_page() {
     let sample = sample_recording(10.0, 10.0);
     let mut broken = sample.clone();

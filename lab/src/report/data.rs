@@ -2,7 +2,8 @@
 //! before, `null` where a value is absent or not finite. `js/decode.js` is the other end.
 
 use super::series;
-use crate::recording::{Figures, MapScore, PathScore, Pose2, Recording};
+use crate::recording::{Figures, MapScore, PathScore, Pose2, Recording, Step};
+use crate::score::path::nees;
 use serde_json::{Value, json};
 use slam_core::{Outcome, ReadingReport, Refusal, WallKind, WallView};
 use std::collections::BTreeMap;
@@ -90,11 +91,16 @@ fn steps(recording: &Recording, shown: &[usize]) -> Value {
         Some(if scale > 0.0 { f64::from(p[0][1]) / scale } else { 0.0 })
     };
     let known = all.iter().any(|step| step.truth.is_some());
+    // A truth that is slower than the log must not fall between the steps shown.
+    let latest = |value: &dyn Fn(&Step) -> Option<f64>, per_unit| {
+        let begins = std::iter::once(0).chain(shown.iter().map(|i| i + 1));
+        column(begins.zip(shown).map(|(begin, &end)| all[begin..=end].iter().rev().find_map(value)), per_unit)
+    };
     let error = known.then(|| {
         json!({
-            "x": col(&|i| series::error(&all[i]).map(|e| e.x_m), TENTH_MM),
-            "y": col(&|i| series::error(&all[i]).map(|e| e.y_m), TENTH_MM),
-            "theta": col(&|i| series::error(&all[i]).map(|e| e.theta_rad), TEN_URAD),
+            "x": latest(&|step| series::error(step).map(|e| e.x_m), TENTH_MM),
+            "y": latest(&|step| series::error(step).map(|e| e.y_m), TENTH_MM),
+            "theta": latest(&|step| series::error(step).map(|e| e.theta_rad), TEN_URAD),
         })
     });
     let (nis_used, nis_all) = series::running_nis(recording);
@@ -109,7 +115,7 @@ fn steps(recording: &Recording, shown: &[usize]) -> Value {
         "correlation": col(&correlation, HUNDREDTHS),
         "alpha": col(&|i| all[i].alpha.map(|(alpha, _)| f64::from(alpha)), TENTH_MRAD),
         "alpha_sigma": col(&|i| all[i].alpha.map(|(_, sigma)| f64::from(sigma)), TEN_URAD),
-        "nees": known.then(|| col(&|i| series::nees(&all[i]), HUNDREDTHS)),
+        "nees": known.then(|| latest(&nees, HUNDREDTHS)),
         "nis_used": col(&|i| nis_used[i], HUNDREDTHS),
         "nis_all": col(&|i| nis_all[i], HUNDREDTHS),
         "walls": col(&|i| Some(all[i].walls as f64), 1.0),
@@ -205,9 +211,7 @@ fn hit_range(recording: &Recording, step: usize, index: usize, reading: &Reading
     let [hit_x, hit_y] = reading.hit_m?.map(f64::from);
     let pose = recording.steps[step].pose;
     let mount = &recording.sensors[index];
-    let (s, c) = pose.theta_rad.sin_cos();
-    let x = pose.x_m + c * mount.x_m - s * mount.y_m;
-    let y = pose.y_m + s * mount.x_m + c * mount.y_m;
+    let [x, y] = pose.transform([mount.x_m, mount.y_m]);
     Some((hit_x - x).hypot(hit_y - y)).filter(|range| range.is_finite())
 }
 

@@ -1,16 +1,11 @@
 //! Series over the steps of a run that the page shows but cannot compute from its reduced data.
 
-use crate::recording::{Pose2, Recording, Step, nis};
+use crate::recording::{Pose2, Recording, Step, nis, wrap};
 use slam_core::Outcome;
-use std::{collections::VecDeque, f64::consts::TAU};
+use std::collections::VecDeque;
 
 /// Span of the running mean of NIS, seconds.
 const NIS_WINDOW_S: f64 = 30.0;
-
-/// The angle modulo a full turn that is nearest to zero, radians.
-pub fn wrap(angle_rad: f64) -> f64 {
-    angle_rad - TAU * (angle_rad / TAU).round()
-}
 
 /// Estimate minus truth in the start frame, where the truth is known.
 pub fn error(step: &Step) -> Option<Pose2> {
@@ -20,34 +15,6 @@ pub fn error(step: &Step) -> Option<Pose2> {
         y_m: step.pose.y_m - truth.y_m,
         theta_rad: wrap(step.pose.theta_rad - truth.theta_rad),
     })
-}
-
-/// Normalised estimation error squared of the pose, e^T P^-1 e: chi-square with three degrees of freedom for an honest
-/// covariance. None without truth or where the covariance is not positive definite (as before the first motion).
-pub fn nees(step: &Step) -> Option<f64> {
-    let e = error(step)?;
-    let e = [e.x_m, e.y_m, e.theta_rad];
-    // Cholesky factor L, and y with L y = e: the result is |y|^2.
-    let mut l = [[0.0f64; 3]; 3];
-    let mut sum = 0.0;
-    let mut y = [0.0; 3];
-    for i in 0..3 {
-        for j in 0..=i {
-            let dot: f64 = (0..j).map(|k| l[i][k] * l[j][k]).sum();
-            let rest = f64::from(step.covariance[i][j]) - dot;
-            if i != j {
-                l[i][j] = rest / l[j][j];
-            } else if rest > 0.0 {
-                l[i][i] = rest.sqrt();
-            } else {
-                return None;
-            }
-        }
-        let dot: f64 = (0..i).map(|k| l[i][k] * y[k]).sum();
-        y[i] = (e[i] - dot) / l[i][i];
-        sum += y[i] * y[i];
-    }
-    sum.is_finite().then_some(sum)
 }
 
 /// Mean NIS of the last 30 seconds at each step: of the readings used, and of those outside the gate too.
@@ -96,30 +63,13 @@ impl RunningMean {
 mod tests {
     use super::*;
 
-    fn step(error: [f64; 3], covariance: [[f32; 3]; 3]) -> Step {
-        let pose = Pose2 { x_m: error[0], y_m: error[1], theta_rad: error[2] };
-        Step { pose, covariance, truth: Some(Pose2::default()), ..Step::default() }
-    }
-
     #[test]
-    fn nees_of_a_diagonal_covariance_is_the_sum_of_squares() {
-        let value = nees(&step([0.2, -0.3, 0.1], [[0.01, 0.0, 0.0], [0.0, 0.09, 0.0], [0.0, 0.0, 0.04]])).unwrap();
-        assert!((value - (4.0 + 1.0 + 0.25)).abs() < 1e-5, "{value}");
-    }
-
-    #[test]
-    fn nees_counts_correlation() {
-        // P = [[2, 1], [1, 2]] in x and y: P^-1 = [[2, -1], [-1, 2]] / 3.
-        let covariance = [[2.0, 1.0, 0.0], [1.0, 2.0, 0.0], [0.0, 0.0, 1.0]];
-        let value = nees(&step([1.0, 1.0, 0.0], covariance)).unwrap();
-        assert!((value - 2.0 / 3.0).abs() < 1e-9, "{value}");
-    }
-
-    #[test]
-    fn nees_needs_truth_and_a_positive_covariance() {
-        assert_eq!(nees(&Step { truth: None, ..step([0.0; 3], [[1.0; 3]; 3]) }), None);
-        assert_eq!(nees(&step([0.1; 3], [[0.0; 3]; 3])), None);
-        assert_eq!(nees(&step([0.1; 3], [[f32::NAN; 3]; 3])), None);
+    fn a_heading_error_is_the_short_way_round() {
+        let pose = |theta_rad| Pose2 { theta_rad, ..Pose2::default() };
+        let step = Step { pose: pose(3.1), truth: Some(pose(-3.1)), ..Step::default() };
+        let found = error(&step).map(|e| e.theta_rad).unwrap_or_default();
+        assert!((found - (6.2 - 2.0 * std::f64::consts::PI)).abs() < 1e-12, "{found}");
+        assert_eq!(error(&Step { truth: None, ..step }), None);
     }
 
     #[test]

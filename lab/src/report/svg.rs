@@ -88,7 +88,7 @@ impl Frame {
                 continue;
             };
             let [x, y] = self.place(pose.x_m, pose.y_m);
-            if last.is_some_and(|[lx, ly]| (x - lx).hypot(y - ly) < 1.5) {
+            if last.is_some_and(|[lx, ly]| (x - lx).hypot(y - ly) < 3.0) {
                 continue;
             }
             let _ = write!(out, "{}{x:.1} {y:.1}", if last.is_some() { 'L' } else { 'M' });
@@ -122,7 +122,13 @@ pub fn map_svg(recording: &Recording) -> String {
     layer("True plan", PLAN, 8.0, "stroke-opacity=\"0.4\"", plan.collect());
     layer("Hits", HITS, HIT, "stroke-linecap=\"square\" stroke-opacity=\"0.8\"", hits(recording, &frame));
     let steps = &recording.steps;
-    layer("Dead reckoning", ODOMETRY, 1.5, "", frame.trace(steps.iter().map(|s| Some(s.dead_reckoning))));
+    layer(
+        "Dead reckoning",
+        ODOMETRY,
+        1.0,
+        "stroke-opacity=\"0.8\"",
+        frame.trace(steps.iter().map(|s| Some(s.dead_reckoning))),
+    );
     layer("Estimated path", ESTIMATE, 1.8, "", frame.trace(steps.iter().map(|s| Some(s.pose))));
     let truth = frame.trace(steps.iter().map(|s| s.truth));
     layer("True path", TRUTH, 1.2, "stroke-dasharray=\"5 4\"", truth);

@@ -22,6 +22,7 @@ class Chart {
       legend,
       element("div", { class: "plot" }, this.canvas, this.cursor, this.hoverLine),
       this.readout);
+    Object.assign(this, { width: 1, height: 1 });
     this.range = spec.range ?? valueRange(spec);
     this.bindPointer();
     clock.onChange(() => this.showMoment());
@@ -29,19 +30,19 @@ class Chart {
 
   // Time at a horizontal position of the canvas, and back.
   timeAt(px) {
-    const share = (px - MARGIN.left) / Math.max(1, this.canvas.clientWidth - MARGIN.left - MARGIN.right);
+    const share = (px - MARGIN.left) / Math.max(1, this.width - MARGIN.left - MARGIN.right);
     return Math.min(1, Math.max(0, share)) * this.clock.run.end;
   }
 
   xOf(seconds) {
-    const width = this.canvas.clientWidth - MARGIN.left - MARGIN.right;
+    const width = this.width - MARGIN.left - MARGIN.right;
     return MARGIN.left + (this.clock.run.end > 0 ? seconds / this.clock.run.end : 0) * width;
   }
 
   yOf(value) {
     const scale = this.spec.log ? Math.log10 : (v) => v;
     const [low, high] = this.range.map(scale);
-    const height = this.canvas.clientHeight - MARGIN.top - MARGIN.bottom;
+    const height = this.height - MARGIN.top - MARGIN.bottom;
     const clamped = this.spec.log ? Math.max(value, this.range[0] / 10) : value;
     return MARGIN.top + (1 - (scale(clamped) - low) / (high - low)) * height;
   }
@@ -78,7 +79,7 @@ class Chart {
     if (this.hover !== undefined) this.hoverLine.style.transform = `translateX(${this.xOf(this.hover)}px)`;
     const seconds = this.hover ?? at;
     const values = this.spec.series.filter((s) => !s.quiet && s.kind !== "level").map((series) => {
-      const i = lastAtOrBefore(series.t, seconds + 1e-9);
+      const i = lastKnown(series, seconds + 1e-9);
       const text = i < 0 ? NONE : series.kind === "band" ? this.bandText(series, i) : this.spec.unit(series.y[i]);
       return `${series.label} ${text}`;
     });
@@ -92,6 +93,8 @@ class Chart {
   draw(theme) {
     const surface = prepare(this.canvas);
     const { context, width, height } = surface;
+    // Kept because asking for it is slow.
+    Object.assign(this, { width, height });
     context.clearRect(0, 0, width, height);
     context.font = `12px ${theme.font}`;
     this.drawAxes(surface, theme);
@@ -134,14 +137,15 @@ class Chart {
   drawSeries(context, series, colour) {
     if (series.kind === "band") return this.drawBand(context, series, colour);
     context.strokeStyle = colour;
-    context.fillStyle = translucent(colour, 0.35);
+    // Many dots are fainter, so that their density shows.
+    context.fillStyle = translucent(colour, Math.min(0.6, Math.max(0.08, 2500 / (series.t?.length || 1))));
     context.lineWidth = series.kind === "level" ? 1 : 1.6;
     context.setLineDash(series.dash ? [4, 4] : []);
     context.lineJoin = "round";
     context.beginPath();
     if (series.kind === "level") {
       context.moveTo(MARGIN.left, this.yOf(series.y));
-      context.lineTo(this.canvas.clientWidth - MARGIN.right, this.yOf(series.y));
+      context.lineTo(this.width - MARGIN.right, this.yOf(series.y));
     } else if (series.kind === "dots") {
       this.drawDots(context, series);
     } else {
@@ -151,12 +155,19 @@ class Chart {
     context.setLineDash([]);
   }
 
-  // One vertical stroke per pixel column from the lowest to the highest value in it, joined: no peak is lost.
+  // One vertical stroke per pixel column from the lowest to the highest value in it, joined: no peak is lost. Values may
+  // be sparse: only a long gap breaks the line.
   pathOf(context, { t, y, kind }) {
     let i = 0;
     let open = false;
     let lastY = 0;
+    let lastT = 0;
     while (i < t.length) {
+      if (!Number.isFinite(y[i])) {
+        i++;
+        continue;
+      }
+      if (t[i] - lastT > GAP_S) open = false;
       const px = Math.round(this.xOf(t[i]) * 2) / 2;
       let low = Infinity;
       let high = -Infinity;
@@ -166,11 +177,7 @@ class Chart {
         low = Math.min(low, y[i]);
         high = Math.max(high, y[i]);
         last = y[i];
-      }
-      if (!Number.isFinite(first)) {
-        open = false;
-        i++;
-        continue;
+        lastT = t[i];
       }
       if (open && kind === "step") context.lineTo(px, lastY);
       if (open) context.lineTo(px, this.yOf(first));
@@ -190,7 +197,7 @@ class Chart {
 
   drawBand(context, { t, low, high }, colour) {
     context.fillStyle = translucent(colour, 0.2);
-    const skip = Math.max(1, Math.floor(t.length / (2 * this.canvas.clientWidth)));
+    const skip = Math.max(1, Math.floor(t.length / (2 * this.width)));
     let from = 0;
     while (from < t.length) {
       if (!Number.isFinite(low[from]) || !Number.isFinite(high[from])) {
@@ -209,6 +216,14 @@ class Chart {
       from = to;
     }
   }
+}
+
+// Index of the last value of a series at or before a time, sparse values being bridged like the line is; -1: none.
+function lastKnown(series, seconds) {
+  const values = series.y ?? series.low;
+  let i = lastAtOrBefore(series.t, seconds);
+  while (i >= 0 && !Number.isFinite(values[i]) && seconds - series.t[i] <= GAP_S) i--;
+  return i;
 }
 
 // Lowest and highest value of a chart, with a little air; a symmetric chart keeps zero in the middle.

@@ -13,7 +13,7 @@ function metresAxis(value) {
 function boundedError(id, title, note, t, error, sigma, unit) {
   return {
     id, title, note, unit,
-    axis: (v) => String(Number(v.toPrecision(3))).replace("-", "\u2212"),
+    axis: axisNumber,
     symmetric: true,
     series: [
       { kind: "band", label: "2-sigma bounds", colour: "estimate", t, low: sigma.map((s) => -2 * s), high: sigma.map((s) => 2 * s) },
@@ -66,7 +66,7 @@ function errorCharts(run) {
       title: "Uncertainty of the position",
       note: "The estimator's own 2 sigma along each axis, in centimetres.",
       unit: cmText,
-      axis: (v) => String(Number(v.toPrecision(3))),
+      axis: axisNumber,
       fromZero: true,
       series: [
         { kind: "line", label: "Along x", colour: "one", t, y: scaled(sigma.x, 2 * CM) },
@@ -104,7 +104,7 @@ function consistencyCharts(run) {
       title: "NEES: pose error against its covariance",
       note: "3 on average for an honest estimator; 95 % of moments inside the band. Above: surer than it should be.",
       unit: plain,
-      axis: (v) => (v >= 1 ? String(v) : String(Number(v.toPrecision(1)))),
+      axis: axisNumber,
       log: true,
       floor: 0.01,
       series: [
@@ -119,7 +119,7 @@ function consistencyCharts(run) {
     title: "NIS: surprise of each reading",
     note: "Innovation squared over its variance: 1 on average for honest error bars. Dots are readings, lines are means of 30 s.",
     unit: plain,
-    axis: String,
+    axis: axisNumber,
     log: true,
     range: [0.01, 100],
     series: [
@@ -153,7 +153,7 @@ function alphaChart(run) {
     title: "Direction of the wall grid",
     note: "In degrees from the robot's first heading: the one direction that all grid walls share.",
     unit: degText,
-    axis: (v) => String(Number(v.toPrecision(4))).replace("-", "\u2212"),
+    axis: axisNumber,
     least: 0.5,
     series: [
       { kind: "band", label: "2 sigma", colour: "estimate", t, low: y.map((v, i) => v - s[i]), high: y.map((v, i) => v + s[i]), quiet: true },
@@ -210,7 +210,7 @@ function calibrationChart(run, p, most) {
     title: parameterName(p.name),
     note: `${signedPercent(p.value[last])} \u00b1 ${fixed(200 * p.sigma[last], 2)} %${known ? `, true ${signedPercent(p.truth)}` : ""}`,
     unit: (v) => `${fixed(v, 2)} %`,
-    axis: (v) => String(Number(v.toPrecision(3))).replace("-", "\u2212"),
+    axis: axisNumber,
     range: [-most, most],
     small: true,
     series,

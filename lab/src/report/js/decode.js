@@ -135,6 +135,9 @@ function decode(raw) {
   return run;
 }
 
+// A gap in time that a line over sparse values does not bridge, seconds.
+const GAP_S = 5;
+
 // Index of the last step at or before `seconds`.
 function stepAt(run, seconds) {
   return Math.max(0, lastAtOrBefore(run.t, seconds));

@@ -32,6 +32,11 @@ function whole(value) {
   return Number.isFinite(value) ? Math.round(value).toLocaleString("en").replaceAll(",", "\u202f") : NONE;
 }
 
+// A round number on an axis.
+function axisNumber(value) {
+  return String(Number(value.toPrecision(4))).replace("-", "\u2212");
+}
+
 // Seconds as m:ss.s
 function clockTime(seconds) {
   if (!Number.isFinite(seconds)) return NONE;

@@ -69,7 +69,7 @@ function numberPasses(run, hits) {
 }
 
 const NEAR_WALL_M = 0.25;
-const FEWEST_HITS_OF_A_PASS = 8;
+const FEWEST_HITS_OF_A_PASS = 12;
 // This near to a wall's end, a hit that met no known wall may belong to the next wall.
 const CORNER_M = 0.15;
 

@@ -159,8 +159,8 @@ function start() {
   }).observe(document.querySelector("main"));
   openAtAddress(clock, chooseTheme);
   const stride = run.stride > 1 ? ` Every ${run.stride}th sample is shown.` : "";
-  const seed = run.seed === null ? "" : ` Seed ${run.seed}.`;
-  document.getElementById("foot").textContent = `Written by ${run.program}.${seed}${stride} This page needs no network.`;
+  document.getElementById("eyebrow").textContent = run.seed === null ? "Replayed log" : `Simulated drive, seed ${run.seed}`;
+  document.getElementById("foot").textContent = `Written by ${run.program}.${stride} This page needs no network.`;
   document.documentElement.dataset.ready = "true";
 }
 

@@ -99,6 +99,7 @@ class MapView {
     const { run, clock, shown } = this;
     if (this.follow && run.count) this.centreOnRobot();
     const surface = prepare(this.canvas);
+    this.view.measure();
     this.context = surface.context;
     this.context.clearRect(0, 0, surface.width, surface.height);
     this.paintGrid(surface);
@@ -225,17 +226,20 @@ class MapView {
 
   trace(path, to) {
     const { context, view } = this;
+    const { scale } = view;
+    const [originX, originY] = view.toScreen(0, 0);
     let open = false;
     let lastX = NaN;
     let lastY = NaN;
+    let lastT = 0;
     context.beginPath();
     for (let i = 0; i <= to; i++) {
-      if (!Number.isFinite(path.x[i]) || !Number.isFinite(path.y[i])) {
-        open = false;
-        continue;
-      }
-      const [px, py] = view.toScreen(path.x[i], path.y[i]);
-      if (open && i < to && Math.abs(px - lastX) < 1 && Math.abs(py - lastY) < 1) continue;
+      const px = originX + path.x[i] * scale;
+      const py = originY - path.y[i] * scale;
+      if (!Number.isFinite(px) || !Number.isFinite(py)) continue;
+      if (this.run.t[i] - lastT > GAP_S) open = false;
+      lastT = this.run.t[i];
+      if (open && i < to && Math.abs(px - lastX) < 1.5 && Math.abs(py - lastY) < 1.5) continue;
       if (open) context.lineTo(px, py);
       else context.moveTo(px, py);
       open = true;

@@ -9,25 +9,26 @@ class View {
     this.y = 0;
     this.scale = 50;
     this.untouched = true;
+    this.measure();
     this.bindPointers();
     this.bindWheel();
     this.bindKeys();
     this.fit(bounds);
   }
 
+  // The canvas's size, kept because asking for it is slow.
+  measure() {
+    this.width = this.canvas.clientWidth;
+    this.height = this.canvas.clientHeight;
+  }
+
   // Screen position of a map point, CSS pixels.
   toScreen(x, y) {
-    return [
-      this.canvas.clientWidth / 2 + (x - this.x) * this.scale,
-      this.canvas.clientHeight / 2 - (y - this.y) * this.scale,
-    ];
+    return [this.width / 2 + (x - this.x) * this.scale, this.height / 2 - (y - this.y) * this.scale];
   }
 
   toMap(px, py) {
-    return [
-      this.x + (px - this.canvas.clientWidth / 2) / this.scale,
-      this.y - (py - this.canvas.clientHeight / 2) / this.scale,
-    ];
+    return [this.x + (px - this.width / 2) / this.scale, this.y - (py - this.height / 2) / this.scale];
   }
 
   fit(bounds) {
@@ -36,10 +37,8 @@ class View {
     this.x = (bounds.x0 + bounds.x1) / 2;
     this.y = (bounds.y0 + bounds.y1) / 2;
     const margin = 32;
-    this.scale = Math.max(2, Math.min(
-      (this.canvas.clientWidth - 2 * margin) / width,
-      (this.canvas.clientHeight - 2 * margin) / height,
-    ));
+    this.measure();
+    this.scale = Math.max(2, Math.min((this.width - 2 * margin) / width, (this.height - 2 * margin) / height));
     this.changed();
   }
 
@@ -48,7 +47,7 @@ class View {
     this.fit(this.bounds);
   }
 
-  zoom(factor, px = this.canvas.clientWidth / 2, py = this.canvas.clientHeight / 2) {
+  zoom(factor, px = this.width / 2, py = this.height / 2) {
     const [x, y] = this.toMap(px, py);
     this.scale = Math.min(4000, Math.max(2, this.scale * factor));
     const [nx, ny] = this.toMap(px, py);

@@ -1,0 +1,22 @@
+//! Draws the README's picture: the finished map of a simulated drive.
+//!
+//! `cargo run --release -p lab --example map_picture -- docs/map.svg [PLAN] [MINUTES] [SEED]`
+
+use lab::{report, run::Run};
+use slam_core::Config;
+use std::{env, error::Error, fs, path::PathBuf};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut arguments = env::args().skip(1);
+    let file = PathBuf::from(arguments.next().ok_or("name the file to write, as docs/map.svg")?);
+    let plan = arguments.next().unwrap_or_else(|| "flat".into());
+    let minutes = arguments.next().map_or(Ok(10.0), |text| text.parse())?;
+    let seed = arguments.next().map_or(Ok(1), |text| text.parse())?;
+    let out = env::temp_dir().join(format!("map-picture-{}", std::process::id()));
+    let run = Run { plan, minutes, seed, rig: None, out: out.clone(), config: Config::default() };
+    let drawn = run.run(|_| ()).map(|recording| report::map_svg(&recording));
+    fs::remove_dir_all(&out)?;
+    fs::write(&file, drawn?)?;
+    println!("{} written", file.display());
+    Ok(())
+}
