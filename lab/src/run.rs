@@ -129,6 +129,8 @@ impl Run {
             arguments: vec![
                 ("command", json!("run")),
                 ("plan", json!(self.plan)),
+                // A plan file may change: its text is what the run can be repeated with.
+                ("plan_toml", json!(std::fs::read_to_string(&self.plan).ok())),
                 ("minutes", json!(self.minutes)),
                 ("seed", json!(self.seed)),
                 ("rig", json!(self.rig)),

@@ -82,6 +82,17 @@ fn a_rig_file_changes_the_robot() {
 }
 
 #[test]
+fn a_plan_file_is_a_plan_and_its_text_is_kept() {
+    let place = Place::new();
+    let (name, text) = hal_sim::plan_file::BUILT_IN[0];
+    place.put("mine.toml", text);
+    place.lab().args(["--plan", "mine.toml", "--minutes", "0.2", "--out", "file"]).assert().success();
+    place.lab().args(["--plan", name, "--minutes", "0.2", "--out", "built-in"]).assert().success();
+    assert_eq!(place.get("file/estimate.csv"), place.get("built-in/estimate.csv"));
+    assert_eq!(place.summary("file")["configuration"]["arguments"]["plan_toml"], text);
+}
+
+#[test]
 fn wrong_requests_get_one_clear_error() {
     let place = Place::new();
     place.put("flying.toml", ODOMETRY_RIG);
