@@ -14,6 +14,14 @@ use crate::{Outcome, RangeInput, RangeModel, Refusal, Sample, Slam, StepReport};
 /// Walls that one beam is held against: beyond its end a wall may go on or not, and at a corner two may.
 const MAX_CANDIDATES: usize = 4;
 
+/// A wall's surface and a sensor's mount are true to this, metres (1-sigma): plaster, wallpaper, screws. It keeps a
+/// sensor that is precise at close range from knowing more than there is to know.
+const SURFACE_M: f32 = 0.003;
+
+/// Readings are used from this share above the minimum range on: under it the curve bends before it folds back, and a
+/// folded reading looks like one just above it.
+const NEAR_SHARE: f32 = 0.15;
+
 /// Within this distance of a wall's ends, and beyond them, another surface may be the one that was met, metres.
 const END_M: f32 = 0.1;
 
@@ -92,7 +100,10 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             let predicted_m = gain * prediction.range_m;
             let innovation = reading.innovation(predicted_m);
             let jacobian = self.jacobian(sensor, gain, &wall, &prediction);
-            let noise = innovation.noise_m2 + self.timing_variance(reading, &prediction, heading);
+            let timing = self.timing_variance(reading, &prediction, heading);
+            let noise = innovation.noise_m2 + SURFACE_M * SURFACE_M + timing;
+            // Where two surfaces are possible, the reading says half as much.
+            let noise = if met.inside_m < END_M { 4.0 * noise } else { noise };
             let variance_m2 = self.ekf.variance(&jacobian) + noise;
             let innovation_m = innovation.value_m;
             let gate = if met.inside_m < END_M { self.config.gate.min(END_GATE) } else { self.config.gate };
@@ -105,7 +116,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
                 if predicted_m > limits.max_m - margin {
                     return Err(Refusal::TooFar);
                 }
-                if predicted_m < limits.min_m + margin.min(0.5 * limits.min_m) {
+                if predicted_m < limits.min_m + margin.max(NEAR_SHARE * limits.min_m) {
                     return Err(Refusal::TooNear);
                 }
                 self.ekf.update(innovation_m, &jacobian, noise).map_err(|_| Refusal::Degenerate)?;
