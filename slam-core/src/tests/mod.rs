@@ -3,13 +3,16 @@
 
 mod angles;
 mod beams;
+mod births;
 mod buffers;
 mod clusters;
 mod covariances;
 mod filter;
+mod jacobians;
 mod lines;
 mod motions;
 mod numeric;
 mod oracle;
 mod random;
 mod rigs;
+mod runs;

@@ -35,3 +35,13 @@ pub fn arc([x, y, theta]: [f64; 3], left_m: f64, right_m: f64, track_m: f64) -> 
     let radius = distance / turn;
     [x + radius * ((theta + turn).sin() - theta.sin()), y - radius * ((theta + turn).cos() - theta.cos()), theta + turn]
 }
+
+/// Central difference of `f` by entry `i` of a vector of any length.
+pub fn slope(f: impl Fn(&[f64]) -> f64, at: &[f64], i: usize) -> f64 {
+    let step = 1e-6;
+    let mut moved = at.to_vec();
+    moved[i] = at[i] + step;
+    let above = f(&moved);
+    moved[i] = at[i] - step;
+    (above - f(&moved)) / (2.0 * step)
+}

@@ -153,10 +153,10 @@ impl Oracle {
     }
 }
 
-/// Whether Cholesky's factorisation of a symmetric matrix, scaled to unit diagonal, has no pivot under `least`.
+/// Whether a symmetric matrix, scaled to unit diagonal and with `slack` added there, has a Cholesky factorisation.
 ///
 /// States without variance (a grid that is not founded) are left out.
-pub fn is_positive(covariance: &Matrix, least: f64) -> bool {
+pub fn is_positive(covariance: &Matrix, slack: f64) -> bool {
     let states: Vec<usize> = (0..covariance.len()).filter(|&i| covariance[i][i] != 0.0).collect();
     let scaled = |i: usize, j: usize| {
         let (i, j) = (states[i], states[j]);
@@ -169,8 +169,8 @@ pub fn is_positive(covariance: &Matrix, least: f64) -> bool {
             let rest = scaled(i, j) - dot(&lower[i][..j], &lower[j][..j]);
             if i > j {
                 lower[i][j] = rest / lower[j][j];
-            } else if rest > least {
-                lower[i][i] = rest.sqrt();
+            } else if rest + slack > 0.0 {
+                lower[i][i] = (rest + slack).sqrt();
             } else {
                 return false;
             }

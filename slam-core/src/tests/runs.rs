@@ -1,0 +1,240 @@
+//! A whole run of the f32 estimator with an f64 dense Joseph-form filter beside it.
+//!
+//! The oracle has its own mean, its own models, its own numerical derivatives; it takes from the estimator only which
+//! wall a reading belongs to. Where the map itself changes (births, mergers, the grid) it starts again from the
+//! estimator's state: those operations have tests of their own.
+
+use std::vec;
+use std::vec::Vec;
+
+use super::numeric::{arc, beam, ray_to_line, slope};
+use super::oracle::{Matrix, Oracle, dot, is_positive, sandwich};
+use super::random::Random;
+use crate::config::WallPolicy;
+use crate::layout::{ALPHA, THETA, X, Y};
+use crate::wall::{Direction, Wall};
+use crate::{
+    Config, DriveModel, Motion, Mount, Outcome, RangeInput, RangeModel, RangeSensor, Rig, RobotSlam, Sample,
+    StepReport, Ticks,
+};
+
+const TRACK_M: f64 = 0.235;
+const METRES_PER_TICK: f64 = 1e-4;
+const WHEEL_NOISE: f64 = 1e-5;
+const NOISE_M: f64 = 0.01;
+const NOISE_REL: f64 = 0.01;
+/// Walls at x = 2.5, y = 2.2, x = -1.5 and y = -1.6.
+const ROOM: [f64; 4] = [2.5, 2.2, 1.5, 1.6];
+
+fn rig() -> Rig<8> {
+    let sensors = (0..8).map(|i| {
+        let bearing_rad = core::f32::consts::FRAC_PI_4 * i as f32;
+        RangeSensor {
+            mount: Mount { x_m: 0.1 * bearing_rad.cos() + 0.02, y_m: 0.1 * bearing_rad.sin(), bearing_rad },
+            min_m: 0.1,
+            max_m: 4.0,
+            max_incidence_rad: 1.2,
+            gain_sigma: 0.01,
+            model: RangeModel::Metric { noise_m: NOISE_M as f32, noise_rel: NOISE_REL as f32 },
+        }
+    });
+    let drive = DriveModel::Wheels {
+        track_m: TRACK_M as f32,
+        track_sigma: 0.005,
+        metres_per_tick: METRES_PER_TICK as f32,
+        scale_sigma: 0.005,
+        noise_m2_per_m: WHEEL_NOISE as f32,
+    };
+    Rig { drive, adc: None, sensors: sensors.collect() }
+}
+
+fn mount(sensor: &RangeSensor) -> [f64; 3] {
+    [sensor.mount.x_m, sensor.mount.y_m, sensor.mount.bearing_rad].map(f64::from)
+}
+
+/// The robot as it really is, driving figures of eight in its room.
+struct Truth {
+    pose: [f64; 3],
+    rolled_m: [f64; 2],
+    scales: [f64; 2],
+    gains: [f64; 8],
+    random: Random,
+}
+
+impl Truth {
+    fn new(seed: u64) -> Self {
+        let mut random = Random::new(seed);
+        let mut about_one = |sigma: f64| 1.0 + sigma * random.gaussian();
+        let (scales, gains) = ([0; 2].map(|_| about_one(0.005)), [0; 8].map(|_| about_one(0.01)));
+        Self { pose: [0.0; 3], rolled_m: [0.0; 2], scales, gains, random }
+    }
+
+    /// 1 cm on, and what is sensed there.
+    fn step(&mut self, rig: &Rig<8>, number: u64) -> Sample<8> {
+        let turn = if (number / 377).is_multiple_of(2) { 0.01 / 0.6 } else { -0.01 / 0.6 };
+        let wheels = [0.01 - 0.5 * TRACK_M * turn, 0.01 + 0.5 * TRACK_M * turn];
+        self.pose = arc(self.pose, wheels[0], wheels[1], TRACK_M);
+        let ticks = [0, 1].map(|i| {
+            let noise = (WHEEL_NOISE * wheels[i].abs()).sqrt() * self.random.gaussian();
+            self.rolled_m[i] += (wheels[i] + noise) / self.scales[i];
+            (self.rolled_m[i] / METRES_PER_TICK).floor() as i32
+        });
+        let mut ranges = [RangeInput::Missing; 8];
+        for (i, (range, sensor)) in ranges.iter_mut().zip(&rig.sensors).enumerate() {
+            let (origin, phi) = beam(self.pose, mount(sensor));
+            let hits = ROOM.iter().enumerate().filter_map(|(k, rho)| {
+                // The start is the map's origin; the room's walls are a quarter turn apart.
+                let beta = core::f64::consts::FRAC_PI_2 * k as f64;
+                ((beta - phi).cos() > 0.01).then(|| ray_to_line(origin, phi, *rho, beta))
+            });
+            let true_m = hits.fold(f64::INFINITY, f64::min);
+            let sigma = NOISE_M.hypot(NOISE_REL * true_m);
+            *range = RangeInput::Metres((self.gains[i] * true_m + sigma * self.random.gaussian()) as f32);
+        }
+        let motion = Motion::Ticks(Ticks { left: ticks[0], right: ticks[1] });
+        Sample { time_us: 40_000 * (number + 1), motion, ranges }
+    }
+}
+
+/// What of the map the oracle must know; as long as it stays the same the oracle runs on its own.
+fn structure(slam: &RobotSlam) -> (usize, bool, Vec<(u16, usize, Direction)>) {
+    (slam.ekf.len(), slam.has_grid, slam.map.walls().iter().map(|w| (w.id, w.rho, w.direction)).collect())
+}
+
+fn ticks(sample: &Sample<8>) -> [f64; 2] {
+    match sample.motion {
+        Motion::Ticks(t) => [t.left.into(), t.right.into()],
+        Motion::Increment(_) => [0.0; 2],
+    }
+}
+
+fn factor(slam: &RobotSlam, which: usize, state: &[f64]) -> f64 {
+    let layout = [slam.layout.first_scale, slam.layout.second_scale, slam.layout.track];
+    layout[which].map_or(1.0, |i| state[i])
+}
+
+/// F P F^T + G W G^T over the exact arc.
+fn predict(oracle: &mut Oracle, slam: &RobotSlam, ticks: [f64; 2]) {
+    let raw = ticks.map(|t| t * f64::from(METRES_PER_TICK as f32));
+    let after = |s: &[f64]| {
+        let track = factor(slam, 2, s) * f64::from(TRACK_M as f32);
+        arc([s[X], s[Y], s[THETA]], factor(slam, 0, s) * raw[0], factor(slam, 1, s) * raw[1], track)
+    };
+    let mean = oracle.mean.clone();
+    let rows = [0, 1, 2].map(|i| (0..mean.len()).map(|j| slope(|s| after(s)[i], &mean, j)).collect());
+    let rolled = [factor(slam, 0, &mean) * raw[0], factor(slam, 1, &mean) * raw[1]];
+    let track = factor(slam, 2, &mean) * f64::from(TRACK_M as f32);
+    let by_wheel: Matrix = (0..3)
+        .map(|i| {
+            (0..2).map(|w| slope(|r| arc([mean[X], mean[Y], mean[THETA]], r[0], r[1], track)[i], &rolled, w)).collect()
+        })
+        .collect();
+    let wheel = |i: usize| f64::from(WHEEL_NOISE as f32) * rolled[i].abs();
+    let noise = sandwich(&by_wheel, &vec![vec![wheel(0), 0.0], vec![0.0, wheel(1)]]);
+    let noise = [0, 1, 2].map(|i| [0, 1, 2].map(|j| noise[i][j]));
+    oracle.predict(after(&mean), &rows, &noise);
+}
+
+/// One reading on one wall. How noisy it is, the estimator decides (the surface, a wall's end): `variance` is its own
+/// innovation variance, of which the oracle subtracts what it knows the states to contribute.
+fn observe(oracle: &mut Oracle, slam: &RobotSlam, sensor: usize, wall: &Wall, read_m: f32, variance: f64) -> f64 {
+    let mount = mount(&slam.rig.sensors[sensor]);
+    let range = |s: &[f64]| {
+        let (origin, phi) = beam([s[X], s[Y], s[THETA]], mount);
+        let beta = match wall.direction {
+            Direction::Grid(quarter) => s[ALPHA] + core::f64::consts::FRAC_PI_2 * f64::from(quarter),
+            Direction::Free(theta) => s[theta],
+            Direction::Snapped(theta) => {
+                let quarters = ((s[theta] - s[ALPHA]) / core::f64::consts::FRAC_PI_2).round();
+                s[ALPHA] + quarters * core::f64::consts::FRAC_PI_2
+            }
+        };
+        slam.layout.gains[sensor].map_or(1.0, |i| s[i]) * ray_to_line(origin, phi, s[wall.rho], beta)
+    };
+    let mean = oracle.mean.clone();
+    let predicted_m = range(&mean);
+    let h: Vec<f64> = (0..mean.len()).map(|j| slope(range, &mean, j)).collect();
+    let ph: Vec<f64> = oracle.covariance.iter().map(|row| dot(row, &h)).collect();
+    let noise = variance - dot(&ph, &h);
+    let least = NOISE_M.hypot(NOISE_REL * predicted_m).powi(2);
+    assert!(noise > 0.99 * least && noise < 10.0 * least, "noise {noise} of a sensor with {least}");
+    let innovation = f64::from(read_m) - predicted_m;
+    oracle.update(innovation, &h, noise);
+    innovation
+}
+
+fn follow(oracle: &mut Oracle, slam: &RobotSlam, walls: &[Wall], sample: &Sample<8>, report: &StepReport<8>) -> usize {
+    let mut updates = 0;
+    for (i, reading) in report.readings.iter().enumerate() {
+        let (Outcome::Updated { wall, innovation_m, variance_m2 }, RangeInput::Metres(read_m)) =
+            (reading.outcome, sample.ranges[i])
+        else {
+            continue;
+        };
+        let wall = walls.iter().find(|w| w.id == wall).unwrap();
+        let innovation = observe(oracle, slam, i, wall, read_m, variance_m2.into());
+        assert!((f64::from(innovation_m) - innovation).abs() < 1e-4, "innovation {innovation_m}, not {innovation}");
+        updates += 1;
+    }
+    let theta = &mut oracle.mean[THETA];
+    *theta = theta.sin().atan2(theta.cos());
+    updates
+}
+
+fn run(policy: WallPolicy, seed: u64, steps: u64) {
+    let rig = rig();
+    let mut truth = Truth::new(seed);
+    let mut slam = RobotSlam::new(rig.clone(), Config { walls: policy, ..Config::default() }).unwrap();
+    let mut oracle = Oracle::of(&slam.ekf);
+    let mut last: Option<[f64; 2]> = None;
+    let (mut updates, mut restarts, mut longest, mut alone) = (0, 0, 0, 0);
+    let mut worst = (0.0f64, 0.0f64);
+    for number in 0..steps {
+        let sample = truth.step(&rig, number);
+        let now = ticks(&sample);
+        if let Some([left, right]) = last {
+            predict(&mut oracle, &slam, [now[0] - left, now[1] - right]);
+        }
+        last = Some(now);
+        let (before, walls) = (structure(&slam), slam.map.walls().to_vec());
+        let report = slam.step(&sample);
+        if structure(&slam) != before || report.births + report.merges + report.prunes > 0 {
+            oracle = Oracle::of(&slam.ekf);
+            (restarts, alone) = (restarts + 1, 0);
+        } else {
+            updates += follow(&mut oracle, &slam, &walls, &sample, &report);
+            alone += 1;
+            longest = longest.max(alone);
+        }
+        if number % 20 == 0 {
+            worst.0 = worst.0.max(oracle.covariance_error(&slam.ekf));
+            worst.1 = worst.1.max(oracle.mean_error(&slam.ekf));
+        }
+        if number % 100 == 0 {
+            // The direction that founded the grid of snapped walls stays beside alpha, which equals it: singular.
+            let slack = if matches!(policy, WallPolicy::Snapped { .. }) { 1e-5 } else { 0.0 };
+            assert!(is_positive(&Oracle::of(&slam.ekf).covariance, slack), "covariance at step {number}");
+        }
+    }
+    // The room was mapped, and the oracle was on its own for most of the run.
+    assert!(slam.map.walls().len() >= 4 && updates as u64 > 3 * steps, "{updates} updates");
+    assert!(longest > steps / 2, "the map changed {restarts} times");
+    // Both filters linearise where they stand: a few thousandths of a sigma apart, which is what f32 may move them.
+    assert!(worst.0 < 1e-3, "covariance off by {} of its sigmas", worst.0);
+    assert!(worst.1 < 0.05, "mean off by {} sigma", worst.1);
+}
+
+#[test]
+fn a_run_on_grid_walls_follows_the_oracle() {
+    run(WallPolicy::Grid, 1, 8000);
+}
+
+#[test]
+fn a_run_on_free_walls_follows_the_oracle() {
+    run(WallPolicy::Free, 2, 2000);
+}
+
+#[test]
+fn a_run_on_snapped_walls_follows_the_oracle() {
+    run(WallPolicy::Snapped { theta_moves: false }, 3, 2000);
+}
