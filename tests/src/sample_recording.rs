@@ -5,6 +5,7 @@ use lab::recording::{
     CalibrationSnapshot, Figures, MapScore, MapSnapshot, ParameterInfo, PathScore, Pose2, Recording, Segment,
     SensorInfo, Step,
 };
+use lab::score::consistency;
 use slam_core::{Outcome, ReadingReport, Refusal, WallKind, WallView};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -66,6 +67,7 @@ pub fn sample_recording(seconds: f64, rate_hz: f64) -> Recording {
         }
     }
     recording.figures = figures(seconds, recording.walls().len());
+    recording.figures.consistency = consistency::score(&recording);
     recording
 }
 

@@ -2,8 +2,11 @@
 //! before, `null` where a value is absent or not finite. `js/decode.js` is the other end.
 
 use super::series;
-use crate::recording::{Figures, MapScore, PathScore, Pose2, Recording, Step};
-use crate::score::path::nees;
+use crate::recording::{Consistency, Figures, MapScore, PathScore, Pose2, Recording, Step};
+use crate::score::{
+    consistency::{Face, faces},
+    path::nees,
+};
 use serde_json::{Value, json};
 use slam_core::{Outcome, ReadingReport, Refusal, WallKind, WallView};
 use std::collections::BTreeMap;
@@ -256,10 +259,14 @@ fn walls(recording: &Recording, shown: &[usize]) -> Vec<Value> {
             }
         }
     }
-    tracks.iter().map(|(id, track)| track_json(*id, track)).collect()
+    let faces = faces(recording);
+    tracks.iter().map(|(id, track)| track_json(*id, track, &faces)).collect()
 }
 
-fn track_json(id: u16, track: &Track) -> Value {
+fn track_json(id: u16, track: &Track, faces: &[Face]) -> Value {
+    let own = || faces.iter().filter(|face| face.wall == id);
+    let main = own().max_by_key(|face| face.readings);
+    let gap_m = own().filter(|face| face.visits > 1).map(|face| face.gap_m).max_by(f64::total_cmp);
     let kind = match track.kind {
         WallKind::Free => "free",
         WallKind::Snapped => "snapped",
@@ -271,6 +278,9 @@ fn track_json(id: u16, track: &Track) -> Value {
         "id": id,
         "kind": kind,
         "updates": track.updates,
+        "visits": own().map(|face| face.visits).max().unwrap_or(0),
+        "thickness": main.map(|face| face.thickness_m),
+        "gap": gap_m,
         "born": track.born,
         "gone": track.gone,
         "at": column(states.iter().map(|state| Some(state.0 as f64)), 1.0),
@@ -312,6 +322,7 @@ fn figures(figures: &Figures) -> Value {
         "estimate": figures.estimate.as_ref().map(score),
         "odometry": figures.odometry.as_ref().map(score),
         "map": figures.map.as_ref().map(map_score),
+        "consistency": figures.consistency.as_ref().map(consistency),
     })
 }
 
@@ -326,6 +337,16 @@ fn score(score: &PathScore) -> Value {
             "y": score.alignment.y_m,
             "theta": score.alignment.theta_rad,
         },
+    })
+}
+
+fn consistency(score: &Consistency) -> Value {
+    json!({
+        "entropy_nats": score.entropy_nats,
+        "odometry_entropy_nats": score.odometry_entropy_nats,
+        "revisited": score.revisited,
+        "widest_gap_m": score.widest_gap_m,
+        "mean_gap_m": score.mean_gap_m,
     })
 }
 

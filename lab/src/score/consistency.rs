@@ -3,7 +3,7 @@
 //! Every reading's end point is projected with the pose of one path, the estimate's or dead reckoning's. Where the path is
 //! right, points of one wall fall on one line, however often the robot came by.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use slam_core::WallView;
 
@@ -45,7 +45,8 @@ struct Hit {
 pub fn score(recording: &Recording) -> Option<Consistency> {
     let estimate = hits(recording, |step| step.pose);
     let odometry = hits(recording, |step| step.dead_reckoning);
-    let gaps_m = visit_gaps_m(recording, &estimate);
+    let faces = faces_of(recording, &estimate);
+    let gaps_m: Vec<f64> = faces.iter().filter(|face| face.visits > 1).map(|face| face.gap_m).collect();
     Some(Consistency {
         entropy_nats: mean_entropy_nats(&estimate)?,
         odometry_entropy_nats: mean_entropy_nats(&odometry)?,
@@ -107,28 +108,52 @@ fn entropy_nats<'a>(points: impl Iterator<Item = &'a [f64; 2]>) -> Option<f64> {
     Some(0.5 * (tau_e * tau_e * (xx * yy - xy * xy)).ln())
 }
 
-/// For each mapped wall that was visited more than once, the distance between the farthest two visits' mean positions
-/// along its normal.
-fn visit_gaps_m(recording: &Recording, hits: &[Hit]) -> Vec<f64> {
-    let walls: Vec<Line> = recording.walls().iter().filter_map(Line::of).collect();
-    // The two faces of a thin wall are two walls: points are kept apart by the side from which they were seen.
-    let mut seen: HashMap<(usize, bool), Vec<(f64, f64)>> = HashMap::new();
+/// One face of a mapped wall as the readings saw it: the two faces of a thin wall are two walls, and points are kept apart
+/// by the side from which they were seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Face {
+    /// Identifier of the wall.
+    pub wall: u16,
+    /// Readings that ended nearer to it than to any other wall.
+    pub readings: usize,
+    /// RMS of their distances from its line, metres.
+    pub thickness_m: f64,
+    /// Visits more than 30 s apart.
+    pub visits: usize,
+    /// Distance between the farthest two visits' mean positions along the normal, metres; 0 for fewer than two visits.
+    pub gap_m: f64,
+}
+
+/// The faces of the mapped walls, in the order of the map.
+pub fn faces(recording: &Recording) -> Vec<Face> {
+    faces_of(recording, &hits(recording, |step| step.pose))
+}
+
+fn faces_of(recording: &Recording, hits: &[Hit]) -> Vec<Face> {
+    let walls: Vec<(u16, Line)> =
+        recording.walls().iter().filter_map(|wall| Some((wall.id, Line::of(wall)?))).collect();
+    let mut seen: BTreeMap<(usize, bool), Vec<(f64, f64)>> = BTreeMap::new();
     for hit in hits {
-        let own = walls.iter().enumerate().filter_map(|(i, wall)| Some((i, wall.aside_m(hit.at_m)?)));
+        let own = walls.iter().enumerate().filter_map(|(i, (_, line))| Some((i, line.aside_m(hit.at_m)?)));
         if let Some((i, aside_m)) = own.min_by(|a, b| a.1.abs().total_cmp(&b.1.abs())) {
-            let is_left = walls[i].local(hit.from_m)[1] > 0.0;
+            let is_left = walls[i].1.local(hit.from_m)[1] > 0.0;
             seen.entry((i, is_left)).or_default().push((hit.t_s, aside_m));
         }
     }
-    let gaps = seen.values().filter_map(|timed| {
-        let means = visit_means_m(timed.iter().copied());
-        let span = means.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), m| (lo.min(*m), hi.max(*m)));
-        (means.len() > 1).then_some(span.1 - span.0)
-    });
-    let mut gaps: Vec<f64> = gaps.collect();
-    // The map gives them in any order; sums must not depend on it.
-    gaps.sort_by(f64::total_cmp);
-    gaps
+    seen.iter().map(|((i, _), timed)| face(walls[*i].0, timed)).collect()
+}
+
+fn face(wall: u16, timed: &[(f64, f64)]) -> Face {
+    let means = visit_means_m(timed.iter().copied());
+    let (lo, hi) = means.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), m| (lo.min(*m), hi.max(*m)));
+    let squares: f64 = timed.iter().map(|(_, aside_m)| aside_m * aside_m).sum();
+    Face {
+        wall,
+        readings: timed.len(),
+        thickness_m: (squares / timed.len() as f64).sqrt(),
+        visits: means.len(),
+        gap_m: if means.len() > 1 { hi - lo } else { 0.0 },
+    }
 }
 
 /// A mapped wall as a frame: along it and, to the left, across it.
@@ -201,6 +226,16 @@ mod tests {
         let thick = mean_entropy_nats(&line(0.1)).expect("points");
         assert!(thick > thin + 1.0, "{thin} {thick}");
         assert_eq!(mean_entropy_nats(&[]), None);
+    }
+
+    #[test]
+    fn a_face_has_a_thickness_and_a_gap_between_its_visits() {
+        let visit = |from_s: f64, value: f64| (0..10).map(move |i| (from_s + f64::from(i), value));
+        let timed: Vec<_> = visit(0.0, 0.1).chain(visit(100.0, -0.1)).collect();
+        let found = face(7, &timed);
+        assert_eq!((found.wall, found.readings, found.visits), (7, 20, 2));
+        assert!((found.thickness_m - 0.1).abs() < 1e-12 && (found.gap_m - 0.2).abs() < 1e-12, "{found:?}");
+        assert_eq!(face(7, &timed[..10]).gap_m, 0.0);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 // The headline: a sentence, and figures with what they mean.
 
-function verdict(run, passes) {
+function verdict(run) {
   const { estimate, odometry, path_m: path } = run.figures;
   if (!run.count) return "The log held no samples.";
   const drive = `${length(path)} in ${duration(run.figures.duration_s)}`;
@@ -12,7 +12,8 @@ function verdict(run, passes) {
       : times > 0.95 ? "about as far as dead reckoning" : "worse than dead reckoning";
     return `${drive}: the estimated path lies ${length(estimate.ate_m)} from the true one, ${versus}; ${walls} in the map.`;
   }
-  const apart = Number.isFinite(passes.worst) ? ` Hits of different visits of one wall lie at most ${length(passes.worst)} apart.` : "";
+  const consistency = run.figures.consistency;
+  const apart = consistency?.revisited ? ` Different visits of one wall place it at most ${length(consistency.widest_gap_m)} apart.` : "";
   return `${drive}, ${walls} in the map. The true path is not known.${apart}`;
 }
 
@@ -51,14 +52,26 @@ function truthFigures({ estimate, odometry }) {
   ];
 }
 
-function passFigure(passes) {
-  return { id: "passes", name: "Passes apart", value: length(passes.worst),
-    note: `Hits on one wall from visits more than ${PASS_GAP_S} s apart: how far their means differ, worst of ${passes.count} walls seen again (median ${length(passes.median)}).` };
+// Scores of the map against itself, which need no truth.
+function consistencyFigures(consistency) {
+  const cards = [];
+  if (!consistency) return cards;
+  const gain = (consistency.odometry_entropy_nats ?? NaN) - (consistency.entropy_nats ?? NaN);
+  if (Number.isFinite(gain)) {
+    const sharper = gain >= 0.005 ? "sharper than" : gain > -0.005 ? "as sharp as" : "more blurred than";
+    cards.push({ id: "sharpness", name: "Sharpness", value: `${gain > 0 ? "+" : ""}${fixed(gain, 2)}`,
+      note: `Mean map entropy of the hits in nats, dead reckoning's minus the estimate's: the map is ${sharper} without SLAM.` });
+  }
+  if (consistency.revisited) {
+    cards.push({ id: "visits", name: "Visits apart", value: length(consistency.widest_gap_m),
+      note: `Largest distance between the places that visits more than ${PASS_GAP_S} s apart give one wall; ${length(consistency.mean_gap_m)} on average over ${consistency.revisited} walls.` });
+  }
+  return cards;
 }
 
-function showFigures(run, passes) {
+function showFigures(run) {
   const f = run.figures;
-  document.getElementById("verdict").textContent = verdict(run, passes);
+  document.getElementById("verdict").textContent = verdict(run);
   const cards = [];
   if (Number.isFinite(f.estimate?.nees)) {
     cards.push({ id: "nees", name: "NEES", value: plain(f.estimate.nees),
@@ -66,7 +79,7 @@ function showFigures(run, passes) {
   }
   cards.push({ id: "nis", name: "NIS", value: plain(f.mean_nis ?? NaN),
     note: "Mean squared surprise of the readings used, in units of its expected size; 1 is ideal, more means sensors worse than the rig file says." });
-  if (Number.isFinite(passes.worst)) cards.push(passFigure(passes));
+  cards.push(...consistencyFigures(f.consistency));
   const against = f.map
     ? `${f.map.matched} match the true plan within ${length(f.map.offset_m)} (RMS); ${f.map.missed} missed, ${f.map.invented} invented.`
     : "Straight pieces in the finished map.";

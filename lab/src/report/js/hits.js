@@ -1,4 +1,4 @@
-// Where beams ended, which visit each end belongs to, and how thick that makes the walls.
+// Where beams ended, and which visit of its neighbourhood each end belongs to.
 
 // Visits of one neighbourhood that lie further apart than this are different passes.
 const PASS_GAP_S = 30;
@@ -66,68 +66,4 @@ function numberPasses(run, hits) {
     cells.set(key(i, j), { t, pass: pass[h] });
   }
   return pass;
-}
-
-const NEAR_WALL_M = 0.25;
-const FEWEST_HITS_OF_A_PASS = 12;
-// This near to a wall's end, a hit that met no known wall may belong to the next wall.
-const CORNER_M = 0.15;
-
-// Directions of the walls of the finished map by their id, radians.
-function wallDirections(run) {
-  const directions = new Map();
-  for (const wall of run.walls) {
-    const ends = wallAt(wall, run.count - 1);
-    if (ends) directions.set(wall.id, Math.atan2(ends.y1 - ends.y0, ends.x1 - ends.x0));
-  }
-  return directions;
-}
-
-// A wall that is not in the finished map has no direction and is as good as none.
-function nearlyParallel(a, b) {
-  return a === undefined || b === undefined || Math.abs(Math.sin(a - b)) < 0.25;
-}
-
-// How the hits lie about one wall of the final map: RMS distance, and how far the means of its passes are apart.
-// Hits count that were seen from the side that most of its updates came from, so that the two faces of one partition do
-// not mix, and that belong to no wall of another direction, so that corners do not count.
-function wallThickness(run, hits, wall, directions) {
-  const ends = wallAt(wall, run.count - 1);
-  const size = ends ? Math.hypot(ends.x1 - ends.x0, ends.y1 - ends.y0) : 0;
-  const result = { length: size, passes: 0, rms: NaN, apart: NaN };
-  if (!(size > 0)) return result;
-  const ux = (ends.x1 - ends.x0) / size;
-  const uy = (ends.y1 - ends.y0) / size;
-  const offset = (x, y) => (x - ends.x0) * -uy + (y - ends.y0) * ux;
-  const sideOf = (h) => Math.sign(offset(run.estimate.x[hits.step[h]], run.estimate.y[hits.step[h]]));
-  const near = [];
-  let balance = 0;
-  for (let h = 0; h < hits.count; h++) {
-    if (hits.code[h] >= REFUSED) continue;
-    const along = (hits.x[h] - ends.x0) * ux + (hits.y[h] - ends.y0) * uy;
-    if (along < 0 || along > size || Math.abs(offset(hits.x[h], hits.y[h])) > NEAR_WALL_M) continue;
-    const met = run.sensors[hits.sensor[h]].wall[hits.step[h]];
-    if (met === wall.id) balance += sideOf(h);
-    else if (met < 0 && Math.min(along, size - along) < CORNER_M) continue;
-    else if (!nearlyParallel(directions.get(met), directions.get(wall.id))) continue;
-    near.push(h);
-  }
-  const byPass = new Map();
-  let sum = 0;
-  let count = 0;
-  for (const h of near) {
-    if (balance !== 0 && sideOf(h) !== Math.sign(balance)) continue;
-    const d = offset(hits.x[h], hits.y[h]);
-    sum += d * d;
-    count++;
-    const group = byPass.get(hits.pass[h]) ?? { sum: 0, count: 0 };
-    group.sum += d;
-    group.count++;
-    byPass.set(hits.pass[h], group);
-  }
-  const means = [...byPass.values()].filter((g) => g.count >= FEWEST_HITS_OF_A_PASS).map((g) => g.sum / g.count);
-  result.passes = means.length;
-  if (count) result.rms = Math.sqrt(sum / count);
-  if (means.length > 1) result.apart = Math.max(...means) - Math.min(...means);
-  return result;
 }

@@ -133,7 +133,8 @@ function start() {
   const clock = new Clock(run);
   const map = new MapView(document.getElementById("map"), shown, hits, clock);
   document.getElementById("map-empty").hidden = run.count > 0;
-  showFigures(run, fillWallTable(shown, hits, map));
+  showFigures(run);
+  fillWallTable(shown, map);
   fillCounts(run);
   const charts = allCharts(run, clock);
   const trace = new TraceTable(run);

@@ -51,6 +51,17 @@ class MapView {
     this.draw();
   }
 
+  // Moves the view to a wall.
+  showAround({ x0, y0, x1, y1 }) {
+    const air = 0.5;
+    this.setFollow(false);
+    this.view.untouched = false;
+    this.view.fit({
+      x0: Math.min(x0, x1) - air, x1: Math.max(x0, x1) + air,
+      y0: Math.min(y0, y1) - air, y1: Math.max(y0, y1) + air,
+    });
+  }
+
   // The classes of hits under the current colouring: label and colour, in the order of `classOf`.
   classes() {
     if (this.colouring === "outcome") return OUTCOMES;

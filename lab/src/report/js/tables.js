@@ -75,27 +75,23 @@ class TraceTable {
   }
 }
 
-// The finished map's walls, the ones whose passes disagree most first. Returns a summary of that disagreement.
-function fillWallTable(run, hits, map) {
-  const directions = wallDirections(run);
-  const walls = run.walls.filter((wall) => wallAt(wall, run.count - 1))
-    .map((wall) => ({ wall, ends: wallAt(wall, run.count - 1), ...wallThickness(run, hits, wall, directions) }));
-  walls.sort((a, b) => (b.apart || 0) - (a.apart || 0) || b.length - a.length);
+// The finished map's walls, the ones whose visits disagree most first.
+function fillWallTable(run, map) {
+  const walls = run.walls.map((wall) => ({ wall, ends: wallAt(wall, run.count - 1) })).filter(({ ends }) => ends);
+  for (const entry of walls) entry.size = Math.hypot(entry.ends.x1 - entry.ends.x0, entry.ends.y1 - entry.ends.y0);
+  walls.sort((a, b) => (b.wall.gap || 0) - (a.wall.gap || 0) || b.size - a.size);
   document.getElementById("walls-note").textContent = walls.length
-    ? `Thickness is the root mean square distance of the hits from the wall's line; passes apart is how far the means of visits more than ${PASS_GAP_S} s apart differ. Both are small where the map is right. Choose a wall to see it on the map.`
+    ? `Thickness is the root mean square distance of the hits from the wall's line; visits apart is how far the means of visits more than ${PASS_GAP_S} s apart lie from each other. Both are small where the map is right. Choose a wall to see it on the map.`
     : "The finished map has no walls.";
-  const body = document.querySelector("#walls tbody");
-  body.replaceChildren(...walls.map((entry) => wallRow(entry, map)));
+  document.querySelector("#walls tbody").replaceChildren(...walls.map((entry) => wallRow(entry, map)));
   document.querySelector("#walls").hidden = !walls.length;
-  const apart = walls.map((w) => w.apart).filter(Number.isFinite).sort((a, b) => a - b);
-  return { count: apart.length, worst: apart.at(-1) ?? NaN, median: apart[Math.floor(apart.length / 2)] ?? NaN };
 }
 
-function wallRow({ wall, ends, length: size, passes, rms, apart }, map) {
+function wallRow({ wall, ends, size }, map) {
   const button = element("button", { type: "button", class: "link" }, `Wall ${wall.id}`);
   const number = (text) => element("td", { class: "num" }, text);
   const row = element("tr", {}, element("th", { scope: "row" }, button), element("td", {}, wall.kind), number(length(size)),
-    number(length(ends.sigma)), number(whole(wall.updates)), number(String(passes)), number(length(rms)), number(length(apart)));
+    number(length(ends.sigma)), number(whole(wall.updates)), number(whole(wall.visits)), number(length(wall.thickness)), number(length(wall.gap)));
   const mark = (id) => {
     map.highlight = id;
     map.draw();
@@ -104,13 +100,7 @@ function wallRow({ wall, ends, length: size, passes, rms, apart }, map) {
   row.addEventListener("pointerleave", () => mark(null));
   button.addEventListener("click", () => {
     mark(wall.id);
-    map.setFollow(false);
-    const air = 0.5;
-    map.view.untouched = false;
-    map.view.fit({
-      x0: Math.min(ends.x0, ends.x1) - air, x1: Math.max(ends.x0, ends.x1) + air,
-      y0: Math.min(ends.y0, ends.y1) - air, y1: Math.max(ends.y0, ends.y1) + air,
-    });
+    map.showAround(ends);
     map.canvas.scrollIntoView({ block: "center" });
   });
   return row;
