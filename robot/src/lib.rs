@@ -2,7 +2,7 @@
 //!
 //! [`traits`] says what a board offers: a bank of range sensors, two wheel encoders, two motors, a bumper and a cliff
 //! sensor. [`h_bridge`] drives motors through `embedded-hal` outputs, [`wheel_control`] holds a wheel speed, [`contact`]
-//! stops the wheels without waiting for anyone, and [`pilot`] decides where to go.
+//! stops the wheels without waiting for anyone, and [`pilot`] decides where to go. [`rig`] is the robot as built.
 //!
 //! One rule: nothing here knows the true pose or the true walls. Lengths are metres, angles radians, times seconds
 //! unless a name says otherwise; the robot's frame has its origin at the wheel axle's centre, x forward, y left.
@@ -13,6 +13,7 @@
 pub mod contact;
 pub mod h_bridge;
 pub mod pilot;
+pub mod rig;
 pub mod traits;
 pub mod wheel_control;
 

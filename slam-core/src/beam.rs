@@ -15,6 +15,9 @@ pub struct FixedMount {
 }
 
 impl FixedMount {
+    /// Nowhere, for an estimator that has not started.
+    pub const NONE: Self = Self { origin_m: [0.0; 2], sin_cos: (0.0, 0.0) };
+
     /// From the rig.
     pub fn new(mount: &Mount) -> Self {
         Self { origin_m: [mount.x_m, mount.y_m], sin_cos: sin_cos(mount.bearing_rad) }

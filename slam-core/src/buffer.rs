@@ -31,6 +31,14 @@ pub struct OutlierBuffer<const B: usize> {
 }
 
 impl<const B: usize> OutlierBuffer<B> {
+    /// No outliers.
+    pub const EMPTY: Self = Self { points: Deque::new() };
+
+    /// Forgets every outlier.
+    pub fn clear(&mut self) {
+        self.points.clear();
+    }
+
     /// Adds an outlier; true where the oldest had to go.
     pub fn push(&mut self, outlier: Outlier) -> bool {
         let full = self.points.is_full() && self.points.pop_front().is_some();

@@ -73,6 +73,11 @@ impl<const NB: usize, const BLOCKS: usize> Covariance<NB, BLOCKS> {
         Self([[0.0; LANES]; BLOCKS])
     };
 
+    /// Makes all entries zero.
+    pub fn clear(&mut self) {
+        self.0.fill([0.0; LANES]);
+    }
+
     /// Index of the first block of row `i`.
     #[inline]
     const fn row_start(i: usize) -> usize {

@@ -42,6 +42,13 @@ impl<const NB: usize, const BLOCKS: usize> Ekf<NB, BLOCKS> {
         self.len == 0
     }
 
+    /// Forgets every state.
+    pub fn clear(&mut self) {
+        self.len = 0;
+        self.mean = Vector::ZERO;
+        self.covariance.clear();
+    }
+
     /// Number of states.
     pub fn len(&self) -> usize {
         self.len

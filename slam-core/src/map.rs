@@ -31,6 +31,15 @@ pub struct Map<const W: usize> {
 }
 
 impl<const W: usize> Map<W> {
+    /// No walls.
+    pub const EMPTY: Self = Self { walls: Vec::new(), next_id: 0 };
+
+    /// Forgets every wall.
+    pub fn clear(&mut self) {
+        self.walls.clear();
+        self.next_id = 0;
+    }
+
     /// The walls.
     pub fn walls(&self) -> &[Wall] {
         &self.walls

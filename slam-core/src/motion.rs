@@ -58,6 +58,16 @@ pub struct Step {
     pub path_m: f32,
 }
 
+impl Step {
+    /// No motion.
+    pub const STILL: Self = Self {
+        increment: Increment { forward_m: 0.0, left_m: 0.0, turn_rad: 0.0 },
+        by_factor: [[0.0; 3]; 3],
+        noise: [[0.0; 3]; 3],
+        path_m: 0.0,
+    };
+}
+
 /// Remembers the last ticks and turns inputs into travel.
 #[derive(Clone, Debug, Default)]
 pub struct Encoders {
@@ -65,6 +75,9 @@ pub struct Encoders {
 }
 
 impl Encoders {
+    /// Nothing read yet.
+    pub const NEW: Self = Self { last: None };
+
     /// Travel since the last sample, nothing for the first one; none where the input is not a motion of this drive.
     pub fn travel(&mut self, drive: &DriveModel, motion: &Motion, dt_s: f32) -> Option<Travel> {
         let limit_m = MAX_SPEED_M_S * dt_s.max(0.01);

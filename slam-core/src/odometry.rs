@@ -25,6 +25,16 @@ pub struct Odometry {
 }
 
 impl Odometry {
+    /// At the start.
+    pub const START: Self = Self {
+        pose: Pose::ORIGIN,
+        path_m: 0.0,
+        position_variance: 0.0,
+        heading_variance: 0.0,
+        position_by_factor: [[0.0; 2]; 3],
+        heading_by_factor: [0.0; 3],
+    };
+
     /// Moves on by one step.
     pub fn advance(&mut self, step: &Step) {
         let (s, c) = sin_cos(self.pose.theta_rad);

@@ -15,6 +15,9 @@ pub struct Pose {
 }
 
 impl Pose {
+    /// The outer frame itself.
+    pub const ORIGIN: Self = Self { x_m: 0.0, y_m: 0.0, theta_rad: 0.0 };
+
     /// A pose from its three coordinates; the heading is wrapped.
     pub fn new(x_m: f32, y_m: f32, theta_rad: f32) -> Self {
         Self { x_m, y_m, theta_rad: wrap(theta_rad) }

@@ -98,6 +98,9 @@ pub struct FrontEnd {
 }
 
 impl FrontEnd {
+    /// Nothing read yet.
+    pub const NEW: Self = Self { last_counts: None, age_s: 0.0, last_m: None, folded_at_m: None };
+
     /// Checks one input and converts it.
     ///
     /// `path_m` is the robot's path length so far.

@@ -104,6 +104,22 @@ pub struct StepReport<const S: usize> {
     pub prunes: u8,
 }
 
+impl Counters {
+    /// All zero.
+    pub const ZERO: Self = Self {
+        steps: 0,
+        updates: 0,
+        refused: [0; Refusal::COUNT],
+        buffered: 0,
+        overwritten: 0,
+        births: 0,
+        map_full: 0,
+        merges: 0,
+        prunes: 0,
+        bad_motion: 0,
+    };
+}
+
 /// Counts since the start. They saturate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -10,7 +10,8 @@ use crate::motion::{self, Encoders, Factor, Factors, Step};
 use crate::odometry::Odometry;
 use crate::range::FrontEnd;
 use crate::report::ReadingReport;
-use crate::{Config, Counters, Pose, Rig, RigError, Sample, StepReport};
+use crate::{Clustering, Config, Counters, DriveModel, Pose, Rig, RigError, Sample, StepReport, WallPolicy};
+use heapless::Vec;
 
 /// The estimator as it runs on the robot: 8 range sensors, 64 walls, 128 buffered outliers, 80 states.
 pub type RobotSlam = Slam<8, 64, 128, 10, 440>;
@@ -42,43 +43,88 @@ pub struct Slam<const S: usize, const W: usize, const B: usize, const NB: usize,
 }
 
 impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOCKS: usize> Slam<S, W, B, NB, BLOCKS> {
+    /// Not started. Every value here is one whose bytes are zero, so that a static of it costs no flash.
+    pub const IDLE: Self = Self {
+        rig: Rig {
+            drive: DriveModel::Wheels {
+                track_m: 0.0,
+                track_sigma: 0.0,
+                metres_per_tick: 0.0,
+                scale_sigma: 0.0,
+                noise_m2_per_m: 0.0,
+            },
+            adc: None,
+            sensors: Vec::new(),
+        },
+        config: Config {
+            walls: WallPolicy::Snapped { theta_moves: false },
+            clustering: Clustering::BySensor,
+            calibrate_gains: false,
+            calibrate_scales: false,
+            calibrate_track: false,
+            gate: 0.0,
+        },
+        layout: Layout { first_scale: None, second_scale: None, track: None, gains: [None; S] },
+        mounts: [FixedMount::NONE; S],
+        front_ends: [FrontEnd::NEW; S],
+        ekf: Ekf::EMPTY,
+        has_grid: false,
+        encoders: Encoders::NEW,
+        time_us: None,
+        last_step: Step::STILL,
+        dt_s: 0.0,
+        nominal: Pose::ORIGIN,
+        odometry: Odometry::START,
+        map: Map::EMPTY,
+        buffer: OutlierBuffer::EMPTY,
+        pending: [false; S],
+        counters: Counters::ZERO,
+    };
+
     /// An estimator at the map frame's origin with an empty map.
     ///
     /// # Errors
     /// A value of the rig that cannot be.
     pub fn new(rig: Rig<S>, config: Config) -> Result<Self, RigError> {
+        let mut slam = Self::IDLE;
+        slam.start(rig, config)?;
+        Ok(slam)
+    }
+
+    /// Starts, or starts afresh, in place: where the robot stands is the map frame's origin, and the map is empty. Unlike
+    /// [`Slam::new`] it puts no copy of the estimator on the stack.
+    ///
+    /// # Errors
+    /// A value of the rig that cannot be; nothing is changed then.
+    pub fn start(&mut self, rig: Rig<S>, config: Config) -> Result<(), RigError> {
         const { assert!(S <= 16 && B <= 255 && 4 + 3 + S <= 8 * NB, "S <= 16, B <= 255, room for the calibration") };
         rig.validate()?;
-        let mut ekf = Ekf::EMPTY;
+        self.ekf.clear();
         for variance in motion::start_variance(&rig.drive).into_iter().chain([0.0]) {
-            ekf.augment(0.0, &Jacobian::new(), variance);
+            self.ekf.augment(0.0, &Jacobian::new(), variance);
         }
-        let layout = Layout::new(&rig, &config, |sigma| {
+        let ekf = &mut self.ekf;
+        self.layout = Layout::new(&rig, &config, |sigma| {
             ekf.augment(1.0, &Jacobian::new(), sigma * sigma);
         });
-        let mut mounts = [FixedMount::new(&Default::default()); S];
-        for (mount, sensor) in mounts.iter_mut().zip(&rig.sensors) {
+        for (mount, sensor) in self.mounts.iter_mut().zip(&rig.sensors) {
             *mount = FixedMount::new(&sensor.mount);
         }
-        Ok(Self {
-            rig,
-            config,
-            layout,
-            mounts,
-            front_ends: [FrontEnd::default(); S],
-            ekf,
-            has_grid: false,
-            encoders: Encoders::default(),
-            time_us: None,
-            last_step: Step::default(),
-            dt_s: 0.0,
-            nominal: Pose::default(),
-            odometry: Odometry::default(),
-            map: Map::default(),
-            buffer: OutlierBuffer::default(),
-            pending: [false; S],
-            counters: Counters::default(),
-        })
+        self.rig = rig;
+        self.config = config;
+        self.front_ends = [FrontEnd::NEW; S];
+        self.has_grid = false;
+        self.encoders = Encoders::NEW;
+        self.time_us = None;
+        self.last_step = Step::STILL;
+        self.dt_s = 0.0;
+        self.nominal = Pose::ORIGIN;
+        self.odometry = Odometry::START;
+        self.map.clear();
+        self.buffer.clear();
+        self.pending = [false; S];
+        self.counters = Counters::ZERO;
+        Ok(())
     }
 
     /// Predict, observe, extend the map (report section 3). Never fails: what cannot be used is refused and counted.

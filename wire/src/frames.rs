@@ -189,6 +189,8 @@ pub struct BoardFaults {
     pub watchdog_resets: u32,
     /// Supervisor periods in which some task had not reported.
     pub late_tasks: u32,
+    /// No count: the most stack that was ever in use, bytes.
+    pub stack_used_bytes: u32,
 }
 
 /// What the motors are given.

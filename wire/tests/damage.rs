@@ -151,6 +151,7 @@ fn the_longest_frames_fit() {
         contact_stops: u32::MAX,
         watchdog_resets: u32::MAX,
         late_tasks: u32::MAX,
+        stack_used_bytes: u32::MAX,
     };
     for frame in [Frame::Calibration(calibration), Frame::Faults(Faults { slam: counts, board })] {
         assert_eq!(received(&encode(&frame).unwrap()), [frame]);

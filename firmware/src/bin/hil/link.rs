@@ -1,0 +1,47 @@
+//! One exchange with the host for every moment of the clock.
+
+use crate::transport::Transport;
+use crate::{SHARED, clock, devices};
+use wire::{Decoder, Frame, Motors, encode};
+
+/// The link to the host.
+pub struct Link {
+    transport: Transport,
+    decoder: Decoder,
+}
+
+impl Link {
+    /// A link that nothing has been said on.
+    pub fn new(transport: Transport) -> Self {
+        Self { transport, decoder: Decoder::new() }
+    }
+
+    /// Says what the tasks said and what the motors are given, then waits for the next moment.
+    pub fn exchange(&mut self) {
+        self.transport.write(&devices::take_said());
+        let duty = devices::duty();
+        self.send(&Frame::Motors(Motors { time_us: clock::now_us(), left: duty.left, right: duty.right }));
+        loop {
+            let byte = self.transport.read();
+            match self.decoder.push(byte) {
+                None => {}
+                Some(Ok(Frame::Sample(sample))) => {
+                    devices::set_inputs(&sample);
+                    return clock::advance(sample.time_us);
+                }
+                Some(Ok(frame @ Frame::Command(_))) => {
+                    if let Ok(bytes) = encode(&frame) {
+                        devices::hear(&bytes);
+                    }
+                }
+                Some(_) => SHARED.faults.count(|faults| &mut faults.bytes_lost),
+            }
+        }
+    }
+
+    fn send(&mut self, frame: &Frame) {
+        if let Ok(bytes) = encode(frame) {
+            self.transport.write(&bytes);
+        }
+    }
+}

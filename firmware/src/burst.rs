@@ -1,0 +1,77 @@
+//! Range sensors on a converter: a burst of conversions of each, reduced to one reading.
+//!
+//! Supply spikes on a Sharp sensor's output go up only, so the mean of a burst is biased: it takes the median.
+
+use crate::SENSORS;
+use robot::RangeSensorBank;
+use slam_core::RangeInput;
+
+/// Conversions of each sensor in a burst.
+pub const BURST: usize = 9;
+
+/// An analogue-to-digital converter with the range sensors on its inputs.
+pub trait Converter {
+    /// What can go wrong.
+    type Error;
+
+    /// One conversion of the sensor with this index, counts.
+    ///
+    /// # Errors
+    /// The conversion failed.
+    fn convert(&mut self, sensor: usize) -> Result<u16, Self::Error>;
+}
+
+/// A bank of analogue range sensors.
+#[derive(Debug)]
+pub struct BurstBank<C>(C);
+
+impl<C: Converter> BurstBank<C> {
+    /// The sensors of this converter.
+    pub fn new(converter: C) -> Self {
+        Self(converter)
+    }
+}
+
+impl<C: Converter> RangeSensorBank<SENSORS> for BurstBank<C> {
+    type Error = C::Error;
+
+    fn read(&mut self) -> Result<[RangeInput; SENSORS], C::Error> {
+        // Sensor by sensor in turn, so that a spike hits few conversions of each.
+        let mut bursts = [[0; BURST]; SENSORS];
+        for round in 0..BURST {
+            for (sensor, burst) in bursts.iter_mut().enumerate() {
+                burst[round] = self.0.convert(sensor)?;
+            }
+        }
+        Ok(bursts.map(|mut burst| {
+            burst.sort_unstable();
+            RangeInput::Counts(burst[BURST / 2])
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Sensor i shows 1000 + i, with noise of one count and a spike in every third conversion.
+    struct Spiky(u16);
+
+    impl Converter for Spiky {
+        type Error = ();
+
+        fn convert(&mut self, sensor: usize) -> Result<u16, ()> {
+            self.0 += 1;
+            let spike = if self.0.is_multiple_of(3) { 900 } else { 0 };
+            Ok(1000 + sensor as u16 + spike + self.0 % 2)
+        }
+    }
+
+    #[test]
+    fn spikes_do_not_reach_the_reading() {
+        for (sensor, range) in BurstBank::new(Spiky(0)).read().unwrap().into_iter().enumerate() {
+            let RangeInput::Counts(counts) = range else { panic!("{range:?}") };
+            assert!((1000..=1001).contains(&(counts - sensor as u16)), "sensor {sensor}: {counts}");
+        }
+    }
+}

@@ -1,0 +1,30 @@
+//! The robot's program, apart from the peripherals: tasks that are generic over what a board offers.
+//!
+//! | task | waits for | does |
+//! |---|---|---|
+//! | [`tasks::odometry`] | 50 Hz | reads the encoders |
+//! | [`tasks::sample`] | 25 Hz | reads the range sensors, each a robust reduction of a burst |
+//! | [`tasks::estimate`] | ranges | one step of slam-core; tells the pilot and the telemetry |
+//! | [`tasks::drive`] | odometry | pilot, wheel-speed control, motors |
+//! | [`tasks::guard`] | bumper and cliff inputs | stops the wheels at once, at interrupt level, waiting for nobody |
+//! | [`tasks::telemetry`], [`tasks::commands`] | frames, bytes | the serial line |
+//! | [`tasks::supervise`] | 2 Hz | feeds the watchdog when every task has reported |
+//!
+//! The binaries bind the tasks to peripherals (`robot`) or to a simulation at the other end of a link (`hil`); the host
+//! runs the same bodies in tests. Tasks meet in [`Shared`] only.
+#![no_std]
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+
+pub mod burst;
+pub mod faults;
+pub mod periodic;
+pub mod shared;
+pub mod tasks;
+
+pub use shared::Shared;
+
+/// Range sensors of the robot.
+pub const SENSORS: usize = wire::SENSORS;
+/// The pilot that fits the robot.
+pub type Pilot = robot::Pilot<SENSORS>;

@@ -1,0 +1,137 @@
+//! Where tasks meet. Every channel is bounded; what happens when one is full is said here and counted in the faults.
+
+use crate::SENSORS;
+use crate::faults::{FaultCounts, Reports};
+use core::cell::Cell;
+use embassy_sync::blocking_mutex::Mutex;
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex as Raw;
+use embassy_sync::channel::Channel;
+use embassy_sync::signal::Signal;
+use robot::{Contacts, Senses};
+use slam_core::{RangeInput, Ticks};
+use wire::{Command, Frame};
+
+/// One reading of the range sensors.
+#[derive(Clone, Copy, Debug)]
+pub struct Ranges {
+    /// When, microseconds since the start.
+    pub time_us: u64,
+    /// The readings, in the rig's order.
+    pub ranges: [RangeInput; SENSORS],
+}
+
+/// One reading of the encoders.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Odometry {
+    /// When, microseconds since the start.
+    pub time_us: u64,
+    /// Cumulative counts.
+    pub ticks: Ticks,
+}
+
+/// What the guard of bumper and cliff sensor knows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Touch {
+    /// The inputs now.
+    pub contacts: Contacts,
+    /// The motors are off until the drive task has taken the contact into account.
+    pub held: bool,
+}
+
+/// Everything that tasks share.
+pub struct Shared {
+    /// Sample to estimate. Full: the oldest is dropped, `samples_dropped`.
+    pub ranges: Channel<Raw, Ranges, 2>,
+    /// Odometry to drive: the latest counts.
+    pub odometry: Signal<Raw, Odometry>,
+    /// The latest counts, for the estimator.
+    pub latest_odometry: Mutex<Raw, Cell<Odometry>>,
+    /// Estimate to drive: the latest only.
+    pub senses: Signal<Raw, Senses<SENSORS>>,
+    /// To telemetry. Full: the new one is dropped, `frames_dropped`.
+    pub frames: Channel<Raw, Frame, 8>,
+    /// Commands to drive. Full: the new one is dropped, `commands_dropped`.
+    pub commands: Channel<Raw, Command, 4>,
+    /// The estimator shall forget its map.
+    pub reset_map: Signal<Raw, ()>,
+    /// Guard to drive and estimate.
+    pub touch: Mutex<Raw, Cell<Touch>>,
+    /// Drive to guard: the contact is taken into account, motors may go on.
+    pub release: Signal<Raw, ()>,
+    /// Fault counters.
+    pub faults: FaultCounts,
+    /// Signs of life.
+    pub reports: Reports,
+}
+
+impl Shared {
+    /// Nothing sent yet.
+    pub const fn new() -> Self {
+        let origin = Odometry { time_us: 0, ticks: Ticks { left: 0, right: 0 } };
+        let contacts = Contacts { bump_left: false, bump_right: false, cliff: false };
+        Self {
+            ranges: Channel::new(),
+            odometry: Signal::new(),
+            latest_odometry: Mutex::new(Cell::new(origin)),
+            senses: Signal::new(),
+            frames: Channel::new(),
+            commands: Channel::new(),
+            reset_map: Signal::new(),
+            touch: Mutex::new(Cell::new(Touch { contacts, held: false })),
+            release: Signal::new(),
+            faults: FaultCounts::new(),
+            reports: Reports::new(),
+        }
+    }
+
+    /// Hands ranges to the estimator; the oldest make room.
+    pub fn push_ranges(&self, ranges: Ranges) {
+        if let Err(embassy_sync::channel::TrySendError::Full(ranges)) = self.ranges.try_send(ranges) {
+            self.faults.count(|faults| &mut faults.samples_dropped);
+            // Nobody else takes or sends between these two: there is room now.
+            let _ = self.ranges.try_receive();
+            let _ = self.ranges.try_send(ranges);
+        }
+    }
+
+    /// Hands a frame to the telemetry, if there is room.
+    pub fn push_frame(&self, frame: Frame) {
+        if self.frames.try_send(frame).is_err() {
+            self.faults.count(|faults| &mut faults.frames_dropped);
+        }
+    }
+
+    /// Bumper and cliff now.
+    pub fn contacts(&self) -> Contacts {
+        self.touch.lock(Cell::get).contacts
+    }
+}
+
+impl Default for Shared {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn full_channels_drop_what_they_say_and_count() {
+        let shared = Shared::new();
+        for time_us in 1..=5 {
+            shared.push_ranges(Ranges { time_us, ranges: [RangeInput::Missing; SENSORS] });
+        }
+        let kept: Vec<u64> = core::iter::from_fn(|| shared.ranges.try_receive().ok()).map(|r| r.time_us).collect();
+        assert_eq!(kept, [4, 5], "the newest ranges are kept");
+        assert_eq!(shared.faults.get().samples_dropped, 3);
+        for _ in 0..10 {
+            shared.push_frame(Frame::Command(Command::Stop));
+        }
+        assert_eq!(shared.faults.get().frames_dropped, 2);
+    }
+
+    extern crate std;
+    use std::vec::Vec;
+}

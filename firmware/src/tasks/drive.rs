@@ -1,0 +1,89 @@
+//! Pilot, wheel-speed control and motors.
+
+use crate::Pilot;
+use crate::faults::Task;
+use crate::periodic::CONTROL_MS;
+use crate::shared::{Odometry, Shared, Touch};
+use core::cell::Cell;
+use robot::{DriveMotors, Duty, WheelControl, WheelSpeeds};
+use wire::Command;
+
+/// Longest time that a [`Command::Spin`] turns the wheels, in control periods: half a second.
+const SPIN_PERIODS: u32 = 500 / CONTROL_MS as u32;
+
+/// What was commanded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Mode {
+    Stopped,
+    Driving,
+    Spinning { duty: Duty, periods: u32 },
+}
+
+/// Drives the wheels at the odometry's beat, by the pilot's latest decision.
+pub async fn drive(
+    pilot: &mut Pilot,
+    mut control: WheelControl,
+    motors: &mut impl DriveMotors,
+    started: bool,
+    shared: &Shared,
+) -> ! {
+    let mut mode = if started { Mode::Driving } else { Mode::Stopped };
+    let mut target = WheelSpeeds::STOP;
+    let mut last_us = None;
+    loop {
+        let odometry = shared.odometry.wait().await;
+        while let Ok(command) = shared.commands.try_receive() {
+            mode = obey(command, mode);
+        }
+        if let Some(senses) = shared.senses.try_take() {
+            target = pilot.step(&senses);
+        }
+        let period_s = period_s(last_us.replace(odometry.time_us), &odometry);
+        let touch = shared.touch.lock(Cell::get);
+        let duty = match mode {
+            Mode::Stopped => control.update(WheelSpeeds::STOP, odometry.ticks, period_s),
+            Mode::Driving => control.update(touch.contacts.guard(target), odometry.ticks, period_s),
+            Mode::Spinning { duty, .. } if touch.contacts.any() => {
+                Duty { left: duty.left.min(0.0), right: duty.right.min(0.0) }
+            }
+            Mode::Spinning { duty, .. } => duty,
+        };
+        mode = age(mode);
+        if motors.set_duty(duty).is_err() {
+            shared.faults.count(|faults| &mut faults.motors_failed);
+        }
+        release(touch, shared);
+        shared.reports.report(Task::Drive);
+    }
+}
+
+fn obey(command: Command, mode: Mode) -> Mode {
+    match command {
+        Command::Start => Mode::Driving,
+        Command::Stop => Mode::Stopped,
+        Command::Spin { left, right } if mode != Mode::Driving => {
+            Mode::Spinning { duty: Duty { left, right }, periods: SPIN_PERIODS }
+        }
+        Command::Spin { .. } | Command::ResetMap => mode,
+    }
+}
+
+fn age(mode: Mode) -> Mode {
+    match mode {
+        Mode::Spinning { periods: 0, .. } => Mode::Stopped,
+        Mode::Spinning { duty, periods } => Mode::Spinning { duty, periods: periods - 1 },
+        other => other,
+    }
+}
+
+fn period_s(last_us: Option<u64>, odometry: &Odometry) -> f32 {
+    let elapsed_us = last_us.map_or(0, |last_us| odometry.time_us.saturating_sub(last_us));
+    elapsed_us as f32 * 1e-6
+}
+
+/// What was set takes the contact into account: the guard may let the motors go on.
+fn release(seen: Touch, shared: &Shared) {
+    if seen.held {
+        shared.release.signal(());
+    }
+}
