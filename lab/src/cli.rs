@@ -8,6 +8,7 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::hil::{Hil, Target};
 use crate::output::closing;
 use crate::recording::Recording;
 use crate::replay::{Replay, Replayed};
@@ -32,6 +33,8 @@ enum Command {
     Run(RunArgs),
     /// Replay a recorded log: log.csv or CARMEN, plain or gzipped.
     Replay(ReplayArgs),
+    /// Run the robot's firmware on its processor, emulated or real, in the loop with the simulated home.
+    Hil(HilArgs),
 }
 
 #[derive(Debug, Args)]
@@ -78,6 +81,35 @@ struct ReplayArgs {
     variant: VariantArgs,
 }
 
+#[derive(Debug, Args)]
+#[command(group = clap::ArgGroup::new("where").required(true))]
+struct HilArgs {
+    /// In the emulator qemu-system-arm.
+    #[arg(long, group = "where")]
+    qemu: bool,
+    /// On a board at this serial port; reset the board first.
+    #[arg(long, group = "where", value_name = "DEV")]
+    port: Option<String>,
+    /// With --qemu: over the emulated serial line, slowly, as with a board.
+    #[arg(long, requires = "qemu")]
+    serial: bool,
+    /// With --qemu: the firmware's image; `cargo xtask hil` builds it.
+    #[arg(long, value_name = "ELF", default_value = "target/thumb/thumbv7em-none-eabihf/release/hil")]
+    image: PathBuf,
+    /// Floor plan: the name of a built-in one, or a file.
+    #[arg(long, value_name = "NAME|FILE", default_value = "flat")]
+    plan: String,
+    /// Length of the drive in minutes.
+    #[arg(long, value_name = "M", default_value = "3", value_parser = minutes, allow_negative_numbers = true)]
+    minutes: f64,
+    /// Seed of everything random: the same seed gives the same drive, bit for bit.
+    #[arg(long, value_name = "S", default_value_t = 1, allow_negative_numbers = true)]
+    seed: u64,
+    /// Folder for the results.
+    #[arg(long, value_name = "DIR", default_value = "out/hil")]
+    out: PathBuf,
+}
+
 /// Longest drive, minutes: a record of a day fills the memory.
 const MAX_MINUTES: f64 = 240.0;
 
@@ -94,6 +126,7 @@ pub fn main() -> ExitCode {
     let done = match cli.command {
         Some(Command::Replay(args)) => replay(args),
         Some(Command::Run(args)) => run(args),
+        Some(Command::Hil(args)) => hil(args),
         None => run(cli.run),
     };
     match done {
@@ -127,6 +160,22 @@ fn replay(args: ReplayArgs) -> Result<(), Box<dyn Error>> {
     }
     say(&recording, &replay.out);
     error.map_or(Ok(()), |error| Err(error.into()))
+}
+
+fn hil(args: HilArgs) -> Result<(), Box<dyn Error>> {
+    let HilArgs { port, serial, image, plan, minutes, seed, out, .. } = args;
+    let target = match port {
+        Some(device) => Target::Port { device },
+        None if serial => Target::EmulatorSerial { image },
+        None => Target::Emulator { image },
+    };
+    let bar = ProgressBar::new(1000).with_style(style("in the loop {wide_bar} {percent} %, {eta} to go"));
+    let hil = Hil { plan, minutes, seed, out, target };
+    let outcome = hil.run(|share| bar.set_position((1000.0 * share) as u64));
+    bar.finish_and_clear();
+    let outcome = outcome?;
+    let _ = write!(std::io::stdout(), "{outcome}  results in {}\n", hil.out.display());
+    outcome.verdict().map_err(Into::into)
 }
 
 /// The closing table on the standard output, where somebody still listens.

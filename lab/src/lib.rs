@@ -8,6 +8,7 @@
 pub mod cli;
 pub mod drive;
 pub mod error;
+pub mod hil;
 pub mod log;
 pub mod output;
 pub mod recording;

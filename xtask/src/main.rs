@@ -3,6 +3,7 @@
 
 mod apt;
 mod elf;
+mod hil;
 mod panic_check;
 mod qemu;
 mod run;
@@ -16,6 +17,7 @@ use std::process::ExitCode;
 const HELP: &str = "\
 cargo xtask setup            install what the tests need (asks first, unless the variable CI is set)
 cargo xtask test [STEP...]   set up what is missing, then run every step, or only the named ones
+cargo xtask hil [ARG...]     run the firmware in the emulator, in the loop with the simulated home (see `lab hil --help`)
 cargo xtask panic-check      show that slam-core has no panic path on the robot's processor
 cargo xtask timing           count the instructions of slam-core's routines and compare with docs/timing.csv
 cargo xtask timing --update  write the counts into docs/timing.csv";
@@ -25,6 +27,7 @@ fn main() -> ExitCode {
     let result = match args.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
         ["setup"] => setup::setup(),
         ["test", steps @ ..] => test::test(steps),
+        ["hil", arguments @ ..] => hil::hil(arguments),
         ["panic-check"] => panic_check::panic_check(),
         ["timing"] => timing::timing(false),
         ["timing", "--update"] => timing::timing(true),

@@ -1,7 +1,8 @@
 //! Every test and check, in the order of how soon they fail.
 
+use crate::hil;
 use crate::panic_check::panic_check;
-use crate::run::{Result, cargo, run};
+use crate::run::{Result, cargo, run, target_dir};
 use crate::setup;
 use crate::thumb::Thumb;
 use crate::timing;
@@ -16,6 +17,8 @@ const STEPS: &[Step] = &[
     ("no-std", no_std),
     ("host", host),
     ("firmware-lint", firmware_lint),
+    ("firmware-host", firmware_host),
+    ("hil", hil::test),
     ("panic-check", panic_check),
     ("timing", || timing::timing(false)),
 ];
@@ -70,8 +73,26 @@ fn no_std() -> Result {
 /// Clippy of the firmware's workspace; Debian's compiler comes without clippy, so that one checks with its own warnings.
 fn firmware_lint() -> Result {
     let thumb = Thumb::require()?;
-    match thumb {
-        Thumb::Host => run(thumb.cargo("firmware", "clippy").args(["--release", "--", "-D", "warnings"])),
-        Thumb::Debian => run(thumb.cargo("firmware", "check").args(["--release"])),
+    let checks: [&[&str]; 4] = [
+        &["--package", "timing", "--package", "panic-check"],
+        &["--package", "firmware", "--bin", "robot", "--features", "board"],
+        &["--package", "firmware", "--bin", "hil", "--features", "hil"],
+        &["--package", "firmware", "--bin", "hil", "--features", "hil-usart"],
+    ];
+    for check in checks {
+        let (subcommand, deny): (_, &[&str]) = match thumb {
+            Thumb::Host => ("clippy", &["--", "-D", "warnings"]),
+            Thumb::Debian => ("check", &[]),
+        };
+        run(thumb.cargo("firmware", subcommand).arg("--release").args(check).args(deny))?;
     }
+    Ok(())
+}
+
+/// The firmware's tasks on this machine.
+fn firmware_host() -> Result {
+    let manifest = ["--manifest-path", "firmware/Cargo.toml", "--package", "firmware", "--lib", "--tests"];
+    let dir = target_dir().join("firmware-host");
+    run(cargo(&["clippy"]).args(manifest).args(["--", "-D", "warnings"]).env("CARGO_TARGET_DIR", &dir))?;
+    run(cargo(&["test"]).args(manifest).env("CARGO_TARGET_DIR", &dir))
 }

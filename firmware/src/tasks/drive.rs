@@ -19,15 +19,9 @@ enum Mode {
     Spinning { duty: Duty, periods: u32 },
 }
 
-/// Drives the wheels at the odometry's beat, by the pilot's latest decision.
-pub async fn drive(
-    pilot: &mut Pilot,
-    mut control: WheelControl,
-    motors: &mut impl DriveMotors,
-    started: bool,
-    shared: &Shared,
-) -> ! {
-    let mut mode = if started { Mode::Driving } else { Mode::Stopped };
+/// Drives the wheels at the odometry's beat, by the pilot's latest decision, once told to start.
+pub async fn drive(pilot: &mut Pilot, mut control: WheelControl, motors: &mut impl DriveMotors, shared: &Shared) -> ! {
+    let mut mode = Mode::Stopped;
     let mut target = WheelSpeeds::STOP;
     let mut last_us = None;
     loop {

@@ -41,6 +41,6 @@ pub(super) fn towards(point_m: [f32; 2], pose: &Pose, beams: &[Beam], config: &P
     let aligned = (1.0 - error_rad.abs() / 0.9).max(0.0);
     let forward_mps = (config.speed_mps * aligned).min(((gap_m - 0.04) * 1.5).max(0.0));
     let aside_radps = if forward_mps > 0.0 { 3.0 * push_left_m(beams, config) } else { 0.0 };
-    let turn_radps = (2.5 * error_rad + aside_radps).clamp(-config.turn_radps, config.turn_radps);
+    let turn_radps = (2.5 * error_rad + aside_radps).min(config.turn_radps).max(-config.turn_radps);
     (forward_mps, turn_radps)
 }

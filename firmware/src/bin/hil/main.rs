@@ -11,6 +11,7 @@ mod clock;
 mod devices;
 mod executor;
 mod link;
+#[path = "../../stack.rs"]
 mod stack;
 #[cfg_attr(feature = "hil-usart", path = "usart.rs")]
 #[cfg_attr(not(feature = "hil-usart"), path = "semihosting.rs")]
@@ -33,7 +34,7 @@ static PILOT: StaticCell<Pilot> = StaticCell::new();
 #[cortex_m_rt::entry]
 fn main() -> ! {
     let slam = SLAM.take();
-    slam.start(default_rig(), Config::default()).expect("the default rig is valid");
+    assert!(slam.start(default_rig(), Config::default()).is_ok(), "the default rig is valid");
     let pilot = PILOT.init_with(|| Pilot::new(PilotConfig::default(), &default_rig()));
     let mut link = link::Link::new(transport::Transport::open());
     executor::run(|spawner| spawn(spawner, slam, pilot), || link.exchange())
@@ -69,7 +70,7 @@ async fn estimate(slam: &'static mut RobotSlam) -> ! {
 #[embassy_executor::task]
 async fn drive(pilot: &'static mut Pilot) -> ! {
     let control = WheelControl::new(WheelControlConfig::default());
-    tasks::drive(pilot, control, &mut Motors, false, &SHARED).await
+    tasks::drive(pilot, control, &mut Motors, &SHARED).await
 }
 
 #[embassy_executor::task]

@@ -1,0 +1,242 @@
+//! Every pin and peripheral of the robot's board.
+//!
+//! | pin | what | peripheral |
+//! |---|---|---|
+//! | PA0, PA1, PA4, PA5, PA6, PA7, PC0, PC1 | Sharp sensors, in the rig's order: 0, 45, 90, 135, 180, -135, -90, -45 degrees | ADC1 |
+//! | PC6, PC7 | left encoder A, B | TIM3 |
+//! | PB6, PB7 | right encoder A, B | TIM4 |
+//! | PA8, PA9 | left, right motor speed, 20 kHz | TIM1 |
+//! | PB12, PB13 | left motor forward, backward | |
+//! | PB14, PB15 | right motor forward, backward | |
+//! | PC8 | motor driver enable (standby when low) | |
+//! | PB0, PB1 | bumper left, right: closed to ground when pressed | EXTI0, EXTI1 |
+//! | PC4 | cliff sensor: low when the floor is gone | EXTI4 |
+//! | PA2, PA3 | serial line out, in, 115200 baud | USART2 |
+//! | PA13, PA14 | debug probe (SWDIO, SWCLK) | |
+
+use core::convert::Infallible;
+use embassy_stm32::adc::{Adc, AdcChannel, AnyAdcChannel, SampleTime};
+use embassy_stm32::exti::{self, ExtiInput};
+use embassy_stm32::gpio::{AnyPin, Level, Output, OutputType, Pull, Speed};
+use embassy_stm32::mode::Async;
+use embassy_stm32::peripherals::{ADC1, DMA1_CH5, DMA1_CH6, IWDG, TIM1, TIM3, TIM4, USART2};
+use embassy_stm32::time::{Hertz, khz};
+use embassy_stm32::timer::qei::{self, Qei};
+use embassy_stm32::timer::simple_pwm::{PwmPin, SimplePwm, SimplePwmChannel};
+use embassy_stm32::usart::{self, RingBufferedUartRx, Uart, UartTx};
+use embassy_stm32::wdg::IndependentWatchdog;
+use embassy_stm32::{Config, Peri, bind_interrupts, dma, interrupt, rcc};
+use embedded_hal::digital::{ErrorType, InputPin};
+use embedded_hal_async::digital::Wait;
+use firmware::SENSORS;
+use firmware::burst::{BurstBank, Converter};
+use robot::{ContactPins, HBridge, MotorPair, WheelCounter, WheelEncoders};
+use slam_core::Ticks;
+use static_cell::ConstStaticCell;
+use stm32_metapac::RCC;
+
+const MOTOR_PWM: Hertz = khz(20);
+const WATCHDOG_US: u32 = 2_000_000;
+
+bind_interrupts!(struct Interrupts {
+    EXTI0 => exti::InterruptHandler<interrupt::typelevel::EXTI0>;
+    EXTI1 => exti::InterruptHandler<interrupt::typelevel::EXTI1>;
+    EXTI4 => exti::InterruptHandler<interrupt::typelevel::EXTI4>;
+    USART2 => usart::InterruptHandler<USART2>;
+    DMA1_STREAM5 => dma::InterruptHandler<DMA1_CH5>;
+    DMA1_STREAM6 => dma::InterruptHandler<DMA1_CH6>;
+});
+
+static RECEIVED: ConstStaticCell<[u8; 256]> = ConstStaticCell::new([0; 256]);
+
+/// One motor on its H-bridge.
+pub type Motor = HBridge<SimplePwmChannel<'static, TIM1>, Output<'static>, Output<'static>>;
+
+/// The robot's parts.
+pub struct Board {
+    /// Range sensors.
+    pub ranges: BurstBank<SharpSensors>,
+    /// Wheel encoders.
+    pub encoders: Encoders,
+    /// Motors.
+    pub motors: MotorPair<Motor, Motor>,
+    /// Motor driver's enable input.
+    pub enable: Output<'static>,
+    /// Bumper and cliff.
+    pub contacts: ContactPins<ActiveLow, ActiveLow, ActiveLow>,
+    /// Serial line, outgoing.
+    pub transmitter: UartTx<'static, Async>,
+    /// Serial line, incoming.
+    pub receiver: RingBufferedUartRx<'static>,
+    /// Watchdog, not running yet.
+    pub watchdog: IndependentWatchdog<'static, IWDG>,
+    /// Whether the watchdog caused this start.
+    pub watchdog_bit: bool,
+}
+
+impl Board {
+    /// Sets up clocks, pins and peripherals; the motors are off.
+    pub fn new() -> Self {
+        let p = embassy_stm32::init(clocks());
+        let output = |pin: Peri<'static, AnyPin>| Output::new(pin, Level::Low, Speed::Low);
+        let speeds = SimplePwm::new(
+            p.TIM1,
+            Some(PwmPin::new(p.PA8, OutputType::PushPull)),
+            Some(PwmPin::new(p.PA9, OutputType::PushPull)),
+            None,
+            None,
+            MOTOR_PWM,
+            Default::default(),
+        );
+        let speeds = speeds.split();
+        let (mut left, mut right) = (speeds.ch1, speeds.ch2);
+        left.enable();
+        right.enable();
+        let motors = MotorPair {
+            left: HBridge::new(left, output(p.PB12.into()), output(p.PB13.into())),
+            right: HBridge::new(right, output(p.PB14.into()), output(p.PB15.into())),
+        };
+        let contacts = ContactPins {
+            bump_left: ActiveLow(ExtiInput::new(p.PB0, p.EXTI0, Pull::Up, Interrupts)),
+            bump_right: ActiveLow(ExtiInput::new(p.PB1, p.EXTI1, Pull::Up, Interrupts)),
+            cliff: ActiveLow(ExtiInput::new(p.PC4, p.EXTI4, Pull::Up, Interrupts)),
+        };
+        let sensors = [
+            p.PA0.degrade_adc(),
+            p.PA1.degrade_adc(),
+            p.PA4.degrade_adc(),
+            p.PA5.degrade_adc(),
+            p.PA6.degrade_adc(),
+            p.PA7.degrade_adc(),
+            p.PC0.degrade_adc(),
+            p.PC1.degrade_adc(),
+        ];
+        let line = Uart::new(p.USART2, p.PA3, p.PA2, p.DMA1_CH6, p.DMA1_CH5, Interrupts, usart::Config::default());
+        let (transmitter, receiver) = line.expect("115200 baud is possible").split();
+        Self {
+            ranges: BurstBank::new(SharpSensors { adc: Adc::new(p.ADC1), sensors }),
+            encoders: Encoders::new(
+                Qei::new(p.TIM3, p.PC6, p.PC7, qei::Config::default()),
+                Qei::new(p.TIM4, p.PB6, p.PB7, qei::Config::default()),
+            ),
+            motors,
+            enable: output(p.PC8.into()),
+            contacts,
+            transmitter,
+            receiver: receiver.into_ring_buffered(RECEIVED.take()),
+            watchdog: IndependentWatchdog::new(p.IWDG, WATCHDOG_US),
+            watchdog_bit: watchdog_bit(),
+        }
+    }
+}
+
+/// 168 MHz from the internal oscillator, so that any crystal will do; 1 % is enough for wheels and serial line.
+fn clocks() -> Config {
+    let mut config = Config::default();
+    config.rcc.hsi = true;
+    config.rcc.pll_src = rcc::PllSource::HSI;
+    config.rcc.pll = Some(rcc::Pll {
+        prediv: rcc::PllPreDiv::DIV16,
+        mul: rcc::PllMul::MUL336,
+        divp: Some(rcc::PllPDiv::DIV2),
+        divq: None,
+        divr: None,
+    });
+    config.rcc.sys = rcc::Sysclk::PLL1_P;
+    config.rcc.ahb_pre = rcc::AHBPrescaler::DIV1;
+    config.rcc.apb1_pre = rcc::APBPrescaler::DIV4;
+    config.rcc.apb2_pre = rcc::APBPrescaler::DIV2;
+    config
+}
+
+/// Reads and clears the cause of the last reset.
+fn watchdog_bit() -> bool {
+    let bit = RCC.csr().read().wdgrstf();
+    RCC.csr().modify(|csr| csr.set_rmvf(true));
+    bit
+}
+
+/// The Sharp sensors on the converter.
+pub struct SharpSensors {
+    adc: Adc<'static, ADC1>,
+    sensors: [AnyAdcChannel<'static, ADC1>; SENSORS],
+}
+
+impl Converter for SharpSensors {
+    type Error = NoSuchSensor;
+
+    fn convert(&mut self, sensor: usize) -> Result<u16, NoSuchSensor> {
+        let pin = self.sensors.get_mut(sensor).ok_or(NoSuchSensor)?;
+        Ok(self.adc.blocking_read(pin, SampleTime::CYCLES84))
+    }
+}
+
+/// There are fewer sensors.
+#[derive(Debug)]
+pub struct NoSuchSensor;
+
+/// Both encoders, counting in hardware.
+pub struct Encoders {
+    left: (Qei<'static, TIM3>, WheelCounter),
+    right: (Qei<'static, TIM4>, WheelCounter),
+}
+
+impl Encoders {
+    fn new(left: Qei<'static, TIM3>, right: Qei<'static, TIM4>) -> Self {
+        let counters = [left.count(), right.count()].map(WheelCounter::starting_at);
+        Self { left: (left, counters[0]), right: (right, counters[1]) }
+    }
+}
+
+impl WheelEncoders for Encoders {
+    type Error = Infallible;
+
+    fn ticks(&mut self) -> Result<Ticks, Infallible> {
+        let (left, right) = (self.left.0.count(), self.right.0.count());
+        Ok(Ticks { left: self.left.1.update(left), right: self.right.1.update(right) })
+    }
+}
+
+/// An input that is low when something is touched; a broken wire at the cliff sensor's supply reads as touched.
+pub struct ActiveLow(ExtiInput<'static, Async>);
+
+impl ErrorType for ActiveLow {
+    type Error = Infallible;
+}
+
+impl InputPin for ActiveLow {
+    fn is_high(&mut self) -> Result<bool, Infallible> {
+        Ok(self.0.is_low())
+    }
+
+    fn is_low(&mut self) -> Result<bool, Infallible> {
+        Ok(self.0.is_high())
+    }
+}
+
+impl Wait for ActiveLow {
+    async fn wait_for_high(&mut self) -> Result<(), Infallible> {
+        self.0.wait_for_low().await;
+        Ok(())
+    }
+
+    async fn wait_for_low(&mut self) -> Result<(), Infallible> {
+        self.0.wait_for_high().await;
+        Ok(())
+    }
+
+    async fn wait_for_rising_edge(&mut self) -> Result<(), Infallible> {
+        self.0.wait_for_falling_edge().await;
+        Ok(())
+    }
+
+    async fn wait_for_falling_edge(&mut self) -> Result<(), Infallible> {
+        self.0.wait_for_rising_edge().await;
+        Ok(())
+    }
+
+    async fn wait_for_any_edge(&mut self) -> Result<(), Infallible> {
+        self.0.wait_for_any_edge().await;
+        Ok(())
+    }
+}

@@ -1,0 +1,77 @@
+//! The host's estimator beside the firmware's: same samples, same bits.
+
+use hal_sim::{Face, SeenWall};
+use robot::rig::default_rig;
+use slam_core::{Config, RobotSlam};
+use wire::{Estimate, Faults, Sample};
+
+use super::link::Answer;
+use super::outcome::{Difference, Outcome};
+use crate::recording::{Pose2, Segment};
+use crate::score;
+use crate::score::map::PassedWall;
+
+/// The host's estimator, with a count of what was the same.
+pub struct Shadow {
+    slam: Box<RobotSlam>,
+    identical: u64,
+    differences: Vec<Difference>,
+    paths: Vec<[Pose2; 3]>,
+    faults: Option<Faults>,
+    damaged: u32,
+}
+
+impl Shadow {
+    /// The estimator as the firmware starts it.
+    pub fn new() -> Result<Self, String> {
+        let slam = RobotSlam::new(default_rig(), Config::default());
+        let slam = Box::new(slam.map_err(|error| format!("the built-in rig: {} {}", error.key, error.allowed))?);
+        Ok(Self { slam, identical: 0, differences: Vec::new(), paths: Vec::new(), faults: None, damaged: 0 })
+    }
+
+    /// Takes the sample that the firmware says it took, and holds its estimate against the host's. `shown` is what the
+    /// sensors showed at that time. Gives the firmware's estimate.
+    pub fn check(&mut self, shown: &Sample, answer: &Answer, truth: Pose2) -> Option<Estimate> {
+        self.damaged += answer.damaged;
+        self.faults = answer.faults.or(self.faults);
+        let (sample, theirs) = (answer.sample.as_ref()?, answer.estimate?);
+        if sample != shown {
+            self.differ(sample, "the sample is not what the sensors showed");
+        }
+        self.slam.step(&sample.to_slam());
+        let ours = Estimate::of(&self.slam, sample.time_us);
+        if ours.same_bits(&theirs) {
+            self.identical += 1;
+        } else {
+            self.differ(sample, &format!("host {:?}, target {:?}", ours.pose, theirs.pose));
+        }
+        let pose = |[x_m, y_m, theta_rad]: [f32; 3]| Pose2::new(x_m.into(), y_m.into(), theta_rad.into());
+        self.paths.push([pose(theirs.pose), pose(theirs.dead_reckoning), truth]);
+        Some(theirs)
+    }
+
+    fn differ(&mut self, sample: &Sample, what: &str) {
+        self.differences.push(Difference { time_us: sample.time_us, what: what.to_owned() });
+    }
+
+    /// Scores the drive.
+    pub fn finish(self, faces: &[Face], seen: &[SeenWall]) -> Outcome {
+        let plan: Vec<Segment> = faces.iter().map(|f| Segment { from_m: f.from_m, to_m: f.to_m }).collect();
+        let passed = |seen: &SeenWall| PassedWall { wall: plan[seen.face], stretches_m: seen.stretches_m.clone() };
+        let passed: Vec<PassedWall> = seen.iter().map(passed).collect();
+        let pairs = |which: usize| self.paths.iter().map(|p| (p[which], p[2])).collect::<Vec<_>>();
+        let estimate = score::path::score(&pairs(0));
+        let walls: Vec<_> = self.slam.walls().collect();
+        let map = estimate.map(|score| score::map::score(&walls, &plan, &passed, &score.alignment));
+        Outcome {
+            identical: self.identical,
+            differences: self.differences,
+            estimate,
+            odometry: score::path::score(&pairs(1)),
+            map,
+            walls: walls.len(),
+            faults: self.faults,
+            damaged: self.damaged,
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! Where the firmware runs: in the emulator, reached by semihosting or by its serial line, or on a board at a port.
+
+use std::fs::{File, OpenOptions};
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// The emulated board: an STM32F405.
+const MACHINE: &str = "olimex-stm32-h405";
+/// Rate of the firmware's serial link, baud.
+const BAUD: u32 = 115_200;
+/// The emulator gets this long to end by itself.
+const GRACE: Duration = Duration::from_secs(5);
+
+/// Where the firmware runs.
+#[derive(Clone, Debug)]
+pub enum Target {
+    /// In qemu, linked by semihosting calls on two pipes: the fastest way.
+    Emulator {
+        /// The firmware's image, an ELF file.
+        image: PathBuf,
+    },
+    /// In qemu, linked by the emulated serial line.
+    EmulatorSerial {
+        /// The firmware's image, an ELF file.
+        image: PathBuf,
+    },
+    /// On a board.
+    Port {
+        /// The serial port, for instance `/dev/ttyUSB0`.
+        device: String,
+    },
+}
+
+/// A running target.
+pub struct Running {
+    /// Bytes to the firmware; taken first when the target ends.
+    pub to: Option<Box<dyn Write + Send>>,
+    /// Bytes from the firmware; taken by whoever reads them.
+    pub from: Option<Opener>,
+    emulator: Option<Emulator>,
+}
+
+/// Opens the reading end, which may block until the emulator opens its own.
+pub type Opener = Box<dyn FnOnce() -> std::io::Result<Box<dyn Read + Send>> + Send>;
+
+struct Emulator {
+    child: Child,
+    dir: PathBuf,
+}
+
+impl Target {
+    /// Starts it.
+    ///
+    /// # Errors
+    /// What is missing, and what to do about it.
+    pub fn start(&self) -> Result<Running, String> {
+        match self {
+            Self::Emulator { image } => emulate(image, ["to-robot", "from-robot"], &["-serial", "null"]),
+            Self::EmulatorSerial { image } => {
+                // The second serial line of the machine is USART2.
+                let line = ["-chardev", "pipe,id=line,path=line", "-serial", "null", "-serial", "chardev:line"];
+                emulate(image, ["line.in", "line.out"], &line)
+            }
+            Self::Port { device } => open_port(device),
+        }
+    }
+}
+
+impl Running {
+    /// Why the target ended, if it did.
+    pub fn ended(&mut self) -> Option<String> {
+        let status = self.emulator.as_mut()?.child.try_wait().ok()??;
+        Some(format!("the emulator ended: {status}"))
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        // The closed pipe tells the firmware to end.
+        self.to = None;
+        let Some(emulator) = &mut self.emulator else { return };
+        let start = Instant::now();
+        while start.elapsed() < GRACE && matches!(emulator.child.try_wait(), Ok(None)) {
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        // An emulator that has ended already cannot be killed, which is as well.
+        let _ = emulator.child.kill();
+        let _ = emulator.child.wait();
+        let _ = std::fs::remove_dir_all(&emulator.dir);
+    }
+}
+
+fn emulate(image: &Path, [to, from]: [&str; 2], serial: &[&str]) -> Result<Running, String> {
+    let built = "`cargo xtask hil` builds it";
+    let image = image.canonicalize().map_err(|error| format!("{}: {error}; {built}", image.display()))?;
+    let dir = std::env::temp_dir().join(format!("wall-slam-hil-{}", std::process::id()));
+    let failed = |error: std::io::Error| format!("{}: {error}", dir.display());
+    std::fs::create_dir_all(&dir).map_err(failed)?;
+    for name in [to, from] {
+        let made = Command::new("mkfifo").arg(dir.join(name)).status();
+        if !made.is_ok_and(|status| status.success()) {
+            return Err(format!("`mkfifo {}` failed: the emulator is reached through pipes", dir.join(name).display()));
+        }
+    }
+    let mut qemu = Command::new("qemu-system-arm");
+    qemu.current_dir(&dir).args(["-machine", MACHINE, "-display", "none", "-monitor", "none"]).args(serial);
+    qemu.args(["-semihosting-config", "enable=on,target=native", "-kernel"]).arg(&image).stdin(Stdio::null());
+    let child = qemu.spawn().map_err(|error| format!("qemu-system-arm: {error}; `cargo xtask setup` installs it"))?;
+    // Opened for reading too, so that opening does not wait for the emulator.
+    let pipe = OpenOptions::new().read(true).write(true).open(dir.join(to)).map_err(failed)?;
+    let from = dir.join(from);
+    Ok(Running {
+        to: Some(Box::new(pipe)),
+        from: Some(Box::new(move || Ok(Box::new(File::open(from)?)))),
+        emulator: Some(Emulator { child, dir }),
+    })
+}
+
+fn open_port(device: &str) -> Result<Running, String> {
+    let failed = |error: serialport::Error| format!("{device}: {error}; name the port that the board is at");
+    let port = serialport::new(device, BAUD).timeout(Duration::from_secs(3600)).open().map_err(failed)?;
+    let reader = port.try_clone().map_err(failed)?;
+    Ok(Running { to: Some(Box::new(port)), from: Some(Box::new(move || Ok(Box::new(reader)))), emulator: None })
+}
