@@ -85,14 +85,15 @@ function showFigures(run) {
     : "Straight pieces in the finished map.";
   cards.push(
     { id: "walls", name: "Walls", value: whole(f.walls), note: against },
-    { id: "path", name: "Path", value: length(f.path_m), note: "Length driven, by the motion sensors alone." },
-    { id: "duration", name: "Duration", value: clockTime(Math.round(f.duration_s)).replace(/\.\d$/, ""), note: speedNote(f) },
+    { id: "path", name: "Drive", value: length(f.path_m), note: driveNote(f) },
   );
   document.getElementById("accuracy").replaceChildren(...(f.estimate ? truthFigures(f) : []).map(figureCard));
   document.getElementById("figures").replaceChildren(...cards.map(figureCard));
 }
 
-function speedNote({ duration_s: driven, estimator_s: computed }) {
-  if (!(computed > 0) || !(driven > 0)) return "Minutes and seconds from the first sample to the last.";
-  return `Minutes and seconds. The estimator took ${computed < 1 ? `${fixed(1000 * computed, 0)} ms` : `${fixed(computed, 1)} s`}: ${whole(driven / computed)} times faster.`;
+function driveNote({ duration_s: driven, estimator_s: computed }) {
+  const time = `Length by the motion sensors alone, in ${duration(driven)}.`;
+  if (!(computed > 0) || !(driven > 0)) return time;
+  const took = computed < 1 ? `${fixed(1000 * computed, 0)}\u00a0ms` : `${fixed(computed, 1)}\u00a0s`;
+  return `${time} The estimator took ${took}: ${whole(driven / computed)} times faster.`;
 }

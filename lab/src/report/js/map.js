@@ -1,22 +1,5 @@
 // The map: plan, walls, hits, paths, the robot and its beams at the current moment.
 
-const LAYERS = [
-  { id: "plan", label: "True plan", swatch: "band", colour: "plan" },
-  { id: "walls", label: "Estimated walls", swatch: "thick", colour: "wall" },
-  { id: "hits", label: "Hits", swatch: "dot", colour: "used" },
-  { id: "estimate", label: "Estimated path", swatch: "line", colour: "estimate" },
-  { id: "truth", label: "True path", swatch: "dash", colour: "truth" },
-  { id: "odometry", label: "Dead reckoning", swatch: "line", colour: "odometry" },
-  { id: "robot", label: "Robot, beams, 2-sigma ellipse", swatch: "ring", colour: "estimate" },
-];
-
-const OUTCOMES = [
-  { label: "Used for the map", colour: "used" },
-  { label: "Outside the gate", colour: "gated" },
-  { label: "Met no known wall", colour: "unexplained" },
-  { label: "Refused", colour: "refused" },
-];
-
 class MapView {
   constructor(canvas, run, hits, clock) {
     Object.assign(this, { canvas, run, hits, clock });
@@ -62,34 +45,14 @@ class MapView {
     });
   }
 
-  // The classes of hits under the current colouring: label and colour, in the order of `classOf`.
   classes() {
-    if (this.colouring === "outcome") return OUTCOMES;
-    if (this.colouring === "sensor") {
-      return this.run.sensors.map((s, i) => ({ label: s.name, colour: SERIES[i % SERIES.length] }));
-    }
-    if (this.colouring === "time") {
-      const span = (k) => clockTime((this.run.end * k) / AGES.length).replace(/\.\d$/, "");
-      return AGES.map((colour, k) => ({ label: `${span(k)} to ${span(k + 1)}`, colour }));
-    }
-    let most = 0;
-    for (const pass of this.hits.pass) most = Math.max(most, pass);
-    most = Math.min(most, SERIES.length);
-    return Array.from({ length: most }, (_, i) => ({
-      label: i === SERIES.length - 1 ? `Pass ${i + 1} and later` : `Pass ${i + 1}`,
-      colour: SERIES[i],
-    }));
+    return hitClasses(this.colouring, this.run, this.hits);
   }
 
-  // Class of a hit; -1: not shown under this colouring.
-  classOf(h) {
-    if (this.colouring === "outcome") return this.hits.code[h] - USED;
-    if (this.hits.code[h] >= REFUSED) return -1;
-    if (this.colouring === "sensor") return this.hits.sensor[h];
-    if (this.colouring === "time") {
-      return Math.min(AGES.length - 1, Math.floor((AGES.length * this.run.t[this.hits.step[h]]) / (this.run.end || 1)));
-    }
-    return Math.min(this.hits.pass[h], SERIES.length) - 1;
+  // Class of a hit; -1: not shown.
+  shownClass(h) {
+    const kind = hitClass(this.colouring, this.run, this.hits, h);
+    return this.hidden.has(kind) ? -1 : kind;
   }
 
   redrawHits() {
@@ -292,8 +255,8 @@ class MapView {
       let current = -1;
       for (let h = from; h < until; h++) {
         if (hits.code[h] >= REFUSED !== refused) continue;
-        const kind = this.classOf(h);
-        if (kind < 0 || this.hidden.has(kind)) continue;
+        const kind = this.shownClass(h);
+        if (kind < 0) continue;
         if (kind !== current) layer.fillStyle = colours[kind];
         current = kind;
         layer.fillRect(sx + hits.x[h] * view.scale, sy - hits.y[h] * view.scale, size, size);
@@ -329,9 +292,7 @@ class MapView {
     let nearest = (7 / view.scale) ** 2;
     for (let h = 0; h < until; h++) {
       const d = (hits.x[h] - x) ** 2 + (hits.y[h] - y) ** 2;
-      if (d >= nearest) continue;
-      const kind = this.classOf(h);
-      if (kind < 0 || this.hidden.has(kind)) continue;
+      if (d >= nearest || this.shownClass(h) < 0) continue;
       nearest = d;
       best = h;
     }
