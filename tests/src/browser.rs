@@ -19,6 +19,8 @@ const PATIENCE: Duration = Duration::from_secs(120);
 /// A browser that was found on this machine.
 pub struct Browser {
     program: PathBuf,
+    /// Width of its window, CSS pixels; 500 is the least that Chromium takes, and a phone's layout on this page.
+    pub width_px: u32,
 }
 
 /// What became of a page.
@@ -48,7 +50,7 @@ impl Browser {
             // Straight to the stream: the test harness would swallow what a passing test prints.
             let _ = writeln!(io::stderr(), "\n{message}\n");
         }
-        program.map(|program| Self { program })
+        program.map(|program| Self { program, width_px: 1200 })
     }
 
     /// Opens `html` with `hash` behind its address, runs `probe` (the body of an asynchronous function) when it has
@@ -67,7 +69,8 @@ impl Browser {
             .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"])
             .args(["--disable-background-networking", "--disable-component-update", "--disable-sync"])
             .args(["--host-resolver-rules=MAP * ~NOTFOUND", "--proxy-server=127.0.0.1:9", "--enable-logging=stderr"])
-            .args(["--window-size=1200,900", "--virtual-time-budget=60000", "--dump-dom"])
+            .args(["--virtual-time-budget=60000", "--dump-dom"])
+            .arg(format!("--window-size={},900", self.width_px))
             .arg(format!("--user-data-dir={}", dir.join("profile").display()))
             .arg(format!("file://{}#{hash}", page.display()))
             .stdin(Stdio::null())

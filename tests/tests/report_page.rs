@@ -251,6 +251,17 @@ fn odd_recordings_still_make_a_page() {
 }
 
 #[test]
+fn a_phone_shows_all_of_it_without_scrolling_sideways() {
+    let Some(mut browser) = Browser::find() else { return };
+    browser.width_px = 500;
+    let page = lab::report::html(&sample_recording(20.0, 10.0));
+    let visit = browser.visit(&folder("phone"), &page, "", LOOK_AROUND);
+    assert_sound(&visit);
+    assert!(visit.answer["wide"].as_i64().unwrap() <= 0, "{} pixels too wide", visit.answer["wide"]);
+    assert_eq!(visit.answer["unpainted"], 0);
+}
+
+#[test]
 fn the_check_notices_a_broken_page() {
     let Some(browser) = Browser::find() else { return };
     let page = lab::report::html(&sample_recording(5.0, 5.0));
