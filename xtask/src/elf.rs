@@ -22,6 +22,8 @@ pub struct Elf {
     path: PathBuf,
     symbols: Vec<Symbol>,
     text: Vec<(u64, Vec<u8>)>,
+    flash_bytes: u64,
+    static_ram_bytes: u64,
 }
 
 /// A call or jump from one function to another.
@@ -43,7 +45,30 @@ impl Elf {
         symbols.sort_by_key(|symbol| symbol.address);
         let text = file.sections().filter(|section| section.kind() == object::SectionKind::Text);
         let text = text.map(|section| Ok((section.address(), section.data().map_err(|error| bad(&error))?.to_vec())));
-        Ok(Self { path: path.to_owned(), symbols, text: text.collect::<Result<_>>()? })
+        let text = text.collect::<Result<_>>()?;
+        let (mut flash_bytes, mut static_ram_bytes) = (0, 0);
+        for section in file.sections().filter(|section| section.address() >= FLASH_START) {
+            let in_ram = section.address() >= RAM_START;
+            // Initial values of variables lie in flash, too.
+            flash_bytes += if in_ram && !is_loaded(&section) { 0 } else { section.size() };
+            static_ram_bytes += if in_ram { section.size() } else { 0 };
+        }
+        Ok(Self { path: path.to_owned(), symbols, text, flash_bytes, static_ram_bytes })
+    }
+
+    /// Flash that the program takes.
+    pub fn flash_bytes(&self) -> u64 {
+        self.flash_bytes
+    }
+
+    /// RAM of its variables.
+    pub fn static_ram_bytes(&self) -> u64 {
+        self.static_ram_bytes
+    }
+
+    /// All symbols, by address.
+    pub fn symbols(&self) -> &[Symbol] {
+        &self.symbols
     }
 
     /// The symbol with this name.
@@ -95,6 +120,17 @@ impl Elf {
             Some(u16::from_le_bytes([*bytes.get(at)?, *bytes.get(at + 1)?]))
         })
     }
+}
+
+/// Start of the STM32F405's RAM.
+const RAM_START: u64 = 0x2000_0000;
+
+/// Start of its flash; what the debugger reads lies below, at 0.
+const FLASH_START: u64 = 0x0800_0000;
+
+/// Whether it has content in the file; what is zero at the start has none.
+fn is_loaded(section: &object::Section<'_, '_>) -> bool {
+    section.file_range().is_some_and(|(_, size)| size > 0)
 }
 
 fn symbol(symbol: object::Symbol<'_, '_>) -> Symbol {

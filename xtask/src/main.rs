@@ -8,6 +8,7 @@ mod panic_check;
 mod qemu;
 mod run;
 mod setup;
+mod size;
 mod test;
 mod thumb;
 mod timing;
@@ -19,6 +20,7 @@ cargo xtask setup            install what the tests need (asks first, unless the
 cargo xtask test [STEP...]   set up what is missing, then run every step, or only the named ones
 cargo xtask hil [ARG...]     run the firmware in the emulator, in the loop with the simulated home (see `lab hil --help`)
 cargo xtask panic-check      show that slam-core has no panic path on the robot's processor
+cargo xtask size             flash, RAM and stack of the robot's program, against their budgets
 cargo xtask timing           count the instructions of slam-core's routines and compare with docs/timing.csv
 cargo xtask timing --update  write the counts into docs/timing.csv";
 
@@ -29,6 +31,7 @@ fn main() -> ExitCode {
         ["test", steps @ ..] => test::test(steps),
         ["hil", arguments @ ..] => hil::hil(arguments),
         ["panic-check"] => panic_check::panic_check(),
+        ["size"] => size::size(),
         ["timing"] => timing::timing(false),
         ["timing", "--update"] => timing::timing(true),
         [] | ["help" | "--help" | "-h"] => {

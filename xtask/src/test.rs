@@ -4,6 +4,7 @@ use crate::hil;
 use crate::panic_check::panic_check;
 use crate::run::{Result, cargo, run, target_dir};
 use crate::setup;
+use crate::size;
 use crate::thumb::Thumb;
 use crate::timing;
 use std::time::Instant;
@@ -20,6 +21,7 @@ const STEPS: &[Step] = &[
     ("firmware-host", firmware_host),
     ("hil", hil::test),
     ("panic-check", panic_check),
+    ("size", size::size),
     ("timing", || timing::timing(false)),
 ];
 
