@@ -18,6 +18,8 @@ pub struct Outlier {
     pub range_m: f32,
     /// Standard deviation of that, metres.
     pub sigma_m: f32,
+    /// Standard deviation of the hit across the beam, metres: the beam swept on while the reading was made.
+    pub sweep_m: f32,
     /// Variance of the dead-reckoned position then, since the start, each axis, m^2.
     pub position_variance: f32,
     /// Variance of the dead-reckoned heading then, since the start, rad^2.

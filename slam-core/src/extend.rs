@@ -36,6 +36,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             by_factor: self.odometry.by_factor(hit_m),
             range_m: reading.range_m,
             sigma_m: reading.sigma_m(),
+            sweep_m: self.sweep_m(sensor, reading.range_m),
             position_variance: self.odometry.position_variance,
             heading_variance: self.odometry.heading_variance,
         };
@@ -46,6 +47,13 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         if let Some(pending) = self.pending.get_mut(sensor) {
             *pending = true;
         }
+    }
+
+    /// Standard deviation of a hit across its beam from not knowing when an analogue reading was made, metres.
+    fn sweep_m(&self, sensor: usize, range_m: f32) -> f32 {
+        let i = self.last_step.increment;
+        let moved_m = libm::sqrtf(i.forward_m * i.forward_m + i.left_m * i.left_m) + (i.turn_rad * range_m).abs();
+        moved_m * self.timing_share(sensor)
     }
 
     /// Distance between buffered hits of one sensor at which the buffer holds a stretch twice as long as the shortest
@@ -84,12 +92,12 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         }
     }
 
-    /// Long enough, seen under angles that the sensor supports, and not bent around a corner (3 sigma).
+    /// Long enough, seen under angles that the sensor supports, and straight.
     fn is_wall(&self, sensor: usize, line: &FittedLine) -> bool {
         let Some(limits) = self.rig.sensors.get(sensor) else { return false };
         line.length_m() >= SHORTEST_WALL_M
             && line.cos_incidence >= libm::cosf(limits.max_incidence_rad)
-            && line.bend < 3.0
+            && line.is_straight()
     }
 
     fn give_birth(&mut self, members: &Members<B>, line: &FittedLine) -> bool {

@@ -2,6 +2,7 @@
 
 use crate::angle::sin_cos;
 use crate::buffer::Outlier;
+use crate::range::SURFACE_M;
 
 /// Weighted first and second moments of points, about a reference point (so that f32 suffices).
 #[derive(Clone, Copy, Debug)]
@@ -68,12 +69,17 @@ impl Moments {
     }
 }
 
+/// Noise or line (report 3.3): the scatter across is what the measurement noise makes of a straight line, to 2 sigma of
+/// its chi-square distribution.
+fn is_noise_of_line(chi_square: f32, count: u32) -> bool {
+    let freedom = count.saturating_sub(2) as f32;
+    chi_square <= freedom + 2.0 * libm::sqrtf(2.0 * freedom)
+}
+
 impl Scatter {
-    /// Noise or line (report 3.3): the scatter across is what the measurement noise makes of a straight line, to 2 sigma
-    /// of its chi-square distribution.
+    /// Whether the points can be a straight line, before its direction is known: with the noise of each along its beam.
     pub fn is_straight(&self) -> bool {
-        let freedom = self.count.saturating_sub(2) as f32;
-        self.across <= freedom + 2.0 * libm::sqrtf(2.0 * freedom)
+        is_noise_of_line(self.across, self.count)
     }
 }
 
@@ -94,6 +100,8 @@ pub struct FittedLine {
     pub count: u32,
     /// Mean cosine of the beams' incidence.
     pub cos_incidence: f32,
+    /// Chi-square of the residuals, with `count - 2` degrees of freedom.
+    pub chi_square: f32,
     /// How much the points bend away from a straight line, in standard deviations.
     pub bend: f32,
     /// Extent along (-sin, cos) of the normal about the centroid, metres.
@@ -106,11 +114,12 @@ pub struct FittedLine {
     pub heading_variance: f32,
 }
 
+/// Variance of a point along the line's normal, m^2: range noise acts along the beam, the sweep across it.
 fn across_variance(point: &Outlier, normal: [f32; 2]) -> f32 {
     let cos = point.direction[0] * normal[0] + point.direction[1] * normal[1];
-    // A grazing beam would have no noise across the line; a tenth of its range noise stands for what is not modelled.
-    let sigma = point.sigma_m * cos.abs().max(0.1);
-    (sigma * sigma).max(1e-8)
+    let sin = point.direction[1] * normal[0] - point.direction[0] * normal[1];
+    let (range, sweep) = (point.sigma_m * cos, point.sweep_m * sin);
+    range * range + sweep * sweep + SURFACE_M * SURFACE_M
 }
 
 /// Least squares across the line, with each point's noise along its own beam; one Gauss-Newton step from `scatter`.
@@ -155,13 +164,15 @@ pub fn fit<'a>(points: impl Iterator<Item = &'a Outlier> + Clone, scatter: &Scat
     }
     let slope = stn / stt.max(1e-8);
     // The part of t^2 that no straight line explains, against the residuals: a corner within the points bends them.
-    let (mut projection, mut norm) = (0.0f32, 0.0f32);
+    let (mut projection, mut norm, mut chi_square) = (0.0f32, 0.0f32, 0.0f32);
     for p in points {
         let (t, n) = local(p);
         let w = 1.0 / across_variance(p, normal);
         let (t, n) = (t - t0, n - n0);
+        let residual = n - slope * t;
+        chi_square += w * residual * residual;
         let square = t * t - stt * inverse - t * sttt / stt.max(1e-8);
-        projection += w * square * (n - slope * t);
+        projection += w * square * residual;
         norm += w * square * square;
     }
     let normal_rad = scatter.normal_rad + if sign < 0.0 { core::f32::consts::PI } else { 0.0 } - slope;
@@ -175,6 +186,7 @@ pub fn fit<'a>(points: impl Iterator<Item = &'a Outlier> + Clone, scatter: &Scat
         direction_variance: 1.0 / stt.max(1e-8),
         count,
         cos_incidence: facing.abs() * each,
+        chi_square,
         bend: projection.abs() / libm::sqrtf(norm.max(1e-8)),
         lo_m,
         hi_m,
@@ -184,6 +196,11 @@ pub fn fit<'a>(points: impl Iterator<Item = &'a Outlier> + Clone, scatter: &Scat
 }
 
 impl FittedLine {
+    /// Whether the points are a straight line, with the noise of each across it, and not bent around a corner (3 sigma).
+    pub fn is_straight(&self) -> bool {
+        is_noise_of_line(self.chi_square, self.count) && self.bend < 3.0
+    }
+
     /// d(centroid along the normal, direction) by a parameter that shifts each point by `shift`, metres.
     pub fn by_parameter<'a>(
         &self,

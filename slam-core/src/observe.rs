@@ -7,16 +7,12 @@ use crate::config::WallPolicy;
 use crate::ekf::Jacobian;
 use crate::grid::GridDirection;
 use crate::layout::{ALPHA, THETA, X, Y};
-use crate::range::{Noise, Reading, SHARP_HOLD_S};
+use crate::range::{Reading, SHARP_HOLD_S, SURFACE_M};
 use crate::wall::{Direction, Wall};
 use crate::{Outcome, RangeInput, RangeModel, Refusal, Sample, Slam, StepReport};
 
 /// Walls that one beam is held against: beyond its end a wall may go on or not, and at a corner two may.
 const MAX_CANDIDATES: usize = 4;
-
-/// A wall's surface and a sensor's mount are true to this, metres (1-sigma): plaster, wallpaper, screws. It keeps a
-/// sensor that is precise at close range from knowing more than there is to know.
-const SURFACE_M: f32 = 0.003;
 
 /// Readings are used from this share above the minimum range on: under it the curve bends before it folds back, and a
 /// folded reading looks like one just above it.
@@ -100,7 +96,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             let predicted_m = gain * prediction.range_m;
             let innovation = reading.innovation(predicted_m);
             let jacobian = self.jacobian(sensor, gain, &wall, &prediction);
-            let timing = self.timing_variance(reading, &prediction, heading);
+            let timing = self.timing_variance(sensor, &prediction, heading);
             let noise = innovation.noise_m2 + SURFACE_M * SURFACE_M + timing;
             // Where two surfaces are possible, the reading says half as much.
             let noise = if met.inside_m < END_M { 4.0 * noise } else { noise };
@@ -144,18 +140,26 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         }
     }
 
-    /// Variance of an analogue reading from not knowing when it was made: uniform within a sampling period or hold.
-    fn timing_variance(&self, reading: &Reading, prediction: &Prediction, (sin, cos): (f32, f32)) -> f32 {
-        if matches!(reading.noise, Noise::Metres { .. }) || self.dt_s <= 0.0 {
+    /// 1-sigma of the time at which an analogue reading was made, as a share of the last step: uniform within a sampling
+    /// period or hold. Zero for a sensor that reports metres.
+    pub(crate) fn timing_share(&self, sensor: usize) -> f32 {
+        let holds = self.rig.sensors.get(sensor).is_some_and(|s| matches!(s.model, RangeModel::Sharp { .. }));
+        if !holds || self.dt_s <= 0.0 {
             return 0.0;
         }
+        const UNIFORM: f32 = 0.288_675_13; // 1 / sqrt(12)
+        UNIFORM * self.dt_s.min(SHARP_HOLD_S) / self.dt_s
+    }
+
+    /// Variance of a reading from not knowing when it was made, m^2.
+    fn timing_variance(&self, sensor: usize, prediction: &Prediction, (sin, cos): (f32, f32)) -> f32 {
         let i = self.last_step.increment;
         let moved = [cos * i.forward_m - sin * i.left_m, sin * i.forward_m + cos * i.left_m];
         let change_m = prediction.by_position[0] * moved[0]
             + prediction.by_position[1] * moved[1]
             + prediction.by_heading * i.turn_rad;
-        let spread_m = change_m * (self.dt_s.min(SHARP_HOLD_S) / self.dt_s);
-        spread_m * spread_m * (1.0 / 12.0)
+        let spread_m = change_m * self.timing_share(sensor);
+        spread_m * spread_m
     }
 
     /// Row of the measurement Jacobian, at most seven entries.

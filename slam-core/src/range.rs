@@ -7,6 +7,10 @@ pub const SHARP_HOLD_S: f32 = 0.0383;
 /// Longest time for which it may hold one, from the same chart.
 pub const SHARP_HOLD_MAX_S: f32 = 0.0479;
 
+/// A wall's surface and a sensor's mount are true to this, metres (1-sigma): plaster, wallpaper, screws. It keeps a
+/// sensor that is precise at close range from knowing more than there is to know.
+pub const SURFACE_M: f32 = 0.003;
+
 /// A reading that passed the checks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
