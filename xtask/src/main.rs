@@ -2,6 +2,8 @@
 #![forbid(unsafe_code)]
 
 mod apt;
+#[cfg(test)]
+mod documents;
 mod elf;
 mod hil;
 mod panic_check;

@@ -197,7 +197,7 @@ impl WheelEncoders for Encoders {
     }
 }
 
-/// An input that is low when something is touched; a broken wire at the cliff sensor's supply reads as touched.
+/// An input that is low when something is touched.
 pub struct ActiveLow(ExtiInput<'static, Async>);
 
 impl ErrorType for ActiveLow {
