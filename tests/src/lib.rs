@@ -1,7 +1,9 @@
 //! Cross-crate tests live in `tests/`; here is what several of them share.
 
 pub mod browser;
+pub mod frames;
 pub mod real_logs;
 pub mod sample_recording;
+pub mod sanity;
 pub mod simulated;
 pub mod snapshot;
