@@ -8,7 +8,7 @@ use slam_core::{DriveModel, Motion, RangeInput, RangeModel, Sample};
 
 use super::lines::Lines;
 use super::odometry::Differencer;
-use super::{Clock, Row, Rows};
+use super::{Clock, Fault, Row, Rows};
 use crate::error::FileError;
 use crate::recording::{Pose2, wrap};
 use crate::rig_file::{MAX_SENSORS, Robot};
@@ -67,7 +67,7 @@ impl Reader {
     }
 
     /// The row of a scan; none where its time does not increase.
-    fn row(&mut self, line: &str) -> Result<Option<Row>, (String, String)> {
+    fn row(&mut self, line: &str) -> Result<Option<Row>, Fault> {
         let scan = Scan::parse(line)?;
         let Some(time_us) = self.clock.tick(scan.t_s) else { return Ok(None) };
         let mut ranges = [RangeInput::Missing; MAX_SENSORS];
@@ -137,7 +137,7 @@ struct Scan<'a> {
 
 impl<'a> Scan<'a> {
     /// Parses a FLASER line; an error is a field and what is wrong with it.
-    fn parse(line: &'a str) -> Result<Self, (String, String)> {
+    fn parse(line: &'a str) -> Result<Self, Fault> {
         let fields: Vec<&str> = line.split_whitespace().collect();
         let n = fields.get(1).and_then(|field| field.parse::<usize>().ok()).filter(|n| *n > 0);
         let n = n.ok_or_else(|| {
@@ -172,7 +172,7 @@ impl<'a> Scan<'a> {
     }
 
     /// The beam nearest to a bearing.
-    fn beam(&self, bearing_deg: f64, name: &str) -> Result<usize, (String, String)> {
+    fn beam(&self, bearing_deg: f64, name: &str) -> Result<usize, Fault> {
         let beam = ((bearing_deg + 90.0) / self.spacing_deg()).round();
         // The last beam stops one spacing short of +90 degrees: +90 itself is still that beam's.
         if !(-0.0..=self.ranges_m.len() as f64).contains(&beam) {
@@ -188,7 +188,7 @@ impl<'a> Scan<'a> {
     }
 }
 
-fn finite(text: &str, place: &str) -> Result<f64, (String, String)> {
+fn finite(text: &str, place: &str) -> Result<f64, Fault> {
     match text.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
         _ => Err((place.to_owned(), format!("is {text:?}; it must be a finite number"))),

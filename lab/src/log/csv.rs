@@ -4,7 +4,7 @@ use slam_core::{DriveModel, Motion, RangeInput, RangeModel, Sample, Ticks};
 
 use super::lines::Lines;
 use super::odometry::Differencer;
-use super::{Clock, Row, Rows};
+use super::{Clock, Fault, Row, Rows};
 use crate::error::FileError;
 use crate::recording::Pose2;
 use crate::rig_file::{MAX_SENSORS, Robot};
@@ -59,7 +59,7 @@ impl Reader {
         Ok(Self { lines, columns, clock: Clock::default(), differencer: Differencer::default(), failed: false })
     }
 
-    fn row(&mut self, line: &str) -> Result<Row, (String, String)> {
+    fn row(&mut self, line: &str) -> Result<Row, Fault> {
         let cells: Vec<&str> = line.split(',').map(str::trim).collect();
         let columns = &self.columns;
         if cells.len() != columns.count {
@@ -119,7 +119,7 @@ impl Rows for Reader {
 
 impl Columns {
     /// Finds the columns that the robot needs; an error is a column and what is wrong with it.
-    fn find(header: &str, robot: &Robot) -> Result<Self, (String, String)> {
+    fn find(header: &str, robot: &Robot) -> Result<Self, Fault> {
         let names: Vec<&str> = header.split(',').map(str::trim).collect();
         let mut unused: Vec<&str> = names.clone();
         for (i, name) in names.iter().enumerate() {
@@ -182,28 +182,28 @@ fn is_missing(cell: &str) -> bool {
     cell.is_empty() || cell.eq_ignore_ascii_case("nan")
 }
 
-fn bad(cells: &[&str], column: &Column, allowed: &str) -> (String, String) {
+fn bad(cells: &[&str], column: &Column, allowed: &str) -> Fault {
     (column.name.clone(), format!("is {:?}; it must be {allowed}", cells[column.index]))
 }
 
-fn number(cells: &[&str], column: &Column) -> Result<f64, (String, String)> {
+fn number(cells: &[&str], column: &Column) -> Result<f64, Fault> {
     match cells[column.index].parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
         _ => Err(bad(cells, column, "a finite number")),
     }
 }
 
-fn pose_of(cells: &[&str], columns: &[Column; 3]) -> Result<Pose2, (String, String)> {
+fn pose_of(cells: &[&str], columns: &[Column; 3]) -> Result<Pose2, Fault> {
     Ok(Pose2::new(number(cells, &columns[0])?, number(cells, &columns[1])?, number(cells, &columns[2])?))
 }
 
 /// A cumulative count; counters wider than the estimator's wrap like narrower ones.
-fn count(cells: &[&str], column: &Column) -> Result<i32, (String, String)> {
+fn count(cells: &[&str], column: &Column) -> Result<i32, Fault> {
     let count = cells[column.index].parse::<i64>().map_err(|_| bad(cells, column, "a whole number of ticks"))?;
     Ok(count as i32)
 }
 
-fn reading(cells: &[&str], column: &Column, is_counts: bool) -> Result<RangeInput, (String, String)> {
+fn reading(cells: &[&str], column: &Column, is_counts: bool) -> Result<RangeInput, Fault> {
     let cell = cells[column.index];
     if is_missing(cell) {
         return Ok(RangeInput::Missing);

@@ -49,6 +49,9 @@ pub fn open(file: &Path, robot: &mut Robot) -> Result<Box<dyn Rows>, FileError> 
     }
 }
 
+/// A column or field, and what is wrong with it.
+type Fault = (String, String);
+
 /// Microseconds since the log's first row, always increasing.
 #[derive(Debug, Default)]
 struct Clock {
