@@ -174,7 +174,7 @@ fn hil(args: HilArgs) -> Result<(), Box<dyn Error>> {
     let outcome = hil.run(|share| bar.set_position((1000.0 * share) as u64));
     bar.finish_and_clear();
     let outcome = outcome?;
-    let _ = write!(std::io::stdout(), "{outcome}  results in {}\n", hil.out.display());
+    let _ = writeln!(std::io::stdout(), "{outcome}  results in {}", hil.out.display());
     outcome.verdict().map_err(Into::into)
 }
 
