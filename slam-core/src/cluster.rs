@@ -13,6 +13,10 @@ use crate::line_fit::{FittedLine, Moments, fit};
 /// Fewest points of a line: two make any line, and each further one is a test of it.
 const MIN_POINTS: u32 = 5;
 
+/// Points from around a corner that a run may have taken in before it is seen to bend: the first is within a spacing of
+/// the corner, and it takes about two more to stand out of the noise.
+const CORNER_POINTS: usize = 3;
+
 /// Fewest points, one's own included, in a core point's neighbourhood: twice the dimension (Sander et al. 1998).
 const DBSCAN_MIN_POINTS: usize = 4;
 
@@ -56,12 +60,15 @@ pub fn newest_line<const B: usize>(
 }
 
 /// The longest run of the cluster's points, from the anchor backwards, that is straight and has no gap as wide as a
-/// door.
+/// door. Where it ends because it bends, the last few points are left out: they may be from around the corner already,
+/// hidden in the noise, and at its end they would turn the line most.
 fn straight_part<const B: usize>(buffer: &OutlierBuffer<B>, cluster: &Members<B>, anchor: usize) -> Option<Members<B>> {
     let newest = buffer.get(anchor)?;
     let mut members = [false; B];
     let mut moments = Moments::about(newest.hit_m);
     let mut last = newest.hit_m;
+    let mut count = 0;
+    let mut bends = false;
     for (i, (member, &in_cluster)) in members.iter_mut().zip(cluster).enumerate().take(anchor + 1).rev() {
         let Some(point) = buffer.get(i).filter(|_| in_cluster) else { continue };
         let gap = [point.hit_m[0] - last[0], point.hit_m[1] - last[1]];
@@ -71,13 +78,22 @@ fn straight_part<const B: usize>(buffer: &OutlierBuffer<B>, cluster: &Members<B>
         let mut longer = moments;
         longer.add(point);
         if !longer.scatter().is_straight() {
+            bends = true;
             break;
         }
         moments = longer;
         last = point.hit_m;
         *member = true;
+        count += 1;
     }
-    (moments.scatter().count >= MIN_POINTS).then_some(members)
+    if bends {
+        let oldest = members.iter_mut().filter(|member| **member).take(CORNER_POINTS);
+        for member in oldest {
+            *member = false;
+            count -= 1;
+        }
+    }
+    (count >= MIN_POINTS).then_some(members)
 }
 
 fn fit_members<const B: usize>(buffer: &OutlierBuffer<B>, members: &Members<B>) -> Option<FittedLine> {

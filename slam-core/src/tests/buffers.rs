@@ -13,6 +13,7 @@ fn outlier(sensor: u8, x: f32) -> Outlier {
         by_factor: [[0.0; 2]; 3],
         range_m: 1.0,
         sigma_m: 0.01,
+        sweep_m: 0.0,
         position_variance: 0.0,
         heading_variance: 0.0,
     }

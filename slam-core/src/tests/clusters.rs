@@ -105,6 +105,7 @@ fn hit(sensor: u8, at: [f64; 2], direction: [f32; 2]) -> Outlier {
         by_factor: [[0.0; 2]; 3],
         range_m: 1.0,
         sigma_m: 0.01,
+        sweep_m: 0.0,
         position_variance: 0.0,
         heading_variance: 0.0,
     }
@@ -174,7 +175,7 @@ fn a_cluster_around_a_corner_is_split_at_the_corner() {
         for round in 0..660 {
             let buffer = corner(&mut random, 25, 8 + round % 22);
             let Some((members, line)) = newest_line(&buffer, 0, clustering, 0.03) else { continue };
-            if line.bend >= 3.0 || line.length_m() < 0.5 {
+            if !line.is_straight() || line.length_m() < 0.5 {
                 continue;
             }
             found += 1;

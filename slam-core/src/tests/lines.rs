@@ -23,6 +23,7 @@ fn points(random: &mut Random, n: usize, normal_rad: f64, sigma_m: f64) -> Vec<O
                 by_factor: [[0.0; 2]; 3],
                 range_m: 0.8 + 0.01 * i as f32,
                 sigma_m: sigma_m as f32,
+                sweep_m: 0.0,
                 position_variance: 0.0,
                 heading_variance: 0.0,
             }
