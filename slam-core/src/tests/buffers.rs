@@ -2,21 +2,12 @@
 
 use std::vec::Vec;
 
+use super::outliers::OUTLIER;
 use crate::buffer::{Outlier, OutlierBuffer};
 
 /// A point that is told apart by its x.
 fn outlier(sensor: u8, x: f32) -> Outlier {
-    Outlier {
-        sensor,
-        hit_m: [x, 0.0],
-        direction: [1.0, 0.0],
-        by_factor: [[0.0; 2]; 3],
-        range_m: 1.0,
-        sigma_m: 0.01,
-        sweep_m: 0.0,
-        position_variance: 0.0,
-        heading_variance: 0.0,
-    }
+    Outlier { sensor, hit_m: [x, 0.0], ..OUTLIER }
 }
 
 fn filled<const B: usize>(points: usize) -> OutlierBuffer<B> {

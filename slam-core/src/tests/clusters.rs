@@ -3,6 +3,7 @@
 use std::vec;
 use std::vec::Vec;
 
+use super::outliers::OUTLIER;
 use super::random::Random;
 use crate::Clustering;
 use crate::buffer::{Outlier, OutlierBuffer};
@@ -98,17 +99,7 @@ fn dbscan_of_nothing_and_of_too_much() {
 
 /// A hit of a beam that runs along +y or +x into a wall.
 fn hit(sensor: u8, at: [f64; 2], direction: [f32; 2]) -> Outlier {
-    Outlier {
-        sensor,
-        hit_m: at.map(|v| v as f32),
-        direction,
-        by_factor: [[0.0; 2]; 3],
-        range_m: 1.0,
-        sigma_m: 0.01,
-        sweep_m: 0.0,
-        position_variance: 0.0,
-        heading_variance: 0.0,
-    }
+    Outlier { sensor, hit_m: at.map(|v| v as f32), direction, ..OUTLIER }
 }
 
 const UP: [f32; 2] = [0.0, 1.0];

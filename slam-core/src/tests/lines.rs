@@ -2,30 +2,31 @@
 
 use std::vec::Vec;
 
+use super::outliers::OUTLIER;
 use super::random::Random;
 use crate::buffer::Outlier;
 use crate::line_fit::{FittedLine, Moments, Scatter, fit};
+use crate::range::SURFACE_M;
+
+const SURFACE: f64 = SURFACE_M as f64;
 
 /// Points along a line through (0.4, 1.2) whose normal has direction `normal_rad`, each with `sigma_m` along its beam.
-fn points(random: &mut Random, n: usize, normal_rad: f64, sigma_m: f64) -> Vec<Outlier> {
+fn points(random: &mut Random, n: usize, normal_rad: f64, sigma_m: f64, surface_m: f64) -> Vec<Outlier> {
     let (s, c) = normal_rad.sin_cos();
     (0..n)
         .map(|i| {
             let along = 0.04 * (i as f64 - 0.5 * n as f64);
             // Beams fan out by up to 30 degrees on either side of the normal.
             let beam = normal_rad + random.uniform(-0.5, 0.5);
-            let noise = sigma_m * random.gaussian();
-            let on_line = [0.4 - along * s, 1.2 + along * c];
+            // Along the beam the sensor's noise, along the normal the surface's.
+            let (range, surface) = (sigma_m * random.gaussian(), surface_m * random.gaussian());
+            let off = [range * beam.cos() + surface * c, range * beam.sin() + surface * s];
             Outlier {
-                sensor: 0,
-                hit_m: [(on_line[0] + noise * beam.cos()) as f32, (on_line[1] + noise * beam.sin()) as f32],
+                hit_m: [(0.4 - along * s + off[0]) as f32, (1.2 + along * c + off[1]) as f32],
                 direction: [beam.cos() as f32, beam.sin() as f32],
-                by_factor: [[0.0; 2]; 3],
                 range_m: 0.8 + 0.01 * i as f32,
                 sigma_m: sigma_m as f32,
-                sweep_m: 0.0,
-                position_variance: 0.0,
-                heading_variance: 0.0,
+                ..OUTLIER
             }
         })
         .collect()
@@ -53,7 +54,7 @@ fn a_line_with_the_sensor_s_noise_is_straight_and_more_noise_is_not() {
     let mut random = Random::new(1);
     let (mut lines, mut clouds) = (0, 0);
     for round in 0..400 {
-        let mut straight = points(&mut random, 20, 0.01 * f64::from(round), 0.01);
+        let mut straight = points(&mut random, 20, 0.01 * f64::from(round), 0.01, SURFACE);
         lines += usize::from(scatter(&straight).is_straight());
         // Three times the noise that the sensor claims.
         for point in &mut straight {
@@ -73,7 +74,7 @@ fn the_fit_is_as_uncertain_as_it_says() {
     let rounds = 2000;
     for round in 0..rounds {
         let normal_rad = 0.003 * f64::from(round);
-        let line = fitted(&points(&mut random, 24, normal_rad, 0.01));
+        let line = fitted(&points(&mut random, 24, normal_rad, 0.01, SURFACE));
         direction += off(&line, normal_rad).powi(2) / f64::from(line.direction_variance);
         // Distance of the fitted line from the true one at the fitted centroid.
         let (s, c) = normal_rad.sin_cos();
@@ -92,7 +93,7 @@ fn normals_point_away_from_the_robot() {
     let mut random = Random::new(3);
     for step in 0..63 {
         let normal_rad = 0.1 * f64::from(step);
-        let line = fitted(&points(&mut random, 20, normal_rad, 0.005));
+        let line = fitted(&points(&mut random, 20, normal_rad, 0.005, 0.0));
         assert!(off(&line, normal_rad).abs() < 0.05, "{normal_rad}");
         assert!((f64::from(line.normal[0]) - f64::from(line.normal_rad).cos()).abs() < 1e-5);
         assert!((line.length_m() - 0.04 * 19.0).abs() < 0.02);
@@ -106,7 +107,7 @@ fn derivatives_by_a_parameter_are_those_of_fitting_again() {
     for round in 0..100 {
         let normal_rad = 0.0631 * f64::from(round);
         // Points on the line itself: the derivative is exact where nothing bends it.
-        let original = points(&mut random, 20, normal_rad, 1e-5)
+        let original = points(&mut random, 20, normal_rad, 1e-5, 0.0)
             .into_iter()
             .map(|p| Outlier { sigma_m: 0.01, ..p })
             .collect::<Vec<_>>();
