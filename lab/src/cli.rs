@@ -8,7 +8,9 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::doctor::Doctor;
 use crate::hil::{Hil, Target};
+use crate::monitor::Monitor;
 use crate::output::closing;
 use crate::recording::Recording;
 use crate::replay::{Replay, Replayed};
@@ -35,6 +37,10 @@ enum Command {
     Replay(ReplayArgs),
     /// Run the robot's firmware on its processor, emulated or real, in the loop with the simulated home.
     Hil(HilArgs),
+    /// Show what a robot at a serial port says, and record it.
+    Monitor(Monitor),
+    /// Check a robot at a serial port part by part.
+    Doctor(Doctor),
 }
 
 #[derive(Debug, Args)]
@@ -127,6 +133,8 @@ pub fn main() -> ExitCode {
         Some(Command::Replay(args)) => replay(args),
         Some(Command::Run(args)) => run(args),
         Some(Command::Hil(args)) => hil(args),
+        Some(Command::Monitor(monitor)) => monitor.run().map_err(Into::into),
+        Some(Command::Doctor(doctor)) => doctor.run().map_err(Into::into),
         None => run(cli.run),
     };
     match done {

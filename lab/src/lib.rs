@@ -6,11 +6,14 @@
 #![deny(missing_docs)]
 
 pub mod cli;
+pub mod doctor;
 pub mod drive;
 pub mod error;
 pub mod hil;
 pub mod log;
+pub mod monitor;
 pub mod output;
+pub mod port;
 pub mod recording;
 pub mod replay;
 pub mod report;

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use crate::port;
+
 /// The emulated board: an STM32F405.
 const MACHINE: &str = "olimex-stm32-h405";
-/// Rate of the firmware's serial link, baud.
-const BAUD: u32 = 115_200;
 /// The emulator gets this long to end by itself.
 const GRACE: Duration = Duration::from_secs(5);
 
@@ -119,8 +119,6 @@ fn emulate(image: &Path, [to, from]: [&str; 2], serial: &[&str]) -> Result<Runni
 }
 
 fn open_port(device: &str) -> Result<Running, String> {
-    let failed = |error: serialport::Error| format!("{device}: {error}; name the port that the board is at");
-    let port = serialport::new(device, BAUD).timeout(Duration::from_secs(3600)).open().map_err(failed)?;
-    let reader = port.try_clone().map_err(failed)?;
-    Ok(Running { to: Some(Box::new(port)), from: Some(Box::new(move || Ok(Box::new(reader)))), emulator: None })
+    let (from, to) = port::open(device)?;
+    Ok(Running { to: Some(to), from: Some(Box::new(move || Ok(from))), emulator: None })
 }

@@ -38,12 +38,20 @@ impl LineFile {
         writeln!(self.output, "{line}").map_err(|cause| FileError::system(&self.path, "write", &cause))
     }
 
+    /// Hands everything so far to the system.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn flush(&mut self) -> Result<(), FileError> {
+        self.output.flush().map_err(|cause| FileError::system(&self.path, "write", &cause))
+    }
+
     /// Hands everything to the system.
     ///
     /// # Errors
     /// What the system says.
     pub fn close(mut self) -> Result<(), FileError> {
-        self.output.flush().map_err(|cause| FileError::system(&self.path, "write", &cause))
+        self.flush()
     }
 }
 

@@ -1,0 +1,156 @@
+//! The picture of a robot in a terminal.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use wire::{BoardFaults, Calibration, Estimate, Faults, Frame, Sample, Wall};
+
+/// Most walls that are listed.
+const LISTED: usize = 24;
+
+/// What the robot said last.
+#[derive(Clone, Debug, Default)]
+pub struct View {
+    sample: Option<Sample>,
+    estimate: Option<Estimate>,
+    walls: BTreeMap<u8, Wall>,
+    calibration: Option<Calibration>,
+    faults: Option<Faults>,
+    samples: u64,
+    /// Frames that arrived damaged.
+    pub damaged: u32,
+}
+
+impl View {
+    /// Takes a frame into the picture.
+    pub fn take(&mut self, frame: Frame) {
+        match frame {
+            Frame::Sample(sample) => {
+                self.samples += 1;
+                self.sample = Some(sample);
+            }
+            Frame::Estimate(estimate) => {
+                self.walls.retain(|index, _| *index < estimate.walls);
+                self.estimate = Some(estimate);
+            }
+            Frame::Wall(wall) => {
+                self.walls.insert(wall.index, wall);
+            }
+            Frame::Calibration(calibration) => self.calibration = Some(calibration),
+            Frame::Faults(faults) => self.faults = Some(faults),
+            Frame::Motors(_) | Frame::Command(_) => {}
+        }
+    }
+
+    /// The robot's time, microseconds.
+    pub fn time_us(&self) -> u64 {
+        self.estimate.map_or(0, |estimate| estimate.time_us)
+    }
+}
+
+impl fmt::Display for View {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(estimate) = self.estimate else { return writeln!(f, "nothing heard yet") };
+        let [x, y, theta] = estimate.pose;
+        let [xx, _, _, yy, _, tt] = estimate.covariance;
+        let (position_cm, heading_deg) = (100.0 * xx.max(yy).max(0.0).sqrt(), tt.max(0.0).sqrt().to_degrees());
+        writeln!(
+            f,
+            "{:8.1} s   {} samples, {} damaged frames",
+            self.time_us() as f64 * 1e-6,
+            self.samples,
+            self.damaged
+        )?;
+        writeln!(f, "pose      x {x:.3} m   y {y:.3} m   heading {:.1} deg", theta.to_degrees())?;
+        writeln!(f, "sigma     {position_cm:.1} cm   {heading_deg:.2} deg")?;
+        match estimate.alpha {
+            Some([alpha, sigma]) => {
+                writeln!(f, "grid      {:.2} deg, sigma {:.2} deg", alpha.to_degrees(), sigma.to_degrees())?;
+            }
+            None => writeln!(f, "grid      none yet")?,
+        }
+        self.write_sample(f)?;
+        self.write_faults(f)?;
+        self.write_calibration(f)?;
+        self.write_walls(f, estimate.walls)
+    }
+}
+
+impl View {
+    fn write_sample(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(sample) = &self.sample else { return Ok(()) };
+        write!(f, "counts   ")?;
+        for counts in &sample.counts {
+            match counts {
+                Some(counts) => write!(f, " {counts:>5}")?,
+                None => write!(f, "     -")?,
+            }
+        }
+        let touched = sample.contacts;
+        let names = [(touched.bump_left, "left"), (touched.bump_right, "right"), (touched.cliff, "cliff")];
+        let touched: Vec<&str> = names.iter().filter(|(on, _)| *on).map(|(_, name)| *name).collect();
+        writeln!(f, "\nticks     {} {}   touched: {}", sample.left_ticks, sample.right_ticks, touched.join(" "))
+    }
+
+    fn write_faults(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(Faults { slam, board }) = self.faults else { return Ok(()) };
+        writeln!(
+            f,
+            "estimator {} steps, {} updates, {} births, {} merges, {} removed, {} refused, {} map full",
+            slam.steps,
+            slam.updates,
+            slam.births,
+            slam.merges,
+            slam.prunes,
+            slam.refused.iter().sum::<u32>(),
+            slam.map_full
+        )?;
+        let counts = named(&board);
+        let counted: Vec<String> =
+            counts.iter().filter(|(_, count)| *count > 0).map(|(name, count)| format!("{name} {count}")).collect();
+        let counted = if counted.is_empty() { "none".to_owned() } else { counted.join(", ") };
+        writeln!(f, "faults    {counted}   (stack {} bytes)", board.stack_used_bytes)
+    }
+
+    fn write_calibration(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(calibration) = &self.calibration else { return Ok(()) };
+        write!(f, "factors  ")?;
+        for factor in &calibration.factors {
+            write!(f, " {:?} {:.4}", factor.parameter, factor.estimate)?;
+        }
+        writeln!(f)
+    }
+
+    fn write_walls(&self, f: &mut fmt::Formatter<'_>, count: u8) -> fmt::Result {
+        writeln!(f, "walls     {count}")?;
+        for wall in self.walls.values().take(LISTED) {
+            writeln!(
+                f,
+                "  {:>4} {:<8} rho {:>7.3} m +- {:>4.1} cm   beta {:>7.1} deg   from {:>6.2} to {:>6.2} m",
+                wall.id,
+                format!("{:?}", wall.kind).to_lowercase(),
+                wall.rho_m,
+                100.0 * wall.sigma_rho_m,
+                wall.beta_rad.to_degrees(),
+                wall.lo_m,
+                wall.hi_m
+            )?;
+        }
+        Ok(())
+    }
+}
+
+fn named(board: &BoardFaults) -> [(&'static str, u32); 10] {
+    [
+        ("ranges failed", board.ranges_failed),
+        ("encoders failed", board.encoders_failed),
+        ("motors failed", board.motors_failed),
+        ("samples dropped", board.samples_dropped),
+        ("frames dropped", board.frames_dropped),
+        ("commands dropped", board.commands_dropped),
+        ("bytes lost", board.bytes_lost),
+        ("contact stops", board.contact_stops),
+        ("watchdog resets", board.watchdog_resets),
+        ("late tasks", board.late_tasks),
+    ]
+}
