@@ -14,10 +14,15 @@ pub fn available() -> bool {
     on_path("apt-get") && on_path("dpkg")
 }
 
+/// Asks the mirror once what there is.
+pub fn refresh() -> Result {
+    static REFRESHED: OnceLock<Result> = OnceLock::new();
+    REFRESHED.get_or_init(update).clone()
+}
+
 /// Installs packages, `suite` naming another than the default one.
 pub fn install(packages: &[&str], suite: Option<&str>) -> Result {
-    static UPDATED: OnceLock<Result> = OnceLock::new();
-    UPDATED.get_or_init(update).clone()?;
+    refresh()?;
     let mut command = apt_get();
     command.args(["install", "--yes", "--no-install-recommends"]);
     if let Some(suite) = suite {

@@ -115,6 +115,7 @@ fn install_qemu() -> Result {
     if !apt::available() {
         return Err("there is no apt-get here".into());
     }
+    apt::refresh()?;
     let new_enough = apt::candidate("qemu-system-arm").and_then(|version| package_major(&version));
     if new_enough.is_some_and(|major| major >= OLDEST_QEMU) {
         return install_packages(&["qemu-system-arm"], None);
