@@ -96,11 +96,15 @@ fn a_held_reading_is_used_once() {
 
 #[test]
 fn under_the_minimum_range_the_output_folds_back() {
-    // Towards a wall at 3.6 cm a sample, from 0.45 m: the last steps lie under the minimum, where the curve falls again.
-    let ranges_m = [0.45, 0.414, 0.378, 0.342, 0.306, 0.27, 0.234, 0.198, 0.162, 0.24, 0.31, 0.4, 0.5];
-    let counts = ranges_m.map(counts_of);
-    let counters = run(script(&counts), front(), 100_000, 81, 13);
-    assert_eq!(refused(&counters), [(Refusal::FoldBack, 4)]);
+    // Towards a wall at 3.6 cm a sample, from 0.45 m; then under the minimum, where the curve falls again. After the jump
+    // the folded readings grow no faster than the robot could drive away, and are still not believed.
+    let ranges_m = [0.45, 0.414, 0.378, 0.342, 0.306, 0.27, 0.234, 0.198, 0.162, 0.24, 0.245, 0.25, 0.255, 0.26];
+    let counters = run(script(&ranges_m.map(counts_of)), front(), 100_000, 81, 14);
+    assert_eq!(refused(&counters), [(Refusal::FoldBack, 5)]);
+    // Back at the minimum it comes out of the fold.
+    let back_m = [ranges_m.as_slice(), &[0.157, 0.19, 0.22]].concat();
+    let counts: Vec<u16> = back_m.iter().map(|m| counts_of(*m)).collect();
+    assert_eq!(refused(&run(script(&counts), front(), 100_000, 81, 17)), [(Refusal::FoldBack, 5)]);
 }
 
 #[test]
