@@ -97,6 +97,14 @@ fn dbscan_of_nothing_and_of_too_much() {
     assert_eq!(dbscan::<4>(&bad, 1.0, 2), [NOISE, 0, 0, NOISE]);
 }
 
+#[test]
+fn dbscan_has_a_label_for_every_point_of_the_largest_buffer() {
+    let points: Vec<[f32; 2]> = (0..255).map(|i| [i as f32, 0.0]).collect();
+    let labels = dbscan::<255>(&points, 0.5, 1);
+    assert!(labels.iter().enumerate().all(|(i, l)| usize::from(*l) == i));
+    assert!(dbscan::<255>(&points, 1.0, 1).iter().all(|l| *l == 0));
+}
+
 /// A hit of a beam that runs along +y or +x into a wall.
 fn hit(sensor: u8, at: [f64; 2], direction: [f32; 2]) -> Outlier {
     Outlier { sensor, hit_m: at.map(|v| v as f32), direction, ..OUTLIER }

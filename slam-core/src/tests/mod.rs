@@ -8,6 +8,7 @@ mod buffers;
 mod clusters;
 mod covariances;
 mod filter;
+mod grids;
 mod jacobians;
 mod lines;
 mod motions;

@@ -1,0 +1,107 @@
+//! Founding the grid, and which walls it takes in.
+
+use core::f32::consts::FRAC_PI_2;
+
+use crate::angle::wrap;
+use crate::config::WallPolicy;
+use crate::covariance::blocks;
+use crate::ekf::{Ekf, Jacobian};
+use crate::grid::{GridDirection, decide, upkeep};
+use crate::layout::{ALPHA, THETA};
+use crate::map::Map;
+use crate::wall::{Direction, WallKind};
+
+type Filter = Ekf<3, { blocks(3) }>;
+
+const DEGREE: f32 = core::f32::consts::PI / 180.0;
+
+/// Free walls of 1.2 m with these directions, each known to 0.3 degrees relative to a heading known to 3.
+fn home(directions_deg: &[f32]) -> (Filter, Map<8>) {
+    let (mut ekf, mut map) = (Filter::EMPTY, Map::default());
+    for i in 0..4 {
+        ekf.augment(0.0, &Jacobian::new(), if i == THETA { 9.0 * DEGREE * DEGREE } else { 0.0 });
+    }
+    for direction_deg in directions_deg {
+        let rho = ekf.augment(1.0, &Jacobian::new(), 1e-4).unwrap();
+        let mut jacobian = Jacobian::new();
+        jacobian.push((THETA, 1.0)).unwrap();
+        let theta = ekf.augment(direction_deg * DEGREE, &jacobian, 0.09 * DEGREE * DEGREE).unwrap();
+        map.add(rho, Direction::Free(theta), (-0.6, 0.6), 30, 0.0);
+    }
+    (ekf, map)
+}
+
+fn kinds(map: &Map<8>) -> std::vec::Vec<WallKind> {
+    map.walls().iter().map(|wall| wall.kind()).collect()
+}
+
+#[test]
+fn one_wall_alone_founds_no_grid() {
+    for directions in [&[][..], &[10.0], &[10.0, 55.0]] {
+        let (mut ekf, mut map) = home(directions);
+        let mut has_grid = false;
+        for turn in 0..20 {
+            upkeep(&mut map, &mut ekf, &mut has_grid, WallPolicy::Grid, turn);
+        }
+        assert!(!has_grid, "{directions:?}");
+        assert_eq!(ekf.covariance(ALPHA, ALPHA), 0.0);
+        assert!(kinds(&map).iter().all(|kind| *kind == WallKind::Free));
+    }
+}
+
+#[test]
+fn walls_that_agree_found_the_grid_and_stand_on_it() {
+    let directions = [10.3, 100.0, -80.1, 55.0];
+    let (mut ekf, mut map) = home(&directions);
+    let (states, mut has_grid) = (ekf.len(), false);
+    for turn in 0..20 {
+        upkeep(&mut map, &mut ekf, &mut has_grid, WallPolicy::Grid, turn);
+    }
+    assert!(has_grid);
+    assert_eq!(
+        kinds(&map),
+        [WallKind::Grid, WallKind::Grid, WallKind::Grid, WallKind::Free],
+        "the last is a sofa set askew"
+    );
+    assert_eq!(ekf.len(), states - 3, "the directions that the grid gives are states no more");
+    let grid = GridDirection::of(&ekf);
+    for (wall, direction) in map.walls().iter().zip(directions) {
+        let beta = wall.line(&ekf, &grid).beta_rad;
+        assert!(wrap(beta - direction * DEGREE).abs() < 0.4 * DEGREE, "{beta} of {direction}");
+    }
+    // Alpha is the mean of what the three say, as sure of the heading as they are together.
+    assert!((grid.alpha_rad / DEGREE - 10.07).abs() < 0.1, "{} degrees", grid.alpha_rad / DEGREE);
+    let relative = ekf.covariance(ALPHA, ALPHA) + ekf.covariance(THETA, THETA) - 2.0 * ekf.covariance(ALPHA, THETA);
+    let sigma_deg = relative.sqrt() / DEGREE;
+    assert!((sigma_deg - 0.3 / 3.0f32.sqrt()).abs() < 0.03, "{sigma_deg} degrees");
+}
+
+#[test]
+fn snapped_walls_keep_their_direction_state_and_free_ones_know_no_grid() {
+    for (policy, kind, grid) in [
+        (WallPolicy::Snapped { theta_moves: false }, WallKind::Snapped, true),
+        (WallPolicy::Free, WallKind::Free, false),
+    ] {
+        let (mut ekf, mut map) = home(&[10.0, 100.0, 190.0]);
+        let (states, mut has_grid) = (ekf.len(), false);
+        for turn in 0..20 {
+            upkeep(&mut map, &mut ekf, &mut has_grid, policy, turn);
+        }
+        assert_eq!(has_grid, grid);
+        assert_eq!(ekf.len(), states);
+        assert!(kinds(&map).iter().all(|k| *k == kind), "{policy:?}");
+    }
+}
+
+#[test]
+fn a_direction_is_on_the_grid_off_it_or_not_clear_yet() {
+    let sigma = 0.5 * DEGREE;
+    assert_eq!(decide(0.0, sigma * sigma), Some(true));
+    assert_eq!(decide(0.3 * DEGREE, sigma * sigma), Some(true));
+    assert_eq!(decide(10.0 * DEGREE, sigma * sigma), Some(false));
+    assert_eq!(decide(-FRAC_PI_2 / 2.0, sigma * sigma), Some(false));
+    // Between the two, and where next to nothing is known.
+    let unclear = (0..100).map(|i| 0.1 * i as f32 * DEGREE).filter(|off| decide(*off, sigma * sigma).is_none()).count();
+    assert!((1..30).contains(&unclear), "{unclear} tenths of a degree");
+    assert_eq!(decide(10.0 * DEGREE, 400.0 * DEGREE * DEGREE), None);
+}
