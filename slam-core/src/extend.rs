@@ -14,6 +14,9 @@ use crate::{Slam, StepReport};
 /// twice.
 const SHORTEST_WALL_M: f32 = 0.25;
 
+/// Clusterings per second, at most: one in each step of 25 Hz.
+const CLUSTERINGS_PER_S: f32 = 25.0;
+
 impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOCKS: usize> Slam<S, W, B, NB, BLOCKS> {
     /// Puts a reading that fits no wall into the ring buffer, unless the sensor's last one ended at the same place.
     pub(crate) fn keep_outlier(&mut self, sensor: usize, reading: &Reading) {
@@ -62,34 +65,51 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         2.0 * SHORTEST_WALL_M * self.rig.sensors.len() as f32 / B as f32
     }
 
-    /// Finds at most one new wall among the outliers (report 3.3), and keeps the map tidy.
+    /// Finds new walls among the outliers (report 3.3), and keeps the map tidy.
     pub(crate) fn extend_map(&mut self, report: &mut StepReport<S>) {
-        if let Some(sensor) = self.pending.iter().position(|p| *p) {
-            if let Some(pending) = self.pending.get_mut(sensor) {
-                *pending = false;
-            }
+        // Clustering is the longest work of a step: one sensor's a step at 25 Hz, more where there is more time.
+        let turns = (libm::ceilf(self.dt_s * CLUSTERINGS_PER_S) as usize).clamp(1, S.max(1));
+        for _ in 0..turns {
+            let Some(sensor) = self.next_pending() else { break };
             let found = newest_line(&self.buffer, sensor as u8, self.config.clustering, self.spacing_m());
             if let Some((members, line)) = found
                 && self.is_wall(sensor, &line)
                 && self.give_birth(&members, &line)
             {
-                report.births += 1;
+                report.births = report.births.saturating_add(1);
                 self.counters.births = self.counters.births.saturating_add(1);
+                self.merge(self.map.walls().len().saturating_sub(1), true, report);
             }
         }
         grid::upkeep(&mut self.map, &mut self.ekf, &mut self.has_grid, self.config.walls, self.counters.steps as usize);
-        let walls = self.map.walls().len();
         // One wall a step is held against all others.
-        let turn =
-            if report.births > 0 { walls.saturating_sub(1) } else { self.counters.steps as usize % walls.max(1) };
-        if self.map.merge(&mut self.ekf, turn, report.births > 0) {
-            report.merges += 1;
-            self.counters.merges = self.counters.merges.saturating_add(1);
-        }
+        let turn = self.counters.steps as usize % self.map.walls().len().max(1);
+        self.merge(turn, false, report);
         if self.map.prune(&mut self.ekf, self.odometry.path_m) {
             report.prunes += 1;
             self.counters.prunes = self.counters.prunes.saturating_add(1);
         }
+    }
+
+    fn merge(&mut self, wall: usize, newborn: bool, report: &mut StepReport<S>) {
+        if self.map.merge(&mut self.ekf, wall, newborn) {
+            report.merges = report.merges.saturating_add(1);
+            self.counters.merges = self.counters.merges.saturating_add(1);
+        }
+    }
+
+    /// The next sensor in turn with a buffered point that has not been clustered yet.
+    fn next_pending(&mut self) -> Option<usize> {
+        let sensors = self.pending.len();
+        for offset in 1..=sensors {
+            let sensor = (self.last_clustered + offset) % sensors.max(1);
+            if let Some(pending) = self.pending.get_mut(sensor).filter(|pending| **pending) {
+                *pending = false;
+                self.last_clustered = sensor;
+                return Some(sensor);
+            }
+        }
+        None
     }
 
     /// Long enough, seen under angles that the sensor supports, and straight.

@@ -39,6 +39,8 @@ pub struct Slam<const S: usize, const W: usize, const B: usize, const NB: usize,
     pub(crate) buffer: OutlierBuffer<B>,
     /// Sensors with a buffered point that has not been clustered yet.
     pub(crate) pending: [bool; S],
+    /// The sensor whose points were clustered last.
+    pub(crate) last_clustered: usize,
     pub(crate) counters: Counters,
 }
 
@@ -78,6 +80,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         map: Map::EMPTY,
         buffer: OutlierBuffer::EMPTY,
         pending: [false; S],
+        last_clustered: 0,
         counters: Counters::ZERO,
     };
 
