@@ -2,9 +2,10 @@
 
 use core::f32::consts::{FRAC_PI_2, PI};
 
-/// The angle in (-pi, pi] that equals `angle_rad` modulo a full turn. Not finite in, zero out.
+/// The angle in (-pi, pi] that equals `angle_rad` modulo a full turn. Zero for what is no angle: not finite, or so large
+/// (a million radians) that f32 no longer resolves a turn.
 pub fn wrap(angle_rad: f32) -> f32 {
-    if !angle_rad.is_finite() {
+    if angle_rad.is_nan() || angle_rad.abs() > 1e6 {
         return 0.0;
     }
     let turns = libm::roundf(angle_rad * (0.5 / PI));

@@ -46,9 +46,13 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
                 Ok(outcome) => outcome,
                 Err(refusal) => self.refuse(refusal),
             };
-            if matches!(report.outcome, Outcome::Unexplained | Outcome::Gated { .. }) {
-                self.keep_outlier(i, &reading);
-            }
+            let count = match report.outcome {
+                Outcome::Unexplained => &mut self.counters.unexplained,
+                Outcome::Gated { .. } => &mut self.counters.gated,
+                _ => continue,
+            };
+            *count = count.saturating_add(1);
+            self.keep_outlier(i, &reading);
         }
     }
 

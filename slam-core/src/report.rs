@@ -16,12 +16,8 @@ pub enum Refusal {
     Held,
     /// Under the minimum range, folded back to a longer one.
     FoldBack,
-    /// A jump that no motion explains.
-    Spike,
     /// Meets a wall at an angle the sensor does not support.
     Incidence,
-    /// Outside the gate of the wall that the beam meets first.
-    Gated,
     /// Two walls explain it equally well.
     Ambiguous,
     /// The innovation variance is not a positive number.
@@ -30,7 +26,7 @@ pub enum Refusal {
 
 impl Refusal {
     /// Number of reasons.
-    pub const COUNT: usize = 11;
+    pub const COUNT: usize = 9;
 
     /// Every reason, in the order of [`Counters::refused`].
     pub const ALL: [Refusal; Self::COUNT] = [
@@ -40,9 +36,7 @@ impl Refusal {
         Self::Floor,
         Self::Held,
         Self::FoldBack,
-        Self::Spike,
         Self::Incidence,
-        Self::Gated,
         Self::Ambiguous,
         Self::Degenerate,
     ];
@@ -109,6 +103,8 @@ impl Counters {
     pub const ZERO: Self = Self {
         steps: 0,
         updates: 0,
+        gated: 0,
+        unexplained: 0,
         refused: [0; Refusal::COUNT],
         buffered: 0,
         overwritten: 0,
@@ -130,7 +126,11 @@ pub struct Counters {
     pub updates: u32,
     /// Readings refused, by reason, in the order of [`Refusal::ALL`].
     pub refused: [u32; Refusal::COUNT],
-    /// Readings put into the outlier buffer.
+    /// Readings outside the gate of the wall that they should have met.
+    pub gated: u32,
+    /// Readings that met no wall. With the updates, the refused and the gated ones these are all readings of all steps.
+    pub unexplained: u32,
+    /// Readings put into the outlier buffer: those gated or unexplained that moved on since their sensor's last one.
     pub buffered: u32,
     /// Buffered readings overwritten by newer ones before they became a wall.
     pub overwritten: u32,

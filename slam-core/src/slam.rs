@@ -150,26 +150,28 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         let first = self.time_us.is_none();
         let elapsed_us = sample.time_us - self.time_us.replace(sample.time_us).unwrap_or(sample.time_us);
         self.dt_s = elapsed_us as f32 * 1e-6;
-        self.last_step = Step::default();
         let travel = self.encoders.travel(&self.rig.drive, &sample.motion, self.dt_s);
-        let Some(travel) = travel else {
-            self.counters.bad_motion = self.counters.bad_motion.saturating_add(1);
-            return;
-        };
         if first {
             return;
         }
         let factors = self.factors();
-        let step = motion::step(&self.rig.drive, &travel, &factors);
+        let step = match &travel {
+            Some(travel) => motion::step(&self.rig.drive, travel, &factors),
+            None => {
+                self.counters.bad_motion = self.counters.bad_motion.saturating_add(1);
+                self.last_step.lost()
+            }
+        };
         let heading = sin_cos(self.ekf.mean(THETA));
         let (jacobian, noise) = step.in_map(heading, &factors);
         let pose = step.applied_to(&self.pose());
         self.ekf.predict([pose.x_m, pose.y_m, pose.theta_rad], &jacobian, &noise);
         self.odometry.advance(&step);
+        self.last_step = step;
+        let Some(travel) = travel else { return };
         let known = Factor { value: 1.0, state: None };
         let nominal = motion::step(&self.rig.drive, &travel, &Factors { first: known, second: known, track: known });
         self.nominal = nominal.applied_to(&self.nominal);
-        self.last_step = step;
     }
 
     fn factors(&self) -> Factors {

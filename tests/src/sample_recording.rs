@@ -199,7 +199,7 @@ fn reading(
     *extent = [extent[0].min(along), extent[1].max(along)];
     let (innovation_m, variance_m2) = (innovation as f32, (sigma * sigma) as f32);
     let outcome = match (known, draw) {
-        (_, d) if d > 0.97 => Outcome::Refused(Refusal::Spike),
+        (_, d) if d > 0.97 => Outcome::Refused(Refusal::Held),
         (false, _) => Outcome::Unexplained,
         (true, _) if innovation.abs() > 3.29 * sigma => Outcome::Gated { wall: wall as u16, innovation_m, variance_m2 },
         (true, _) => Outcome::Updated { wall: wall as u16, innovation_m, variance_m2 },

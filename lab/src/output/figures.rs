@@ -115,9 +115,7 @@ pub fn refusal_name(refusal: Refusal) -> &'static str {
         Refusal::Floor => "floor",
         Refusal::Held => "held",
         Refusal::FoldBack => "fold_back",
-        Refusal::Spike => "spike",
         Refusal::Incidence => "incidence",
-        Refusal::Gated => "gated",
         Refusal::Ambiguous => "ambiguous",
         Refusal::Degenerate => "degenerate",
     }

@@ -144,9 +144,7 @@ fn refusal_text(reason: Refusal) -> &'static str {
         Refusal::Floor => "sees nothing",
         Refusal::Held => "held from before",
         Refusal::FoldBack => "folded back",
-        Refusal::Spike => "spike",
         Refusal::Incidence => "too slanting",
-        Refusal::Gated => "outside the gate",
         Refusal::Ambiguous => "ambiguous",
         Refusal::Degenerate => "no variance",
     }
