@@ -140,5 +140,6 @@ fn speed() {
         size_of::<RobotSlam>(),
         size_of::<HostSlam>()
     );
-    println!("`cargo bench --package lab` measures a step at 10, 20, 30 and 40 walls.");
+    println!("`cargo bench --package lab` measures a step at 10, 20, 30 and 40 walls.\n");
+    println!("On the robot's own processor: [on-target.md](on-target.md).");
 }

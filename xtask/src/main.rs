@@ -5,6 +5,7 @@ mod apt;
 #[cfg(test)]
 mod documents;
 mod elf;
+mod figures;
 mod hil;
 mod panic_check;
 mod qemu;
@@ -24,7 +25,8 @@ cargo xtask hil [ARG...]     run the firmware in the emulator, in the loop with 
 cargo xtask panic-check      show that slam-core has no panic path on the robot's processor
 cargo xtask size             flash, RAM and stack of the robot's program, against their budgets
 cargo xtask timing           count the instructions of slam-core's routines and compare with docs/timing.csv
-cargo xtask timing --update  write the counts into docs/timing.csv";
+cargo xtask timing --update  write the counts into docs/timing.csv
+cargo xtask figures          write docs/on-target.md: size, timing and the drive in the loop";
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
@@ -33,6 +35,7 @@ fn main() -> ExitCode {
         ["test", steps @ ..] => test::test(steps),
         ["hil", arguments @ ..] => hil::hil(arguments),
         ["panic-check"] => panic_check::panic_check(),
+        ["figures"] => figures::figures(),
         ["size"] => size::size(),
         ["timing"] => timing::timing(false),
         ["timing", "--update"] => timing::timing(true),

@@ -13,29 +13,52 @@ const RAM_BUDGET: u64 = 64 * 1024;
 /// Largest symbols that are printed.
 const SYMBOLS: usize = 15;
 /// Where a drive in the loop leaves its figures.
-const DRIVE: &str = "target/hil/semihosting";
+pub const DRIVE: &str = "target/hil/semihosting";
+
+/// What the program takes, bytes.
+#[derive(Clone, Copy, Debug)]
+pub struct Sizes {
+    /// Flash of the shipped build.
+    pub flash: u64,
+    /// Variables of the shipped build.
+    pub statics: u64,
+    /// Deepest stack of a drive in the loop.
+    pub stack: u64,
+}
 
 /// Prints the tables; fails over budget.
 pub fn size() -> Result {
-    let shipped = build()?;
-    let stack = drive()?;
-    let flash = shipped.flash_bytes();
-    let statics = shipped.static_ram_bytes();
+    let (sizes, shipped) = measure()?;
     print_crates(&shipped);
     print_largest(&shipped, "flash", |symbol| symbol.is_function);
     print_largest(&shipped, "static RAM", |symbol| !symbol.is_function && symbol.address >= RAM_START);
-    println!("{:<24}{flash:>10} bytes   budget {FLASH_BUDGET}", "flash");
-    println!("{:<24}{statics:>10} bytes", "static RAM");
-    println!("{:<24}{stack:>10} bytes   the most in a three-minute drive of the loop build", "stack");
-    println!("{:<24}{:>10} bytes   budget {RAM_BUDGET}", "RAM with stack", statics + stack);
-    let mut over = Vec::new();
-    if flash > FLASH_BUDGET {
-        over.push(format!("flash: {flash} bytes, at most {FLASH_BUDGET}"));
+    let rows = sizes.rows();
+    for (name, bytes, budget) in rows {
+        let budget = budget.map(|budget| format!("budget {budget}")).unwrap_or_default();
+        println!("{name:<24}{bytes:>10} bytes   {budget}");
     }
-    if statics + stack > RAM_BUDGET {
-        over.push(format!("RAM with stack: {} bytes, at most {RAM_BUDGET}", statics + stack));
-    }
+    let over = rows.into_iter().filter(|(_, bytes, budget)| budget.is_some_and(|budget| *bytes > budget));
+    let over: Vec<String> = over.map(|(name, bytes, _)| format!("{name}: {bytes} bytes")).collect();
     if over.is_empty() { Ok(()) } else { Err(format!("over budget: {}", over.join("; "))) }
+}
+
+/// Builds the robot's program and drives its loop build.
+pub fn measure() -> Result<(Sizes, Elf)> {
+    let shipped = build()?;
+    let sizes = Sizes { flash: shipped.flash_bytes(), statics: shipped.static_ram_bytes(), stack: drive()? };
+    Ok((sizes, shipped))
+}
+
+impl Sizes {
+    /// Name, bytes and budget of each figure.
+    pub fn rows(&self) -> [(&'static str, u64, Option<u64>); 4] {
+        [
+            ("flash", self.flash, Some(FLASH_BUDGET)),
+            ("static RAM", self.statics, None),
+            ("stack", self.stack, None),
+            ("RAM with stack", self.statics + self.stack, Some(RAM_BUDGET)),
+        ]
+    }
 }
 
 /// Start of the STM32F405's RAM.
