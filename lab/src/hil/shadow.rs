@@ -75,3 +75,60 @@ impl Shadow {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wire::{BoardFaults, SlamFaults};
+
+    /// What a firmware that works says to two samples; `change` may falsify it.
+    fn outcome(change: impl Fn(&mut Answer)) -> Outcome {
+        let mut shadow = Shadow::new().unwrap();
+        let mut target = RobotSlam::new(default_rig(), Config::default()).unwrap();
+        for step in 1..=2_u64 {
+            let counts = (0..8).map(|i| Some(1000 + 7 * i + step as u16)).collect();
+            let sample = Sample { time_us: step * 40_000, counts, ..Sample::default() };
+            target.step(&sample.to_slam());
+            let board = BoardFaults::default();
+            let mut answer = Answer {
+                estimate: Some(Estimate::of(&target, sample.time_us)),
+                sample: Some(sample.clone()),
+                faults: Some(Faults { slam: SlamFaults::default(), board }),
+                ..Answer::default()
+            };
+            change(&mut answer);
+            shadow.check(&sample, &answer, Pose2::default());
+        }
+        shadow.finish(&[], &[])
+    }
+
+    #[test]
+    fn the_same_bits_pass() {
+        let outcome = outcome(|_| {});
+        assert_eq!((outcome.identical, outcome.verdict()), (2, Ok(())));
+    }
+
+    #[test]
+    fn one_other_bit_fails() {
+        let outcome = outcome(|answer| {
+            let estimate = answer.estimate.as_mut().unwrap();
+            estimate.covariance[5] = f32::from_bits(estimate.covariance[5].to_bits() ^ 1);
+        });
+        assert_eq!(outcome.identical, 0);
+        assert!(outcome.verdict().unwrap_err().starts_with("2 differences between host and target"));
+    }
+
+    #[test]
+    fn another_sample_than_the_sensors_showed_fails() {
+        let outcome = outcome(|answer| answer.sample.as_mut().unwrap().left_ticks += 1);
+        assert!(outcome.verdict().unwrap_err().contains("not what the sensors showed"));
+    }
+
+    #[test]
+    fn losses_and_silence_fail() {
+        let lossy = outcome(|answer| answer.faults.as_mut().unwrap().board.frames_dropped = 3);
+        assert!(lossy.verdict().unwrap_err().contains("frames_dropped: 3"));
+        let silent = outcome(|answer| answer.estimate = None);
+        assert!(silent.verdict().unwrap_err().contains("no estimate"));
+    }
+}
