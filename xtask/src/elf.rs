@@ -41,7 +41,7 @@ impl Elf {
         let bad = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
         let bytes = std::fs::read(path).map_err(|error| bad(&error))?;
         let file = object::File::parse(bytes.as_slice()).map_err(|error| bad(&error))?;
-        let mut symbols: Vec<Symbol> = file.symbols().filter(|symbol| symbol.is_definition()).map(symbol).collect();
+        let mut symbols: Vec<Symbol> = file.symbols().filter(|symbol| !symbol.is_undefined()).map(symbol).collect();
         symbols.sort_by_key(|symbol| symbol.address);
         let text = file.sections().filter(|section| section.kind() == object::SectionKind::Text);
         let text = text.map(|section| Ok((section.address(), section.data().map_err(|error| bad(&error))?.to_vec())));

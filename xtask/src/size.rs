@@ -29,6 +29,11 @@ pub struct Sizes {
 /// Prints the tables; fails over budget.
 pub fn size() -> Result {
     let (sizes, shipped) = measure()?;
+    // Nothing lies below this address: a stack that overflows faults.
+    let guarded = shipped.find("_stack_end").is_some_and(|end| end.address == CCRAM_START);
+    if !guarded {
+        return Err("the stack does not end at the start of the core-coupled RAM: an overflow would corrupt".into());
+    }
     print_crates(&shipped);
     print_largest(&shipped, "flash", |symbol| symbol.is_function);
     print_largest(&shipped, "static RAM", |symbol| !symbol.is_function && symbol.address >= RAM_START);
@@ -61,7 +66,9 @@ impl Sizes {
     }
 }
 
-/// Start of the STM32F405's RAM.
+/// Start of the STM32F405's core-coupled RAM.
+const CCRAM_START: u64 = 0x1000_0000;
+/// Start of its RAM.
 const RAM_START: u64 = 0x2000_0000;
 
 fn build() -> Result<Elf> {
