@@ -18,6 +18,8 @@ pub struct Outlier {
     pub range_m: f32,
     /// Standard deviation of that, metres.
     pub sigma_m: f32,
+    /// The step it was made in; it wraps.
+    pub step: u16,
     /// Standard deviation of the hit across the beam, metres: the beam swept on while the reading was made.
     pub sweep_m: f32,
     /// Variance of the dead-reckoned position then, since the start, each axis, m^2.

@@ -60,19 +60,21 @@ pub fn newest_line<const B: usize>(
 }
 
 /// The longest run of the cluster's points, from the anchor backwards, that is straight and has no gap as wide as a
-/// door. Where it ends because it bends, the last few points are left out: they may be from around the corner already,
+/// door that nothing was read in. Where it ends because it bends, the last few points are left out: they may be from around the corner already,
 /// hidden in the noise, and at its end they would turn the line most.
 fn straight_part<const B: usize>(buffer: &OutlierBuffer<B>, cluster: &Members<B>, anchor: usize) -> Option<Members<B>> {
     let newest = buffer.get(anchor)?;
     let mut members = [false; B];
     let mut moments = Moments::about(newest.hit_m);
-    let mut last = newest.hit_m;
+    let mut last = newest;
     let mut count = 0;
     let mut bends = false;
     for (i, (member, &in_cluster)) in members.iter_mut().zip(cluster).enumerate().take(anchor + 1).rev() {
         let Some(point) = buffer.get(i).filter(|_| in_cluster) else { continue };
-        let gap = [point.hit_m[0] - last[0], point.hit_m[1] - last[1]];
-        if gap[0] * gap[0] + gap[1] * gap[1] > PROLONGATION_M * PROLONGATION_M {
+        let gap = [point.hit_m[0] - last.hit_m[0], point.hit_m[1] - last.hit_m[1]];
+        // Readings of one sensor in steps that follow each other have seen all there is to see between them.
+        let follows = point.sensor == last.sensor && last.step.wrapping_sub(point.step) <= 1;
+        if !follows && gap[0] * gap[0] + gap[1] * gap[1] > PROLONGATION_M * PROLONGATION_M {
             break;
         }
         let mut longer = moments;
@@ -82,7 +84,7 @@ fn straight_part<const B: usize>(buffer: &OutlierBuffer<B>, cluster: &Members<B>
             break;
         }
         moments = longer;
-        last = point.hit_m;
+        last = point;
         *member = true;
         count += 1;
     }

@@ -39,6 +39,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             by_factor: self.odometry.by_factor(hit_m),
             range_m: reading.range_m,
             sigma_m: reading.sigma_m(),
+            step: self.counters.steps as u16,
             sweep_m: self.sweep_m(sensor, reading.range_m),
             position_variance: self.odometry.position_variance,
             heading_variance: self.odometry.heading_variance,

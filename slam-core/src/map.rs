@@ -12,6 +12,13 @@ const FLUSH_M: f32 = 0.005;
 /// Merging gate: 99 % of a chi-square distribution with one degree of freedom.
 const MERGE_GATE: f32 = 6.63;
 
+/// Gate for a wall that is found again after a drift that the filter does not know of: five sigma, and less than
+/// [`REFIND_M`].
+const REFIND_GATE: f32 = 25.0;
+
+/// Farther apart, one may be a cupboard before the other, metres.
+const REFIND_M: f32 = 0.5;
+
 /// Collinear walls are one where the unseen gap between them is too narrow for a door, metres.
 const MERGE_GAP_M: f32 = crate::association::PROLONGATION_M;
 
@@ -141,12 +148,12 @@ impl<const W: usize> Map<W> {
             if other == index || !comparable {
                 return None;
             }
-            Tie::between(ekf, &grid, (&wall, &line), candidate).map(|tie| (other, tie))
+            Tie::between(ekf, &grid, (&wall, &line), candidate, newborn).map(|tie| (other, tie))
         });
         let Some((other, tie)) = twin else { return false };
         // A newborn twin is made of readings that the older wall's gate refused: the very ones that are off. It shows
-        // where the wall goes on, and nothing more.
-        if !newborn {
+        // where the wall goes on, and nothing more, unless it is off by more than readings are.
+        if !newborn || tie.refound {
             for (difference_m, jacobian) in &tie.differences {
                 // A tie that is numerically impossible leaves the filter as it was.
                 let _ = ekf.update(-difference_m, jacobian, FLUSH_M * FLUSH_M);
@@ -172,6 +179,8 @@ struct Tie {
     differences: Vec<(f32, Jacobian), 2>,
     /// Readings that the other wall has.
     updates: u32,
+    /// They differ by more than the filter expects, and yet there cannot be two.
+    refound: bool,
 }
 
 impl Tie {
@@ -180,6 +189,7 @@ impl Tie {
         grid: &GridDirection,
         (wall, line): (&Wall, &Line),
         other: &Wall,
+        newborn: bool,
     ) -> Option<Self> {
         let other_line = other.line(ekf, grid);
         let cos = line.normal[0] * other_line.normal[0] + line.normal[1] * other_line.normal[1];
@@ -199,6 +209,7 @@ impl Tie {
         );
         let points = if same_direction { [0.5 * (a + b), f32::NAN] } else { [a, b] };
         let mut differences = Vec::new();
+        let mut refound = false;
         for along_m in points.into_iter().filter(|p| p.is_finite()) {
             let point = [
                 line.rho_m * line.normal[0] - along_m * line.normal[1],
@@ -218,14 +229,21 @@ impl Tie {
                 }
             }
             let variance = ekf.variance(&jacobian) + FLUSH_M * FLUSH_M;
+            let square = difference_m * difference_m;
+            if square > MERGE_GATE * variance {
+                // A wall cannot stand behind another that faces the same way and be seen where the other is.
+                let hidden =
+                    newborn && same_direction && gap_m < -0.5 * wall.length_m() && difference_m.abs() < REFIND_M;
+                refound = hidden && square <= REFIND_GATE * variance;
+            }
             // Not a number, no merger.
-            let same = difference_m * difference_m <= MERGE_GATE * variance;
+            let same = square <= MERGE_GATE * variance || refound;
             if !same {
                 return None;
             }
             let _ = differences.push((difference_m, jacobian));
         }
-        Some(Self { differences, updates: other.updates })
+        Some(Self { differences, updates: other.updates, refound })
     }
 }
 

@@ -10,6 +10,7 @@ pub const OUTLIER: Outlier = Outlier {
     by_factor: [[0.0; 2]; 3],
     range_m: 1.0,
     sigma_m: 0.01,
+    step: 0,
     sweep_m: 0.0,
     position_variance: 0.0,
     heading_variance: 0.0,
