@@ -219,11 +219,23 @@ fn too_few_points_and_unknown_sensors_are_no_line() {
 }
 
 #[test]
+fn a_sparse_run_without_a_miss_is_one_line() {
+    let mut buffer = OutlierBuffer::<B>::default();
+    for step in 0..12 {
+        buffer.push(Outlier { step, ..hit(0, [0.5 * f64::from(step), 1.0], UP) });
+    }
+    let (_, line) = newest_line(&buffer, 0, Clustering::BySensor, 0.04).unwrap();
+    assert!((line.length_m() - 11.0 * 0.5).abs() < 1e-3);
+}
+
+#[test]
 fn a_gap_as_wide_as_a_door_ends_a_line() {
     let mut buffer = OutlierBuffer::<B>::default();
-    for i in 0..30 {
-        let gap = if i < 15 { 0.0 } else { 1.0 };
-        buffer.push(hit(0, [0.04 * f64::from(i) + gap, 1.0], UP));
+    for i in 0..30_u16 {
+        // Five steps without a reading: the beam went through.
+        let (gap_m, missed) = if i < 15 { (0.0, 0) } else { (1.0, 5) };
+        let step = i + missed;
+        buffer.push(Outlier { step, ..hit(0, [0.04 * f64::from(i) + gap_m, 1.0], UP) });
     }
     for clustering in [Clustering::BySensor, Clustering::Dbscan] {
         let (members, line) = newest_line(&buffer, 0, clustering, 0.04).unwrap();
