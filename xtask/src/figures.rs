@@ -1,7 +1,7 @@
 //! Writes `docs/on-target.md`: every figure of the robot's processor on one page.
 
 use crate::run::{Result, root};
-use crate::{size, timing};
+use crate::{hil, size, timing};
 use std::fmt::Write;
 
 const FILE: &str = "docs/on-target.md";
@@ -9,8 +9,7 @@ const FILE: &str = "docs/on-target.md";
 /// Measures and writes the page.
 pub fn figures() -> Result {
     let (sizes, _) = size::measure()?;
-    let drive = root().join(size::DRIVE).join("hil.json");
-    let drive = std::fs::read_to_string(&drive).map_err(|error| format!("{}: {error}", drive.display()))?;
+    let drive = Drive::read()?;
     let (counts, compiler) = timing::measure()?;
     let mut page = String::from(
         "# On the robot's processor\n\nWritten by `cargo xtask figures`. All of it is from the emulated STM32F405; nothing \
@@ -42,21 +41,36 @@ fn write_sizes(page: &mut String, sizes: &size::Sizes) -> std::fmt::Result {
     Ok(())
 }
 
-fn write_drive(page: &mut String, drive: &str) -> std::fmt::Result {
-    let figure = |key: &str| {
-        let prefix = format!("\"{key}\":");
-        let value = drive.lines().find_map(|line| line.trim().strip_prefix(&prefix));
-        value.map_or("?", |value| value.trim().trim_end_matches(',')).to_owned()
-    };
-    let centimetres = |key: &str| figure(key).parse().map_or("?".to_owned(), |m: f64| format!("{:.1} cm", 100.0 * m));
+/// Figures of the drive in the loop.
+struct Drive {
+    identical: f64,
+    differences: f64,
+    ate_m: f64,
+    odometry_ate_m: f64,
+    walls: [f64; 3],
+}
+
+impl Drive {
+    fn read() -> Result<Self> {
+        Ok(Self {
+            identical: hil::figure("identical")?,
+            differences: hil::figure("differences")?,
+            ate_m: hil::figure("ate_m")?,
+            odometry_ate_m: hil::figure("odometry_ate_m")?,
+            walls: [hil::figure("walls")?, hil::figure("walls_missed")?, hil::figure("walls_invented")?],
+        })
+    }
+}
+
+fn write_drive(page: &mut String, drive: &Drive) -> std::fmt::Result {
     writeln!(page, "\n## In the loop\n\n`lab hil --qemu`: three minutes in the flat, the firmware driving.\n")?;
     writeln!(page, "| figure | value |\n|---|---|")?;
-    writeln!(page, "| estimates with the host's bits | {} |", figure("identical"))?;
-    writeln!(page, "| estimates with other bits | {} |", figure("differences"))?;
-    writeln!(page, "| position, best alignment (RMSE) | {} |", centimetres("ate_m"))?;
-    writeln!(page, "| the same by dead reckoning | {} |", centimetres("odometry_ate_m"))?;
-    let walls = [figure("walls"), figure("walls_missed"), figure("walls_invented")];
-    writeln!(page, "| walls; missed; invented | {} |", walls.join("; "))
+    writeln!(page, "| estimates with the host's bits | {} |", drive.identical)?;
+    writeln!(page, "| estimates with other bits | {} |", drive.differences)?;
+    writeln!(page, "| position, best alignment (RMSE) | {:.1} cm |", 100.0 * drive.ate_m)?;
+    writeln!(page, "| the same by dead reckoning | {:.1} cm |", 100.0 * drive.odometry_ate_m)?;
+    let [walls, missed, invented] = drive.walls;
+    writeln!(page, "| walls; missed; invented | {walls}; {missed}; {invented} |")
 }
 
 fn write_timing(
@@ -65,7 +79,7 @@ fn write_timing(
     compiler: &str,
 ) -> std::fmt::Result {
     let cycles = timing::CYCLES_PER_INSTRUCTION;
-    writeln!(page, "\n## Timing\n\nInstructions, counted exactly, compiler {compiler}; what each case is says")?;
+    writeln!(page, "\n## Timing\n\nInstructions, counted exactly, compiler {compiler}. What each case is says")?;
     writeln!(
         page,
         "[timing.md](timing.md). Shares are of a core at 168 MHz, 25 times a second, at an assumed {cycles} cycles"

@@ -1,6 +1,6 @@
 //! Hardware in the loop: the firmware's loop image in the emulator, driven by the workbench.
 
-use crate::run::{Result, cargo, run};
+use crate::run::{Result, cargo, root, run};
 use crate::thumb::{TARGET, Thumb};
 use std::path::PathBuf;
 
@@ -36,8 +36,32 @@ pub fn hil(arguments: &[&str]) -> Result {
     run(lab.arg(image).args(arguments))
 }
 
-/// The drives that every change must pass: three minutes by semihosting, a short one over the serial line.
+/// Where the three-minute drive leaves its results.
+const DRIVE: &str = "target/hil/semihosting";
+/// Largest error of the position in that drive, metres; dead reckoning has ten times as much.
+const LARGEST_ERROR_M: f64 = 0.04;
+
+/// Three minutes in the flat, by semihosting.
+pub fn drive() -> Result {
+    hil(&["--minutes", "3", "--out", DRIVE])
+}
+
+/// A figure of the three-minute drive.
+pub fn figure(key: &str) -> Result<f64> {
+    let file = root().join(DRIVE).join("hil.json");
+    let text = std::fs::read_to_string(&file).map_err(|error| format!("{}: {error}", file.display()))?;
+    let prefix = format!("\"{key}\":");
+    let value = text.lines().find_map(|line| line.trim().strip_prefix(&prefix));
+    let value = value.and_then(|value| value.trim().trim_end_matches(',').parse().ok());
+    value.ok_or_else(|| format!("{} has no number '{key}'", file.display()))
+}
+
+/// The drives that every change must pass: the three minutes, and a short one over the serial line.
 pub fn test() -> Result {
-    hil(&["--minutes", "3", "--out", "target/hil/semihosting"])?;
+    drive()?;
+    let error_m = figure("ate_m")?;
+    if error_m > LARGEST_ERROR_M {
+        return Err(format!("the position in the loop is off by {error_m:.3} m; at most {LARGEST_ERROR_M} m"));
+    }
     hil(&["--serial", "--minutes", "0.1", "--out", "target/hil/serial"])
 }

@@ -2,7 +2,7 @@
 
 use crate::elf::{Elf, Symbol};
 use crate::hil;
-use crate::run::{Result, root, run};
+use crate::run::{Result, run};
 use crate::thumb::{TARGET, Thumb};
 use std::collections::BTreeMap;
 
@@ -12,8 +12,6 @@ const FLASH_BUDGET: u64 = 160 * 1024;
 const RAM_BUDGET: u64 = 64 * 1024;
 /// Largest symbols that are printed.
 const SYMBOLS: usize = 15;
-/// Where a drive in the loop leaves its figures.
-pub const DRIVE: &str = "target/hil/semihosting";
 
 /// What the program takes, bytes.
 #[derive(Clone, Copy, Debug)]
@@ -50,7 +48,9 @@ pub fn size() -> Result {
 /// Builds the robot's program and drives its loop build.
 pub fn measure() -> Result<(Sizes, Elf)> {
     let shipped = build()?;
-    let sizes = Sizes { flash: shipped.flash_bytes(), statics: shipped.static_ram_bytes(), stack: drive()? };
+    hil::drive()?;
+    let stack = hil::figure("stack_used_bytes")? as u64;
+    let sizes = Sizes { flash: shipped.flash_bytes(), statics: shipped.static_ram_bytes(), stack };
     Ok((sizes, shipped))
 }
 
@@ -76,16 +76,6 @@ fn build() -> Result<Elf> {
     let mut build = thumb.cargo("firmware", "build");
     run(build.args(["--release", "--package", "firmware", "--bin", "robot", "--features", "board"]))?;
     Elf::read(&thumb.target_dir().join(TARGET).join("release/robot"))
-}
-
-/// The deepest stack of a drive in the loop, bytes.
-fn drive() -> Result<u64> {
-    hil::hil(&["--minutes", "3", "--out", DRIVE])?;
-    let file = root().join(DRIVE).join("hil.json");
-    let text = std::fs::read_to_string(&file).map_err(|error| format!("{}: {error}", file.display()))?;
-    let value = text.lines().find_map(|line| line.trim().strip_prefix("\"stack_used_bytes\":"));
-    let value = value.and_then(|value| value.trim().trim_end_matches(',').parse().ok());
-    value.ok_or_else(|| format!("{}: no stack_used_bytes", file.display()))
 }
 
 fn print_crates(elf: &Elf) {

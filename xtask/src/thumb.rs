@@ -63,9 +63,10 @@ impl Thumb {
 
     /// Major and minor version of the compiler, for instance `1.95`.
     pub fn version(self) -> Result<String> {
-        let program = if self == Self::Host { "rustc" } else { DEBIAN_RUSTC };
-        let printed = output(Command::new(program).arg("--version").current_dir(root()))?;
-        let (major, minor) = rust_version(&printed).ok_or_else(|| format!("`{program} --version`: {printed}"))?;
+        let program = if self == Self::Host { host_rustc() } else { DEBIAN_RUSTC.into() };
+        let printed = output(Command::new(&program).arg("--version").current_dir(root()))?;
+        let unknown = || format!("`{} --version` says '{}'", program.display(), printed.trim());
+        let (major, minor) = rust_version(&printed).ok_or_else(unknown)?;
         Ok(format!("{major}.{minor}"))
     }
 
@@ -79,8 +80,15 @@ impl Thumb {
     }
 }
 
+/// The compiler beside the cargo that runs this program; another one may come first on the path.
+fn host_rustc() -> PathBuf {
+    let cargo = std::env::var_os("CARGO").map(PathBuf::from);
+    let beside = cargo.map(|cargo| cargo.with_file_name("rustc")).filter(|rustc| rustc.is_file());
+    beside.unwrap_or_else(|| "rustc".into())
+}
+
 fn host_has_target() -> bool {
-    let sysroot = output(Command::new("rustc").args(["--print", "sysroot"]).current_dir(root()));
+    let sysroot = output(Command::new(host_rustc()).args(["--print", "sysroot"]).current_dir(root()));
     sysroot.is_ok_and(|dir| Path::new(dir.trim()).join("lib/rustlib").join(TARGET).join("lib").is_dir())
 }
 
