@@ -9,6 +9,7 @@ use clap::{Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::doctor::Doctor;
+use crate::experiment::command::ExperimentArgs;
 use crate::hil::{Hil, Target};
 use crate::monitor::Monitor;
 use crate::output::closing;
@@ -41,6 +42,8 @@ enum Command {
     Monitor(Monitor),
     /// Check a robot at a serial port part by part.
     Doctor(Doctor),
+    /// Compare estimators over many simulated drives, as an experiment file says.
+    Experiment(ExperimentArgs),
 }
 
 #[derive(Debug, Args)]
@@ -135,6 +138,7 @@ pub fn main() -> ExitCode {
         Some(Command::Hil(args)) => hil(args),
         Some(Command::Monitor(monitor)) => monitor.run().map_err(Into::into),
         Some(Command::Doctor(doctor)) => doctor.run().map_err(Into::into),
+        Some(Command::Experiment(experiment)) => experiment.run().map_err(Into::into),
         None => run(cli.run),
     };
     match done {

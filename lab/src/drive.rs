@@ -112,6 +112,7 @@ impl Drive {
     }
 }
 
-fn pose2(pose: &TruePose) -> Pose2 {
+/// The true pose as the record keeps it.
+pub fn pose2(pose: &TruePose) -> Pose2 {
     Pose2 { x_m: pose.x_m, y_m: pose.y_m, theta_rad: pose.theta_rad }
 }

@@ -9,6 +9,7 @@ pub mod cli;
 pub mod doctor;
 pub mod drive;
 pub mod error;
+pub mod experiment;
 pub mod hil;
 pub mod log;
 pub mod monitor;

@@ -197,6 +197,69 @@ impl<'a> Table<'a> {
         }
     }
 
+    /// A text that may be absent.
+    ///
+    /// # Errors
+    /// It is not a text, or empty.
+    pub fn optional_text(&self, key: &'static str) -> Result<Option<String>, FileError> {
+        if self.has(key) { self.text(key).map(Some) } else { Ok(None) }
+    }
+
+    /// A truth value that may be absent.
+    ///
+    /// # Errors
+    /// It is something else.
+    pub fn optional_flag(&self, key: &'static str) -> Result<Option<bool>, FileError> {
+        match self.look(key).map(Spanned::get_ref) {
+            None => Ok(None),
+            Some(DeValue::Boolean(value)) => Ok(Some(*value)),
+            Some(other) => Err(self.error(key, format!("is {}; it must be true or false", shown(other)))),
+        }
+    }
+
+    /// A list of texts; empty when absent.
+    ///
+    /// # Errors
+    /// It is something else.
+    pub fn texts(&self, key: &'static str) -> Result<Vec<String>, FileError> {
+        self.list(key, "texts in quotes", |item| match item {
+            DeValue::String(text) if !text.trim().is_empty() => Some(text.to_string()),
+            _ => None,
+        })
+    }
+
+    /// A list of numbers; empty when absent.
+    ///
+    /// # Errors
+    /// It is something else, or a number is not allowed.
+    pub fn numbers(&self, key: &'static str, allowed: Allowed) -> Result<Vec<f64>, FileError> {
+        self.list(key, &format!("values, each {}", allowed.words), |item| {
+            let number = match item {
+                DeValue::Integer(digits) => i64::from_str_radix(digits.as_str(), digits.radix()).ok()? as f64,
+                DeValue::Float(digits) => digits.as_str().parse().ok()?,
+                _ => return None,
+            };
+            allowed.holds(number).then_some(number)
+        })
+    }
+
+    fn list<T>(
+        &self,
+        key: &'static str,
+        of: &str,
+        read: impl Fn(&DeValue<'_>) -> Option<T>,
+    ) -> Result<Vec<T>, FileError> {
+        let Some(value) = self.look(key) else { return Ok(Vec::new()) };
+        let wrong = |what: String| self.error(key, format!("{what}; it must be a list of {of}"));
+        let DeValue::Array(items) = value.get_ref() else {
+            return Err(wrong(format!("is {}", shown(value.get_ref()))));
+        };
+        let item = |item: &Spanned<DeValue<'_>>| {
+            read(item.get_ref()).ok_or_else(|| wrong(format!("holds {}", shown(item.get_ref()))))
+        };
+        items.iter().map(item).collect()
+    }
+
     /// Checks that every key of the table was asked for.
     ///
     /// # Errors

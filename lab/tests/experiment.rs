@@ -1,0 +1,102 @@
+//! `lab experiment` as a user would call it.
+
+mod common;
+
+use common::Place;
+use predicates::prelude::PredicateBooleanExt as _;
+use predicates::str::contains;
+
+const SMALL: &str = r#"
+title = "Small"
+plans = ["room"]
+seeds = 2
+variants = ["dead reckoning", "grid, calibrated", "floor"]
+series = ["grid, calibrated"]
+[setting]
+minutes = 0.5
+[[case]]
+name = "fine"
+[[case]]
+name = "coarse"
+gain_sigma = 0.04
+[[bar]]
+case = "coarse"
+metric = "ate_m"
+at_most = 1.0
+"#;
+
+/// The rows without the column that holds this machine's times, in order.
+fn rows(place: &Place, folder: &str) -> Vec<String> {
+    let text = place.get(&format!("{folder}/runs.csv"));
+    let mut rows: Vec<String> =
+        text.lines().map(|line| line.rsplit_once(',').expect("a row has cells").0.to_owned()).collect();
+    rows.sort();
+    rows
+}
+
+#[test]
+fn writes_tables_figures_and_page() {
+    let place = Place::new();
+    place.put("small.toml", SMALL);
+    let done = place.lab().args(["experiment", "small.toml", "--out", "out"]).assert().success();
+    done.stdout(contains("grid, calibrated").and(contains("| yes |")));
+    assert_eq!(rows(&place, "out").len(), 1 + 2 * 2 * 3);
+    assert_eq!(place.get("out/table.csv").lines().count(), 1 + 2 * 3);
+    assert!(place.get("out/table.md").contains("at most 1"));
+    let page = place.get("out/index.html");
+    for shown in ["fine-accuracy", "room-coarse-nees-over-time", "room-fine-grid-calibrated-errors"] {
+        let svg = place.get(&format!("out/figures/{shown}.svg"));
+        assert!(svg.starts_with("<svg") && page.contains(svg.trim_end()), "{shown}");
+    }
+}
+
+#[test]
+fn parts_make_the_whole_and_nothing_is_done_twice() {
+    let place = Place::new();
+    place.put("small.toml", SMALL);
+    place.lab().args(["experiment", "small.toml", "--out", "whole", "--jobs", "1"]).assert().success();
+    for part in ["1/2", "2/2"] {
+        let out = format!("part{}", &part[..1]);
+        place.lab().args(["experiment", "small.toml", "--shard", part, "--out", &out]).assert().success();
+    }
+    place.lab().args(["experiment", "merge", "--out", "both", "part1", "part2"]).assert().success();
+    assert_eq!(rows(&place, "both"), rows(&place, "whole"));
+    assert_ne!(rows(&place, "part1"), rows(&place, "whole"));
+    let before = place.get("whole/runs.csv");
+    // Stopped while a row was being written: that one is done again, and only that one.
+    place.put("whole/runs.csv", &before[..before.len() - 10]);
+    place.lab().args(["experiment", "small.toml", "--out", "whole"]).assert().success();
+    let after = place.get("whole/runs.csv");
+    assert_eq!(rows(&place, "both"), rows(&place, "whole"));
+    assert_eq!(before.lines().take(12).collect::<Vec<_>>(), after.lines().take(12).collect::<Vec<_>>());
+}
+
+#[test]
+fn other_rows_are_not_mixed_in() {
+    let place = Place::new();
+    place.put("small.toml", SMALL);
+    place.put("other.toml", SMALL.replace("seeds = 2", "seeds = 1"));
+    place.lab().args(["experiment", "other.toml", "--out", "out"]).assert().success();
+    let refused = place.lab().args(["experiment", "small.toml", "--out", "out"]).assert().failure();
+    refused.stderr(contains("out: holds rows of another experiment"));
+}
+
+#[test]
+fn mistakes_are_named_with_file_line_and_key() {
+    let place = Place::new();
+    for (from, to, expected) in [
+        ("seeds = 2", "seeds = 0", "bad.toml:4: seeds: is 0; it must be a whole number from 1"),
+        ("[\"room\"]", "[\"palace\"]", "bad.toml:3: plans: plan \"palace\""),
+        ("\"floor\"]", "\"ceiling\"]", "bad.toml:5: variants: has \"ceiling\"; known are"),
+        ("gain_sigma = 0.04", "gain_sigma = 0.7", "bad.toml:13: case[1].gain_sigma: is 0.7; it must be"),
+        ("gain_sigma = 0.04", "gain = 0.04", "bad.toml:13: case[1].gain: is not known here"),
+        ("name = \"coarse\"", "name = \"fine\"", "case: has \"fine\" twice"),
+        ("at_most = 1.0", "", "bar[0].at_most: one limit is needed"),
+        ("metric = \"ate_m\"", "metric = \"ate\"", "bar[0].metric: is not known; known are path_m"),
+    ] {
+        place.put("bad.toml", SMALL.replacen(from, to, 1));
+        place.lab().args(["experiment", "bad.toml"]).assert().failure().stderr(contains(expected));
+    }
+    place.lab().args(["experiment", "none.toml"]).assert().failure().stderr(contains("none.toml: cannot read"));
+    place.lab().args(["experiment", "bad.toml", "--shard", "3/2"]).assert().failure().stderr(contains("k from 1 to n"));
+}
