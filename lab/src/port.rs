@@ -5,7 +5,13 @@ use std::io::{Read, Write};
 use std::path::Path;
 use std::time::Duration;
 
-use wire::{Command, DecodeError, Decoder, Frame, encode};
+use slam_core::RangeInput;
+use wire::{Command, DecodeError, Decoder, Frame, Sample, encode};
+
+use crate::log::Row;
+use crate::output::numbers::shortest;
+use crate::recording::Pose2;
+use crate::rig_file::MAX_SENSORS;
 
 /// Rate of the firmware's serial line, baud.
 const BAUD: u32 = 115_200;
@@ -28,6 +34,16 @@ pub fn open(device: &str) -> Result<Line, String> {
     let port = serialport::new(device, BAUD).timeout(Duration::from_secs(3600)).open().map_err(failed)?;
     let reader = port.try_clone().map_err(failed)?;
     Ok((Box::new(reader), Box::new(port)))
+}
+
+/// A robot's sample as a row of a log.
+pub fn row(sample: &Sample, truth: Option<Pose2>) -> Row {
+    let t_s = sample.time_us as f64 * 1e-6;
+    let few = sample.to_slam();
+    let mut ranges = [RangeInput::Missing; MAX_SENSORS];
+    ranges.iter_mut().zip(few.ranges).for_each(|(wide, range)| *wide = range);
+    let sample = slam_core::Sample { time_us: few.time_us, motion: few.motion, ranges };
+    Row { t_text: shortest(t_s), t_s, sample, truth }
 }
 
 /// A robot that is listened to.

@@ -5,8 +5,7 @@
 
 use crate::faults::Task;
 use crate::shared::{Shared, Touch};
-use embassy_futures::select::select;
-use embassy_futures::select::select4;
+use embassy_futures::select::{select, select4};
 use embassy_time::{Duration, Timer};
 use embedded_hal::digital::{InputPin, OutputPin};
 use embedded_hal_async::digital::Wait;

@@ -12,15 +12,16 @@ use std::path::PathBuf;
 
 use hal_sim::{Plan, SimOptions, Simulation};
 use robot::Duty;
-use slam_core::{Motion, RangeInput};
+use slam_core::RangeInput;
 use wire::{Command, Contacts, Sample};
 
-use crate::log::{Row, writer};
+use crate::log::writer;
 use crate::output::folder::Folder;
 use crate::output::numbers::shortest;
 use crate::output::streams::{LineFile, tum_line};
+use crate::port;
 use crate::recording::Pose2;
-use crate::rig_file::{MAX_SENSORS, Robot};
+use crate::rig_file::Robot;
 use crate::run::built_in_robot;
 use link::Link;
 pub use outcome::Outcome;
@@ -128,12 +129,10 @@ impl Files {
     }
 
     fn row(&mut self, robot: &Robot, shown: &Sample, estimate: &wire::Estimate, truth: Pose2) -> Result<(), String> {
-        let t_s = shown.time_us as f64 * 1e-6;
-        let t_text = shortest(t_s);
+        let row = port::row(shown, Some(truth));
         let [x, y, theta_rad] = estimate.pose;
-        let trajectory = tum_line(&t_text, [shortest(x), shortest(y)], theta_rad.into());
-        let true_line = tum_line(&t_text, [shortest(truth.x_m), shortest(truth.y_m)], truth.theta_rad);
-        let row = Row { t_text, t_s, sample: widen(shown), truth: Some(truth) };
+        let trajectory = tum_line(&row.t_text, [shortest(x), shortest(y)], theta_rad.into());
+        let true_line = tum_line(&row.t_text, [shortest(truth.x_m), shortest(truth.y_m)], truth.theta_rad);
         let lines = [
             (&mut self.log, writer::line(robot, &row)),
             (&mut self.trajectory, trajectory),
@@ -148,15 +147,4 @@ impl Files {
             .try_for_each(LineFile::close)
             .map_err(|error| error.to_string())
     }
-}
-
-/// The robot's sample with the workbench's room for sensors.
-fn widen(shown: &Sample) -> slam_core::Sample<MAX_SENSORS> {
-    let slam_core::Sample { time_us, motion, ranges: few } = shown.to_slam();
-    let mut ranges = [RangeInput::Missing; MAX_SENSORS];
-    for (wide, range) in ranges.iter_mut().zip(few) {
-        *wide = range;
-    }
-    let motion: Motion = motion;
-    slam_core::Sample { time_us, motion, ranges }
 }

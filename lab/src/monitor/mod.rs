@@ -6,15 +6,12 @@ use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 
 use clap::Args;
-use slam_core::RangeInput;
-use wire::{Command, Frame, Sample};
+use wire::{Command, Frame};
 
-use crate::log::{Row, writer};
+use crate::log::writer;
 use crate::output::folder::Folder;
-use crate::output::numbers::shortest;
 use crate::output::streams::LineFile;
 use crate::port::{self, Port};
-use crate::rig_file::{MAX_SENSORS, Robot};
 use crate::run::built_in_robot;
 use view::View;
 
@@ -54,7 +51,7 @@ impl Monitor {
         let mut drawn_us = 0;
         while let Some(frame) = port.frame()? {
             if let Frame::Sample(sample) = &frame {
-                log.line(&line(&robot, sample)).map_err(|error| error.to_string())?;
+                log.line(&writer::line(&robot, &port::row(sample, None))).map_err(|error| error.to_string())?;
             }
             view.take(frame);
             view.damaged = port.damaged();
@@ -76,13 +73,4 @@ fn draw(view: &View) {
     if stdout.is_terminal() {
         let _ = write!(stdout, "\x1b[H\x1b[J{view}").and_then(|()| stdout.flush());
     }
-}
-
-fn line(robot: &Robot, sample: &Sample) -> String {
-    let t_s = sample.time_us as f64 * 1e-6;
-    let few = sample.to_slam();
-    let mut ranges = [RangeInput::Missing; MAX_SENSORS];
-    ranges.iter_mut().zip(few.ranges).for_each(|(wide, range)| *wide = range);
-    let sample = slam_core::Sample { time_us: few.time_us, motion: few.motion, ranges };
-    writer::line(robot, &Row { t_text: shortest(t_s), t_s, sample, truth: None })
 }
