@@ -3,7 +3,7 @@
 use crate::beam::Beam;
 use crate::ekf::Ekf;
 use crate::grid::GridDirection;
-use crate::wall::{Line, Wall};
+use crate::wall::{Direction, Line, Wall};
 
 /// A wall may be prolonged by a reading over a gap that is too narrow for a door, metres. Doors start at 0.6 m.
 pub const PROLONGATION_M: f32 = 0.4;
@@ -37,22 +37,55 @@ pub fn first_met<const NB: usize, const BLOCKS: usize>(
     beyond_m: f32,
     within_m: f32,
 ) -> Option<Candidate> {
+    // The grid has four directions: what a wall needs of them is computed once for all walls.
+    let facing = [0, 1, 2, 3].map(|quarter| Facing::new(grid.normal(quarter), beam));
     let mut nearest: Option<Candidate> = None;
+    let mut limit_m = within_m;
     for (index, wall) in walls.iter().enumerate() {
-        let line = wall.line(ekf, grid);
-        let cos_incidence = beam.cos_incidence(&line);
-        let distance = line.distance(beam.origin);
-        let limit_m = nearest.map_or(within_m, |n| n.range_m);
+        let quarter = match wall.direction {
+            Direction::Grid(quarter) => Some(quarter),
+            Direction::Snapped(theta) => Some(grid.quarter(ekf.mean(theta))),
+            Direction::Free(_) => None,
+        };
+        let facing = match quarter {
+            Some(quarter) => facing[usize::from(quarter & 3)],
+            None => Facing::new(wall.line(ekf, grid).normal, beam),
+        };
         // Behind the beam, seen from its back, or farther than what is already known to stop the beam.
-        if cos_incidence < GRAZING_COS || distance <= beyond_m * cos_incidence || distance >= limit_m * cos_incidence {
+        if facing.cos_incidence < GRAZING_COS {
             continue;
         }
-        let range_m = distance / cos_incidence;
+        let distance = ekf.mean(wall.rho) - facing.origin_m;
+        if distance <= beyond_m * facing.cos_incidence || distance >= limit_m * facing.cos_incidence {
+            continue;
+        }
+        let range_m = distance / facing.cos_incidence;
+        let line = wall.line(ekf, grid);
         let along_m = line.along(beam.at(range_m));
         let inside_m = (along_m - wall.lo_m).min(wall.hi_m - along_m);
         if inside_m > -PROLONGATION_M {
-            nearest = Some(Candidate { index, line, range_m, cos_incidence, along_m, inside_m });
+            limit_m = range_m;
+            nearest = Some(Candidate { index, line, range_m, cos_incidence: facing.cos_incidence, along_m, inside_m });
         }
     }
     nearest
+}
+
+/// How a wall's normal stands to a beam.
+#[derive(Clone, Copy)]
+struct Facing {
+    /// Cosine of the incidence angle.
+    cos_incidence: f32,
+    /// Coordinate of the beam's origin along the normal, metres.
+    origin_m: f32,
+}
+
+impl Facing {
+    fn new(normal: [f32; 2], beam: &Beam) -> Self {
+        let [x, y] = beam.origin;
+        Self {
+            cos_incidence: normal[0] * beam.direction[0] + normal[1] * beam.direction[1],
+            origin_m: x * normal[0] + y * normal[1],
+        }
+    }
 }

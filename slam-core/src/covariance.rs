@@ -1,16 +1,22 @@
 //! The covariance: one symmetric matrix, stored once.
 //!
-//! Layout: the upper triangle by rows, in blocks of eight columns. Row i starts at the block that holds column i, so
-//! the eight rows 8q .. 8q + 7 have `NB - q` blocks each, and two neighbouring rows can be worked on together. The pose
-//! has the lowest indices: its rows are whole and contiguous, and the map grows at the far end.
+//! Layout: the upper triangle in block columns of eight, from the left, each with one block of eight neighbouring
+//! entries for every row down to the diagonal. Two neighbouring block columns share a tile: their blocks of one row lie
+//! side by side, sixteen entries in one run, but for the last eight rows, which only the second column has. A smaller
+//! state uses a prefix of the storage, whatever the capacity; the map grows at the far end.
 //!
-//! Lanes left of the diagonal in a row's first block are never read.
+//! Entries left of the diagonal, in the blocks on it, are zero.
+
+mod kernel;
 
 /// Columns of a block.
 pub const LANES: usize = 8;
 
 /// Eight neighbouring columns of a row, or eight neighbouring entries of a vector.
 pub type Block = [f32; LANES];
+
+/// States of a tile.
+const TILE: usize = 2 * LANES;
 
 /// Number of blocks that a covariance of `nb` block columns has.
 pub const fn blocks(nb: usize) -> usize {
@@ -47,11 +53,23 @@ impl<const NB: usize> Vector<NB> {
         }
     }
 
-    /// self *= factor.
+    /// factor * self over the first `n` entries' blocks, zero past them.
     fn scaled(&self, factor: f32, n: usize) -> Self {
         let mut out = Self::ZERO;
-        out.add_scaled(factor, self, n);
+        for (a, b) in out.0.iter_mut().zip(&self.0).take(n.div_ceil(LANES)) {
+            *a = b.map(|b| factor * b);
+        }
         out
+    }
+
+    /// gain = factor * column, and self += innovation * gain, over the first `n` entries' blocks.
+    pub(crate) fn correct(&mut self, column: &Self, factor: f32, innovation: f32, n: usize) -> Self {
+        let mut gain = Self::ZERO;
+        for ((x, gain), g) in self.0.iter_mut().zip(&mut gain.0).zip(&column.0).take(n.div_ceil(LANES)) {
+            *gain = g.map(|g| factor * g);
+            add_scaled(x, innovation, gain);
+        }
+        gain
     }
 }
 
@@ -78,21 +96,24 @@ impl<const NB: usize, const BLOCKS: usize> Covariance<NB, BLOCKS> {
         self.0.fill([0.0; LANES]);
     }
 
-    /// Index of the first block of row `i`.
+    /// Index of the first block of tile `m`.
     #[inline]
-    const fn row_start(i: usize) -> usize {
-        let (q, r) = (i / LANES, i % LANES);
-        // The sum of 8 (NB - p) over the block rows p < q, then r rows of NB - q.
-        LANES * (q * NB - q * q.saturating_sub(1) / 2) + r * (NB - q)
+    const fn tile_start(m: usize) -> usize {
+        blocks(2 * m)
     }
 
+    /// Block and lane of an entry.
     #[inline]
     fn locate(i: usize, j: usize) -> (usize, usize) {
         let (i, j) = if i <= j { (i, j) } else { (j, i) };
         if j >= LANES * NB {
             return (BLOCKS, 0);
         }
-        (Self::row_start(i) + j / LANES - i / LANES, j % LANES)
+        let (m, odd) = (j / TILE, j / LANES % 2);
+        // Rows of the tile that have both columns; the last column of an odd number has no neighbour.
+        let paired = if 2 * m + 1 == NB { 0 } else { TILE * m + LANES };
+        let block = if i < paired { 2 * i + odd } else { paired + i };
+        (Self::tile_start(m) + block, j % LANES)
     }
 
     /// Entry (i, j); zero outside.
@@ -111,46 +132,91 @@ impl<const NB: usize, const BLOCKS: usize> Covariance<NB, BLOCKS> {
         }
     }
 
-    /// The stored blocks of row `i` up to column `n`: the first holds column `i`.
-    #[inline]
-    fn row(&self, i: usize, n: usize) -> &[Block] {
-        let len = n.div_ceil(LANES).saturating_sub(i / LANES);
-        self.0.get(Self::row_start(i.min(LANES * NB - 1))..).and_then(|b| b.get(..len)).unwrap_or(&[])
-    }
-
-    /// Adds `factor` times column `c` of the leading n x n part to `out`. O(n).
-    pub fn add_column(&self, c: usize, factor: f32, n: usize, out: &mut Vector<NB>) {
-        for i in 0..c.min(n) {
-            out.set(i, out.get(i) + factor * self.get(i, c));
+    /// P J^T over the leading n x n part, for a sparse row J. O(entries n).
+    pub fn product(&self, jacobian: &[(usize, f32)], n: usize) -> Vector<NB> {
+        let mut out = Vector::ZERO;
+        for &(c, factor) in jacobian {
+            self.add_above(c, factor, &mut out);
         }
-        let row = self.row(c, n);
-        let mut blocks = out.0.iter_mut().skip(c / LANES).zip(row);
-        if let Some((a, b)) = blocks.next() {
-            for lane in c % LANES..LANES {
-                a[lane] += factor * b[lane];
+        let mut rest = &self.0[..];
+        for (m, out) in out.0.chunks_mut(2).enumerate().take(n.div_ceil(TILE)) {
+            let paired = TILE * m + LANES;
+            if let [a, b] = out {
+                let Some((pairs, tail)) = rest.split_at_checked(2 * paired) else { break };
+                rest = tail.get(LANES..).unwrap_or(&[]);
+                if n > paired {
+                    add_pairs(a, b, pairs.as_chunks().0, jacobian);
+                } else {
+                    add_blocks::<2>(a, pairs.as_chunks().0, jacobian);
+                }
+            } else if let [a] = out {
+                add_blocks::<1>(a, rest.as_chunks().0, jacobian);
             }
         }
-        for (a, b) in blocks {
-            add_scaled(a, factor, b);
+        for entry in out.0.as_flattened_mut().iter_mut().skip(n).take(LANES) {
+            *entry = 0.0;
+        }
+        out
+    }
+
+    /// Adds `factor` times the part of column `c` above the diagonal, a walk down the stored blocks, and the row's part
+    /// in a block without neighbour.
+    fn add_above(&self, c: usize, factor: f32, out: &mut Vector<NB>) {
+        let (m, odd, lane) = (c / TILE, c / LANES % 2, c % LANES);
+        let Some(tile) = self.0.get(Self::tile_start(m)..) else { return };
+        let column = out.0.as_flattened_mut();
+        if 2 * m + 1 == NB {
+            walk::<1>(column, tile, c, lane, factor);
+        } else if odd == 0 {
+            walk::<2>(column, tile, c, lane, factor);
+        } else {
+            let paired = TILE * m + LANES;
+            walk::<2>(column, tile.get(1..).unwrap_or(&[]), paired, lane, factor);
+            let Some(single) = tile.get(2 * paired..) else { return };
+            walk::<1>(column.get_mut(paired..).unwrap_or(&mut []), single, c - paired, lane, factor);
+            if let Some((a, p)) = out.0.get_mut(c / LANES).zip(single.get(c - paired)) {
+                add_scaled(a, factor, p);
+            }
         }
     }
 
-    /// P -= k g g^T over the leading n x n part: n (n + 1) / 2 multiply-subtracts.
+    /// P -= k g g^T over the leading n x n part: n (n + 1) / 2 multiply-subtracts, and those of unused lanes.
     ///
     /// `g` must be zero past `n`.
     pub fn downdate(&mut self, g: &Vector<NB>, k: f32, n: usize) {
-        let used = n.div_ceil(LANES).min(NB);
-        let scaled = g.scaled(k, n);
+        self.downdate_scaled(g, &g.scaled(k, n), n);
+    }
+
+    /// The same where k g is at hand.
+    pub(crate) fn downdate_scaled(&mut self, g: &Vector<NB>, scaled: &Vector<NB>, n: usize) {
+        let factors = scaled.0.as_flattened();
         let mut rest = &mut self.0[..];
-        for q in 0..used {
-            let stride = NB - q;
-            let (Some(factors), Some(columns)) = (scaled.0.get(q), g.0.get(q..used)) else { return };
-            for factor in factors {
-                let Some((row, tail)) = core::mem::take(&mut rest).split_at_mut_checked(stride) else { return };
+        for (m, g) in g.0.chunks(2).enumerate().take(n.div_ceil(TILE)) {
+            let first = TILE * m;
+            if let [g, h] = g {
+                let Some((tile, tail)) = rest.split_at_mut_checked(2 * (first + LANES) + LANES) else { return };
                 rest = tail;
-                for (p, g) in row.iter_mut().zip(columns) {
-                    add_scaled(p, -*factor, g);
+                if n > first + LANES {
+                    whole_tile(tile, first, factors, g, h);
+                } else {
+                    half_tile::<2>(tile.as_chunks_mut().0, first, factors, g, n - first);
                 }
+            } else if let [g] = g {
+                half_tile::<1>(rest.as_chunks_mut().0, first, factors, g, n - first);
+                return;
+            }
+        }
+    }
+
+    /// Replaces the entries of row `i` from the diagonal on, for a row of the first block.
+    pub fn set_row(&mut self, i: usize, row: &Vector<NB>, n: usize) {
+        for j in i..n.min(TILE) {
+            self.set(i, j, row.get(j));
+        }
+        for q in 2..n.div_ceil(LANES) {
+            let (block, _) = Self::locate(i, LANES * q);
+            if let Some((p, values)) = self.0.get_mut(block).zip(row.0.get(q)) {
+                *p = *values;
             }
         }
     }
@@ -176,4 +242,72 @@ impl<const NB: usize, const BLOCKS: usize> Covariance<NB, BLOCKS> {
             self.set(from, j, 0.0);
         }
     }
+}
+
+/// Downdates a tile of two block columns, the first of which is column `first` of the matrix.
+fn whole_tile(tile: &mut [Block], first: usize, factors: &[f32], g: &Block, h: &Block) {
+    let Some((paired, single)) = tile.split_at_mut_checked(2 * (first + LANES)) else { return };
+    let rows: &mut [[Block; 2]] = paired.as_chunks_mut().0;
+    kernel::pairs(rows.as_chunks_mut().0, factors.as_chunks().0, g, h);
+    if let Some(diagonal) = rows.get_mut(first..) {
+        kernel::clear_left(diagonal);
+    }
+    if let Some(factors) = factors.get(first + LANES..) {
+        half_tile::<1>(single.as_chunks_mut().0, 0, factors, h, LANES);
+    }
+}
+
+/// Downdates the first of a tile's block columns, `width` lanes of it at least.
+fn half_tile<const STRIDE: usize>(
+    tile: &mut [[Block; STRIDE]],
+    first: usize,
+    factors: &[f32],
+    g: &Block,
+    width: usize,
+) {
+    const HALF: usize = LANES / 2;
+    let rows = tile.as_chunks_mut().0;
+    let factors = factors.as_chunks().0;
+    let Some((above, below)) = rows.split_at_mut_checked((first + HALF) / kernel::TURN) else { return };
+    if width <= HALF {
+        kernel::blocks::<STRIDE, 0, HALF>(above, factors, g);
+    } else {
+        kernel::blocks::<STRIDE, 0, LANES>(above, factors, g);
+        if let (Some(row), Some(factors)) = (below.get_mut(..1), factors.get(above.len()..)) {
+            kernel::blocks::<STRIDE, HALF, LANES>(row, factors, g);
+        }
+    }
+    if let Some(diagonal) = tile.get_mut(first..) {
+        kernel::clear_left(diagonal);
+    }
+}
+
+/// Adds a lane of `len` blocks that are `STRIDE` blocks apart, times a factor.
+#[inline(always)]
+fn walk<const STRIDE: usize>(out: &mut [f32], blocks: &[Block], len: usize, lane: usize, factor: f32) {
+    let (Some(out), Some(rows)) = (out.get_mut(..len), blocks.as_chunks::<STRIDE>().0.get(..len)) else { return };
+    for (a, row) in out.iter_mut().zip(rows) {
+        *a += factor * row[0][lane % LANES];
+    }
+}
+
+/// Adds the rows that the entries name, times their factors.
+fn add_pairs(a: &mut Block, b: &mut Block, rows: &[[Block; 2]], entries: &[(usize, f32)]) {
+    let (mut x, mut y) = (*a, *b);
+    for &(c, factor) in entries {
+        let Some([p, q]) = rows.get(c) else { continue };
+        add_scaled(&mut x, factor, p);
+        add_scaled(&mut y, factor, q);
+    }
+    (*a, *b) = (x, y);
+}
+
+/// The same for the first of a tile's columns.
+fn add_blocks<const STRIDE: usize>(a: &mut Block, rows: &[[Block; STRIDE]], entries: &[(usize, f32)]) {
+    let mut x = *a;
+    for &(c, factor) in entries {
+        let Some(p) = rows.get(c).and_then(|row| row.first()) else { continue };
+        add_scaled(&mut x, factor, p);
+    }
+    *a = x;
 }

@@ -86,14 +86,7 @@ impl<const NB: usize, const BLOCKS: usize> Ekf<NB, BLOCKS> {
 
     /// P J^T of a sparse row.
     fn cross(&self, jacobian: &Jacobian) -> Vector<NB> {
-        let mut column = Vector::ZERO;
-        for &(i, derivative) in jacobian {
-            self.covariance.add_column(i, derivative, self.len, &mut column);
-        }
-        for i in self.len..self.len.div_ceil(LANES) * LANES {
-            column.set(i, 0.0);
-        }
-        column
+        self.covariance.product(jacobian, self.len)
     }
 
     /// Prediction: the pose becomes `pose`, its rows and columns F P, its own block F P F^T + Q.
@@ -102,11 +95,13 @@ impl<const NB: usize, const BLOCKS: usize> Ekf<NB, BLOCKS> {
     pub fn predict(&mut self, pose: [f32; 3], jacobian: &MotionJacobian, noise: &[[f32; 3]; 3]) {
         let mut rows = [Vector::ZERO, Vector::ZERO, Vector::ZERO];
         for (row, derivatives) in rows.iter_mut().zip(jacobian) {
+            let mut entries: Vec<(usize, f32), LEADING> = Vec::new();
             for (i, &derivative) in derivatives.iter().enumerate().take(self.len) {
                 if derivative != 0.0 {
-                    self.covariance.add_column(i, derivative, self.len, row);
+                    let _ = entries.push((i, derivative));
                 }
             }
+            *row = self.covariance.product(&entries, self.len);
         }
         let mut pose_block = *noise;
         for ((out, row), noise) in pose_block.iter_mut().zip(&rows).zip(noise) {
@@ -119,9 +114,7 @@ impl<const NB: usize, const BLOCKS: usize> Ekf<NB, BLOCKS> {
             }
         }
         for (i, ((row, block), value)) in rows.iter().zip(&pose_block).zip(pose).enumerate() {
-            for j in 3..self.len {
-                self.covariance.set(i, j, row.get(j));
-            }
+            self.covariance.set_row(i, row, self.len);
             for (j, entry) in block.iter().enumerate().skip(i) {
                 self.covariance.set(i, j, *entry);
             }
@@ -143,8 +136,8 @@ impl<const NB: usize, const BLOCKS: usize> Ekf<NB, BLOCKS> {
         if !(inverse > 0.0 && inverse.is_finite() && innovation.is_finite()) {
             return Err(Degenerate);
         }
-        self.mean.add_scaled(innovation * inverse, &column, self.len);
-        self.covariance.downdate(&column, inverse, self.len);
+        let gain = self.mean.correct(&column, inverse, innovation, self.len);
+        self.covariance.downdate_scaled(&column, &gain, self.len);
         Ok(())
     }
 

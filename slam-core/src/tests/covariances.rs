@@ -92,17 +92,42 @@ fn downdate_is_the_naive_one_for_every_length() {
 }
 
 #[test]
-fn a_column_is_a_column_for_every_length() {
+fn a_product_is_the_naive_one_for_every_length_and_column() {
     let mut random = Random::new(2);
     for n in 1..=CAPACITY {
-        let (packed, dense) = random_symmetric(&mut random, n);
+        let (mut packed, mut dense) = random_symmetric(&mut random, n);
+        // A downdate before it: what it leaves beside the upper triangle must not show.
+        let (g, values) = random_vector(&mut random, n);
+        packed.downdate(&g, 0.5, n);
+        for i in 0..n {
+            for j in 0..n {
+                dense[i][j] -= 0.5 * values[i] * values[j];
+            }
+        }
         for c in 0..n {
-            let (mut out, before) = random_vector(&mut random, n);
-            packed.add_column(c, -0.3, n, &mut out);
+            let out = packed.product(&[(c, -0.3), (n - 1 - c, 0.2)], n);
             for i in 0..n {
-                let expected = before[i] - f64::from(0.3f32) * dense[i][c];
+                let expected = -f64::from(0.3f32) * dense[i][c] + f64::from(0.2f32) * dense[i][n - 1 - c];
                 assert!((f64::from(out.get(i)) - expected).abs() < 1e-6, "n = {n}, column {c}, entry {i}");
             }
+            assert_eq!(out.get(n), 0.0);
+        }
+    }
+}
+
+#[test]
+fn setting_a_row_sets_it_from_its_diagonal_on() {
+    let mut random = Random::new(7);
+    for n in 1..=CAPACITY {
+        for i in 0..n.min(LANES) {
+            let (mut packed, mut dense) = random_symmetric(&mut random, n);
+            let (row, values) = random_vector(&mut random, n);
+            packed.set_row(i, &row, n);
+            for j in i..n {
+                dense[i][j] = values[j];
+                dense[j][i] = values[j];
+            }
+            assert_equal(&packed, &dense, "set row");
         }
     }
 }
