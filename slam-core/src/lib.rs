@@ -21,7 +21,7 @@ mod buffer;
 mod cluster;
 pub mod config;
 pub mod covariance;
-mod dbscan;
+pub mod dbscan;
 pub mod ekf;
 mod extend;
 mod grid;

@@ -1,5 +1,6 @@
 //! What is measured. A case's name appears in docs/timing.csv.
 
+mod clusters;
 mod drive;
 mod filter;
 mod home;
@@ -12,5 +13,6 @@ use slam_core::angle;
 pub fn run(bench: &Bench) {
     bench.worst("sin_cos", 64, |call| angle::sin_cos(black_box(call as f32 * 0.1 - 3.2)));
     filter::run(bench);
+    clusters::run(bench);
     drive::run(bench);
 }
