@@ -9,7 +9,7 @@ use crate::grid::GridDirection;
 use crate::layout::{ALPHA, THETA, X, Y};
 use crate::range::{Reading, SHARP_HOLD_S, SURFACE_M};
 use crate::wall::{Direction, Wall};
-use crate::{Outcome, RangeInput, RangeModel, Refusal, Sample, Slam, StepReport};
+use crate::{Outcome, RangeInput, RangeModel, RangeSensor, Refusal, Sample, Slam, StepReport};
 
 /// Walls that one beam is held against: beyond its end a wall may go on or not, and at a corner two may.
 const MAX_CANDIDATES: usize = 4;
@@ -23,6 +23,59 @@ const END_M: f32 = 0.1;
 
 /// Gate there: 95 % of a chi-square distribution with one degree of freedom.
 const END_GATE: f32 = 3.84;
+
+/// "This reading came from that wall."
+struct Hypothesis {
+    /// Identifier of the wall.
+    wall: u16,
+    candidate: Candidate,
+    /// What the sensor should report, metres.
+    predicted_m: f32,
+    /// Variance of the sensor's own noise there, m^2.
+    sensor_m2: f32,
+    innovation_m: f32,
+    jacobian: Jacobian,
+    noise_m2: f32,
+    /// Innovation variance, m^2.
+    variance_m2: f32,
+    /// Inside the gate.
+    explains: bool,
+}
+
+impl Hypothesis {
+    fn at_end(&self) -> bool {
+        self.candidate.inside_m < END_M
+    }
+
+    /// A tenth of a millimetre behind this wall, so that rounding does not bring it again.
+    fn beyond_m(&self) -> f32 {
+        self.candidate.range_m + 1e-4
+    }
+
+    fn updated(&self) -> Outcome {
+        Outcome::Updated { wall: self.wall, innovation_m: self.innovation_m, variance_m2: self.variance_m2 }
+    }
+
+    fn gated(&self) -> Outcome {
+        Outcome::Gated { wall: self.wall, innovation_m: self.innovation_m, variance_m2: self.variance_m2 }
+    }
+}
+
+/// Whether the sensor can see the wall that it is said to have seen.
+fn check_limits(limits: &RangeSensor, met: &Hypothesis) -> Result<(), Refusal> {
+    if met.candidate.cos_incidence < libm::cosf(limits.max_incidence_rad) {
+        return Err(Refusal::Incidence);
+    }
+    // A reading that only its noise brought inside the sensor's limits is a biased one.
+    let margin_m = 2.0 * libm::sqrtf(met.sensor_m2);
+    if met.predicted_m > limits.max_m - margin_m {
+        return Err(Refusal::TooFar);
+    }
+    if met.predicted_m < limits.min_m + margin_m.max(NEAR_SHARE * limits.min_m) {
+        return Err(Refusal::TooNear);
+    }
+    Ok(())
+}
 
 impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOCKS: usize> Slam<S, W, B, NB, BLOCKS> {
     /// One scalar update for every reading (report eq. 3).
@@ -85,62 +138,81 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
     fn associate(&mut self, sensor: usize, reading: &Reading) -> Result<Outcome, Refusal> {
         let heading = sin_cos(self.ekf.mean(THETA));
         let beam = self.mount_then(sensor).beam(self.position(), heading);
-        let grid = GridDirection::of(&self.ekf);
         let Some(limits) = self.rig.sensors.get(sensor).copied() else { return Err(Refusal::Invalid) };
-        let gain = self.gain(sensor);
         let mut outcome = Outcome::Unexplained;
         let mut beyond_m = 0.0;
         for _ in 0..MAX_CANDIDATES {
-            let met = first_met(&self.ekf, &grid, self.map.walls(), &beam, beyond_m, 1.5 * limits.max_m);
-            let Some(met) = met else { break };
-            // A tenth of a millimetre on, so that rounding does not bring the same wall again.
-            beyond_m = met.range_m + 1e-4;
-            let Some(&wall) = self.map.walls().get(met.index) else { break };
-            let prediction = beam.predict(&met.line);
-            let predicted_m = gain * prediction.range_m;
-            let innovation = reading.innovation(predicted_m);
-            let jacobian = self.jacobian(sensor, gain, &wall, &prediction);
-            let timing = self.timing_variance(sensor, &prediction, heading);
-            let noise = innovation.noise_m2 + SURFACE_M * SURFACE_M + timing;
-            // Where two surfaces are possible, the reading says half as much.
-            let noise = if met.inside_m < END_M { 4.0 * noise } else { noise };
-            let variance_m2 = self.ekf.variance(&jacobian) + noise;
-            let innovation_m = innovation.value_m;
-            let gate = if met.inside_m < END_M { self.config.gate.min(END_GATE) } else { self.config.gate };
-            if innovation_m * innovation_m <= gate * variance_m2 {
-                if met.cos_incidence < libm::cosf(limits.max_incidence_rad) {
-                    return Err(Refusal::Incidence);
+            let Some(met) = self.hypothesis(sensor, reading, &beam, heading, beyond_m) else { break };
+            beyond_m = met.beyond_m();
+            if met.explains {
+                check_limits(&limits, &met)?;
+                // Past a wall's end the beam may have gone on: then the reading must not fit what stands there, too.
+                if met.at_end() {
+                    let next = self.hypothesis(sensor, reading, &beam, heading, beyond_m);
+                    if next.is_some_and(|next| next.explains) {
+                        return Err(Refusal::Ambiguous);
+                    }
                 }
-                // A reading that only its noise brought inside the sensor's limits is a biased one.
-                let margin = 2.0 * libm::sqrtf(innovation.noise_m2);
-                if predicted_m > limits.max_m - margin {
-                    return Err(Refusal::TooFar);
-                }
-                if predicted_m < limits.min_m + margin.max(NEAR_SHARE * limits.min_m) {
-                    return Err(Refusal::TooNear);
-                }
-                self.ekf.update(innovation_m, &jacobian, noise).map_err(|_| Refusal::Degenerate)?;
+                self.ekf.update(met.innovation_m, &met.jacobian, met.noise_m2).map_err(|_| Refusal::Degenerate)?;
                 self.ekf.set_mean(THETA, wrap(self.ekf.mean(THETA)));
                 self.counters.updates = self.counters.updates.saturating_add(1);
-                self.map.met(met.index, met.along_m, self.odometry.path_m);
-                return Ok(Outcome::Updated { wall: wall.id, innovation_m, variance_m2 });
+                self.map.met(met.candidate.index, met.candidate.along_m, self.odometry.path_m);
+                return Ok(met.updated());
             }
             if outcome == Outcome::Unexplained {
-                outcome = Outcome::Gated { wall: wall.id, innovation_m, variance_m2 };
+                outcome = met.gated();
             }
-            if met.inside_m > 0.0 {
-                self.judge_pass(&met, innovation_m, variance_m2);
+            if met.candidate.inside_m > 0.0 {
+                self.judge_pass(&met);
                 break;
             }
         }
         Ok(outcome)
     }
 
+    /// The next wall along the beam, and how the reading would fit it.
+    fn hypothesis(
+        &self,
+        sensor: usize,
+        reading: &Reading,
+        beam: &Beam,
+        heading: (f32, f32),
+        beyond_m: f32,
+    ) -> Option<Hypothesis> {
+        let within_m = 1.5 * self.rig.sensors.get(sensor)?.max_m;
+        let grid = GridDirection::of(&self.ekf);
+        let candidate = first_met(&self.ekf, &grid, self.map.walls(), beam, beyond_m, within_m)?;
+        let wall = self.map.walls().get(candidate.index)?;
+        let gain = self.gain(sensor);
+        let prediction = beam.predict(&candidate.line);
+        let predicted_m = gain * prediction.range_m;
+        let innovation = reading.innovation(predicted_m);
+        let jacobian = self.jacobian(sensor, gain, wall, &prediction);
+        let white_m2 = innovation.noise_m2 + SURFACE_M * SURFACE_M + self.timing_variance(sensor, &prediction, heading);
+        let at_end = candidate.inside_m < END_M;
+        // Where two surfaces are possible, the reading says half as much.
+        let noise_m2 = if at_end { 4.0 * white_m2 } else { white_m2 };
+        let gate = if at_end { self.config.gate.min(END_GATE) } else { self.config.gate };
+        let variance_m2 = self.ekf.variance(&jacobian) + noise_m2;
+        let innovation_m = innovation.value_m;
+        Some(Hypothesis {
+            wall: wall.id,
+            candidate,
+            predicted_m,
+            sensor_m2: innovation.noise_m2,
+            innovation_m,
+            jacobian,
+            noise_m2,
+            variance_m2,
+            explains: innovation_m * innovation_m <= gate * variance_m2,
+        })
+    }
+
     /// A reading well beyond a wall, well inside its extent, went through it.
-    fn judge_pass(&mut self, met: &Candidate, innovation_m: f32, variance_m2: f32) {
-        let margin_m = 0.1 + 3.0 * libm::sqrtf(variance_m2);
-        if innovation_m > margin_m && met.inside_m > margin_m {
-            self.map.passed_through(met.index);
+    fn judge_pass(&mut self, met: &Hypothesis) {
+        let margin_m = 0.1 + 3.0 * libm::sqrtf(met.variance_m2);
+        if met.innovation_m > margin_m && met.candidate.inside_m > margin_m {
+            self.map.passed_through(met.candidate.index);
         }
     }
 
