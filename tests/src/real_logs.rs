@@ -1,16 +1,78 @@
 //! Where real logs are, on machines that have them.
 
+use std::io::{self, Write};
 use std::path::PathBuf;
 
-/// The folder of a real log: in `SLAM_DATA`, or in `shared/data` beside the repository. None, said loudly, where it is not
-/// there: the logs are not this project's to publish.
-pub fn folder(name: &str) -> Option<PathBuf> {
-    let beside = || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-    let root = std::env::var_os("SLAM_DATA").map_or_else(beside, PathBuf::from);
-    let folder = root.join(name);
-    if folder.is_dir() {
-        return Some(folder);
+use lab::replay::{Replay, Replayed};
+use slam_core::Config;
+
+/// A log of a real robot.
+#[derive(Clone, Copy, Debug)]
+pub struct RealLog {
+    /// Its folder.
+    pub name: &'static str,
+    /// The log within the folder.
+    pub file: &'static str,
+    /// Where it is from.
+    pub about: &'static str,
+}
+
+/// Seven beams of a real laser in offices, with a truth.
+pub const FREIBURG: RealLog = RealLog {
+    name: "fr079-first",
+    file: "log.csv",
+    about: "seven beams of a real laser in offices, up to 3 m; odometry with synthetic errors",
+};
+
+/// Four time-of-flight beams of a drone in hallways.
+pub const HALLWAYS: RealLog = RealLog {
+    name: "olsson-demo",
+    file: "log.csv",
+    about: "four time-of-flight beams of a drone in hallways, up to 2 m",
+};
+
+/// A CARMEN log of a corridor.
+pub const CORRIDOR: RealLog = RealLog {
+    name: "wean-1",
+    file: "wean.log.gz",
+    about: "seven beams of a real laser in a corridor, up to 5 m; real wheel odometry",
+};
+
+impl RealLog {
+    /// The log's folder, in `SLAM_DATA` or in `shared/data` beside the repository. None, said loudly, where it is not
+    /// there: the logs are not this project's to publish.
+    pub fn folder(&self) -> Option<PathBuf> {
+        let beside = || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
+        let root = std::env::var_os("SLAM_DATA").map_or_else(beside, PathBuf::from);
+        let folder = root.join(self.name);
+        if folder.is_dir() {
+            return Some(folder);
+        }
+        // Straight to the stream: the test harness would swallow what a passing test prints.
+        let _ = writeln!(
+            io::stderr(),
+            "\nSKIPPED: no real log {} in {}; set SLAM_DATA to the folder that holds it\n",
+            self.name,
+            root.display()
+        );
+        None
     }
-    eprintln!("SKIPPED: no real log {name} in {}; set SLAM_DATA to the folder that holds it", root.display());
-    None
+
+    /// Replays it with the estimator's defaults; none where it is not at hand.
+    ///
+    /// # Panics
+    /// It cannot be replayed.
+    pub fn replay(&self) -> Option<Replayed> {
+        let folder = self.folder()?;
+        let out = tempfile::TempDir::new().expect("a temporary folder");
+        let replay = Replay {
+            log: folder.join(self.file),
+            rig: folder.join("rig.toml"),
+            out: out.path().to_owned(),
+            truth: None,
+            config: Config::default(),
+            trace: false,
+        };
+        Some(replay.run(|_| ()).unwrap_or_else(|error| panic!("{error}")))
+    }
 }

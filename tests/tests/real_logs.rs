@@ -1,23 +1,11 @@
 //! Logs of real robots, where they are at hand.
 
 use lab::recording::Figures;
-use lab::replay::Replay;
-use slam_core::Config;
-use tests::real_logs::folder;
+use tests::real_logs::{CORRIDOR, FREIBURG, HALLWAYS, RealLog};
 
 /// Replays a real log to its end; none where it is not at hand.
-fn replay(name: &str, log: &str, rows: usize) -> Option<Figures> {
-    let folder = folder(name)?;
-    let out = tempfile::TempDir::new().expect("a temporary folder");
-    let replay = Replay {
-        log: folder.join(log),
-        rig: folder.join("rig.toml"),
-        out: out.path().to_owned(),
-        truth: None,
-        config: Config::default(),
-        trace: false,
-    };
-    let replayed = replay.run(|_| ()).unwrap_or_else(|error| panic!("{error}"));
+fn replay(log: RealLog, rows: usize) -> Option<Figures> {
+    let replayed = log.replay()?;
     assert!(replayed.error.is_none() && replayed.notes.is_empty(), "{:?} {:?}", replayed.error, replayed.notes);
     let recording = replayed.recording;
     assert_eq!(recording.steps.len(), rows);
@@ -32,7 +20,7 @@ fn replay(name: &str, log: &str, rows: usize) -> Option<Figures> {
 
 #[test]
 fn freiburg_offices_with_a_laser() {
-    let Some(figures) = replay("fr079-first", "log.csv", 2400) else { return };
+    let Some(figures) = replay(FREIBURG, 2400) else { return };
     let (estimate, odometry) = (figures.estimate.expect("a truth"), figures.odometry.expect("a truth"));
     // A property of the log alone: it pins reading, dead reckoning, pairing and alignment.
     assert!((odometry.ate_m - 0.783).abs() < 0.005, "{odometry:?}");
@@ -41,11 +29,11 @@ fn freiburg_offices_with_a_laser() {
 
 #[test]
 fn hallways_with_a_drone() {
-    replay("olsson-demo", "log.csv", 3431);
+    replay(HALLWAYS, 3431);
 }
 
 #[test]
 fn a_corridor_in_a_carmen_log() {
-    let Some(figures) = replay("wean-1", "wean.log.gz", 713) else { return };
+    let Some(figures) = replay(CORRIDOR, 713) else { return };
     assert!((figures.path_m - 41.2).abs() < 0.1, "{figures:?}");
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use lab::recording::Recording;
 use tests::browser::Browser;
-use tests::real_logs::folder;
+use tests::real_logs::HALLWAYS;
 use tests::simulated::drive;
 
 const PROBE: &str = r##"
@@ -35,15 +35,6 @@ fn of_a_robot_that_has_just_started() {
 
 #[test]
 fn of_a_real_log() {
-    let Some(folder) = folder("olsson-demo") else { return };
-    let out = tempfile::TempDir::new().expect("a temporary folder");
-    let replay = lab::replay::Replay {
-        log: folder.join("log.csv"),
-        rig: folder.join("rig.toml"),
-        out: out.path().to_owned(),
-        truth: None,
-        config: slam_core::Config::default(),
-        trace: false,
-    };
-    assert_opens("olsson-demo", &replay.run(|_| ()).unwrap_or_else(|error| panic!("{error}")).recording);
+    let Some(replayed) = HALLWAYS.replay() else { return };
+    assert_opens(HALLWAYS.name, &replayed.recording);
 }
