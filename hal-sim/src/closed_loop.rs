@@ -87,5 +87,5 @@ pub fn nominal_ranges(rig: &Rig<MAX_SENSORS>, sample: &Sample<MAX_SENSORS>) -> [
 }
 
 fn volts(adc: Adc, counts: u16) -> f32 {
-    f32::from(counts) / ((1_u32 << adc.bits.min(16)) - 1) as f32 * adc.vref_v
+    f32::from(counts) / adc.full_scale() as f32 * adc.vref_v
 }

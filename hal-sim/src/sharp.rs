@@ -61,8 +61,8 @@ impl SharpCurve {
 
 /// Converter counts for a voltage.
 pub fn counts(adc: Adc, volts: f64) -> u16 {
-    let full = f64::from((1_u32 << adc.bits.min(16)) - 1);
-    libm::round((volts / f64::from(adc.vref_v)).clamp(0.0, 1.0) * full) as u16
+    let share = (volts / f64::from(adc.vref_v)).clamp(0.0, 1.0);
+    libm::round(share * f64::from(adc.full_scale())) as u16
 }
 
 /// The measuring cycle of one sensor.
