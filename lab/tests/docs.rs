@@ -58,3 +58,19 @@ fn every_figure_is_documented() {
         assert!(own.contains(&key.as_str()) || FORMATS.contains(&format!("`{key}`")), "{key} is not documented");
     }
 }
+
+#[test]
+fn the_experiment_example_is_good() {
+    use lab::experiment::file::Experiment;
+    use lab::experiment::row::Metric;
+    use lab::experiment::setting::Key;
+    use lab::experiment::variant::NAMED;
+    let text = include_str!("../../docs/experiment-format.md");
+    let example = text.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).expect("an example");
+    let example = example.replace(", \"my-home.toml\"", "");
+    Experiment::parse(Path::new("docs/experiment-format.md"), &example).unwrap_or_else(|error| panic!("{error}"));
+    let names = Key::ALL.map(Key::name).into_iter().chain(Metric::ALL.map(Metric::name)).chain(NAMED);
+    for name in names {
+        assert!(text.contains(&format!("`{name}`")), "{name} is not documented");
+    }
+}

@@ -92,6 +92,7 @@ fn mistakes_are_named_with_file_line_and_key() {
         ("gain_sigma = 0.04", "gain = 0.04", "bad.toml:13: case[1].gain: is not known here"),
         ("name = \"coarse\"", "name = \"fine\"", "case: has \"fine\" twice"),
         ("at_most = 1.0", "", "bar[0].at_most: one limit is needed"),
+        ("at_most = 1.0", "at_most = 1.0\nplans = [\"flat\"]", "bar[0].plans: has \"flat\""),
         ("metric = \"ate_m\"", "metric = \"ate\"", "bar[0].metric: is not known; known are path_m"),
     ] {
         place.put("bad.toml", SMALL.replacen(from, to, 1));
@@ -99,4 +100,21 @@ fn mistakes_are_named_with_file_line_and_key() {
     }
     place.lab().args(["experiment", "none.toml"]).assert().failure().stderr(contains("none.toml: cannot read"));
     place.lab().args(["experiment", "bad.toml", "--shard", "3/2"]).assert().failure().stderr(contains("k from 1 to n"));
+}
+
+#[test]
+fn a_sensor_is_fitted() {
+    let place = Place::new();
+    let row = |i: u32| {
+        let range_m = 0.2 + 0.005 * f64::from(i % 200);
+        let volts = (range_m / 0.6).powf(1.0 / -1.2) + if i.is_multiple_of(2) { 0.01 } else { -0.01 };
+        format!("{},{range_m},{volts}\n", 0.05 * f64::from(i))
+    };
+    place.put("log.csv", (0..2000).map(row).fold("time,range,out\n".to_owned(), |text, row| text + &row));
+    let fit = ["experiment", "sensor", "log.csv", "--out", "out", "--volts"];
+    let done = place.lab().args(fit).arg("out").assert().success();
+    done.stdout(contains("0.6000 m x volts^-1.200"));
+    assert!(place.get("out/figures/sensor-curve.svg").starts_with("<svg"));
+    let refused = place.lab().args(fit).arg("raw").assert().failure();
+    refused.stderr(contains("log.csv:1: raw: is not in the header; there are time, range, out"));
 }

@@ -5,7 +5,7 @@
 //! side by side, sixteen entries in one run, but for the last eight rows, which only the second column has. A smaller
 //! state uses a prefix of the storage, whatever the capacity; the map grows at the far end.
 //!
-//! Entries left of the diagonal, in the blocks on it, are zero.
+//! Entries left of the diagonal, in the blocks on it, are anything: they are made zero before a row is added whole.
 
 mod kernel;
 
@@ -53,23 +53,20 @@ impl<const NB: usize> Vector<NB> {
         }
     }
 
-    /// factor * self over the first `n` entries' blocks, zero past them.
-    fn scaled(&self, factor: f32, n: usize) -> Self {
-        let mut out = Self::ZERO;
-        for (a, b) in out.0.iter_mut().zip(&self.0).take(n.div_ceil(LANES)) {
+    /// self = factor * other, over the first `n` entries' blocks.
+    fn set_scaled(&mut self, factor: f32, other: &Self, n: usize) {
+        for (a, b) in self.0.iter_mut().zip(&other.0).take(n.div_ceil(LANES)) {
             *a = b.map(|b| factor * b);
         }
-        out
     }
 
     /// gain = factor * column, and self += innovation * gain, over the first `n` entries' blocks.
-    pub(crate) fn correct(&mut self, column: &Self, factor: f32, innovation: f32, n: usize) -> Self {
-        let mut gain = Self::ZERO;
+    pub(crate) fn correct(&mut self, column: &Self, factor: f32, innovation: f32, gain: &mut Self, n: usize) {
         for ((x, gain), g) in self.0.iter_mut().zip(&mut gain.0).zip(&column.0).take(n.div_ceil(LANES)) {
-            *gain = g.map(|g| factor * g);
-            add_scaled(x, innovation, gain);
+            let k = g.map(|g| factor * g);
+            *gain = k;
+            add_scaled(x, innovation, &k);
         }
-        gain
     }
 }
 
@@ -132,11 +129,15 @@ impl<const NB: usize, const BLOCKS: usize> Covariance<NB, BLOCKS> {
         }
     }
 
-    /// P J^T over the leading n x n part, for a sparse row J. O(entries n).
-    pub fn product(&self, jacobian: &[(usize, f32)], n: usize) -> Vector<NB> {
-        let mut out = Vector::ZERO;
+    /// out = P J^T over the leading n x n part, for a sparse row J. O(entries n). Past `n`, and its block, `out` is left
+    /// as it was.
+    pub fn product(&mut self, jacobian: &[(usize, f32)], n: usize, out: &mut Vector<NB>) {
+        for block in out.0.iter_mut().take(n.div_ceil(LANES)) {
+            *block = [0.0; LANES];
+        }
         for &(c, factor) in jacobian {
-            self.add_above(c, factor, &mut out);
+            self.clear_left(c);
+            self.add_above(c, factor, out);
         }
         let mut rest = &self.0[..];
         for (m, out) in out.0.chunks_mut(2).enumerate().take(n.div_ceil(TILE)) {
@@ -153,15 +154,31 @@ impl<const NB: usize, const BLOCKS: usize> Covariance<NB, BLOCKS> {
                 add_blocks::<1>(a, rest.as_chunks().0, jacobian);
             }
         }
-        for entry in out.0.as_flattened_mut().iter_mut().skip(n).take(LANES) {
+        for entry in out.0.as_flattened_mut().iter_mut().take(n.next_multiple_of(LANES)).skip(n) {
             *entry = 0.0;
         }
-        out
+    }
+
+    /// Makes the entries of row `c` zero that lie left of the diagonal in its block.
+    fn clear_left(&mut self, c: usize) {
+        let (block, lane) = Self::locate(c, c);
+        if let Some(block) = self.0.get_mut(block) {
+            for entry in block.iter_mut().take(lane) {
+                *entry = 0.0;
+            }
+        }
     }
 
     /// Adds `factor` times the part of column `c` above the diagonal, a walk down the stored blocks, and the row's part
     /// in a block without neighbour.
     fn add_above(&self, c: usize, factor: f32, out: &mut Vector<NB>) {
+        if c < LANES && NB > 1 {
+            // The pose and what is beside it: short walks, many of them.
+            for (i, pair) in self.0.as_chunks::<2>().0.iter().take(c).enumerate() {
+                out.0[0][i % LANES] += factor * pair[0][c % LANES];
+            }
+            return;
+        }
         let (m, odd, lane) = (c / TILE, c / LANES % 2, c % LANES);
         let Some(tile) = self.0.get(Self::tile_start(m)..) else { return };
         let column = out.0.as_flattened_mut();
@@ -184,7 +201,9 @@ impl<const NB: usize, const BLOCKS: usize> Covariance<NB, BLOCKS> {
     ///
     /// `g` must be zero past `n`.
     pub fn downdate(&mut self, g: &Vector<NB>, k: f32, n: usize) {
-        self.downdate_scaled(g, &g.scaled(k, n), n);
+        let mut scaled = Vector::ZERO;
+        scaled.set_scaled(k, g, n);
+        self.downdate_scaled(g, &scaled, n);
     }
 
     /// The same where k g is at hand.
@@ -249,9 +268,6 @@ fn whole_tile(tile: &mut [Block], first: usize, factors: &[f32], g: &Block, h: &
     let Some((paired, single)) = tile.split_at_mut_checked(2 * (first + LANES)) else { return };
     let rows: &mut [[Block; 2]] = paired.as_chunks_mut().0;
     kernel::pairs(rows.as_chunks_mut().0, factors.as_chunks().0, g, h);
-    if let Some(diagonal) = rows.get_mut(first..) {
-        kernel::clear_left(diagonal);
-    }
     if let Some(factors) = factors.get(first + LANES..) {
         half_tile::<1>(single.as_chunks_mut().0, 0, factors, h, LANES);
     }
@@ -276,9 +292,6 @@ fn half_tile<const STRIDE: usize>(
         if let (Some(row), Some(factors)) = (below.get_mut(..1), factors.get(above.len()..)) {
             kernel::blocks::<STRIDE, HALF, LANES>(row, factors, g);
         }
-    }
-    if let Some(diagonal) = tile.get_mut(first..) {
-        kernel::clear_left(diagonal);
     }
 }
 

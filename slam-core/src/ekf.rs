@@ -28,11 +28,19 @@ pub struct Ekf<const NB: usize, const BLOCKS: usize> {
     len: usize,
     mean: Vector<NB>,
     covariance: Covariance<NB, BLOCKS>,
+    /// For the products of the covariance with Jacobian rows. Kept, since clearing and moving local ones costs as much
+    /// as the products.
+    rows: [Vector<NB>; 3],
 }
 
 impl<const NB: usize, const BLOCKS: usize> Ekf<NB, BLOCKS> {
     /// No states yet.
-    pub const EMPTY: Self = Self { len: 0, mean: Vector::ZERO, covariance: Covariance::ZERO };
+    pub const EMPTY: Self = Self {
+        len: 0,
+        mean: Vector::ZERO,
+        covariance: Covariance::ZERO,
+        rows: [Vector::ZERO, Vector::ZERO, Vector::ZERO],
+    };
 
     /// Most states it can hold.
     pub const CAPACITY: usize = LANES * NB;
@@ -84,27 +92,21 @@ impl<const NB: usize, const BLOCKS: usize> Ekf<NB, BLOCKS> {
         sum
     }
 
-    /// P J^T of a sparse row.
-    fn cross(&self, jacobian: &Jacobian) -> Vector<NB> {
-        self.covariance.product(jacobian, self.len)
-    }
-
     /// Prediction: the pose becomes `pose`, its rows and columns F P, its own block F P F^T + Q.
     ///
     /// `jacobian` is d(pose')/d(leading states); `noise` is Q, symmetric.
     pub fn predict(&mut self, pose: [f32; 3], jacobian: &MotionJacobian, noise: &[[f32; 3]; 3]) {
-        let mut rows = [Vector::ZERO, Vector::ZERO, Vector::ZERO];
-        for (row, derivatives) in rows.iter_mut().zip(jacobian) {
+        for (row, derivatives) in self.rows.iter_mut().zip(jacobian) {
             let mut entries: Vec<(usize, f32), LEADING> = Vec::new();
             for (i, &derivative) in derivatives.iter().enumerate().take(self.len) {
                 if derivative != 0.0 {
                     let _ = entries.push((i, derivative));
                 }
             }
-            *row = self.covariance.product(&entries, self.len);
+            self.covariance.product(&entries, self.len, row);
         }
         let mut pose_block = *noise;
-        for ((out, row), noise) in pose_block.iter_mut().zip(&rows).zip(noise) {
+        for ((out, row), noise) in pose_block.iter_mut().zip(&self.rows).zip(noise) {
             for ((out, derivatives), noise) in out.iter_mut().zip(jacobian).zip(noise) {
                 let mut sum = *noise;
                 for (i, &derivative) in derivatives.iter().enumerate() {
@@ -113,7 +115,7 @@ impl<const NB: usize, const BLOCKS: usize> Ekf<NB, BLOCKS> {
                 *out = sum;
             }
         }
-        for (i, ((row, block), value)) in rows.iter().zip(&pose_block).zip(pose).enumerate() {
+        for (i, ((row, block), value)) in self.rows.iter().zip(&pose_block).zip(pose).enumerate() {
             self.covariance.set_row(i, row, self.len);
             for (j, entry) in block.iter().enumerate().skip(i) {
                 self.covariance.set(i, j, *entry);
@@ -127,7 +129,8 @@ impl<const NB: usize, const BLOCKS: usize> Ekf<NB, BLOCKS> {
     /// # Errors
     /// [`Degenerate`] and nothing changed where the innovation variance is not a positive number.
     pub fn update(&mut self, innovation: f32, jacobian: &Jacobian, noise: f32) -> Result<(), Degenerate> {
-        let column = self.cross(jacobian);
+        let [column, gain, _] = &mut self.rows;
+        self.covariance.product(jacobian, self.len, column);
         let mut variance = noise;
         for &(i, derivative) in jacobian {
             variance += derivative * column.get(i);
@@ -136,8 +139,8 @@ impl<const NB: usize, const BLOCKS: usize> Ekf<NB, BLOCKS> {
         if !(inverse > 0.0 && inverse.is_finite() && innovation.is_finite()) {
             return Err(Degenerate);
         }
-        let gain = self.mean.correct(&column, inverse, innovation, self.len);
-        self.covariance.downdate_scaled(&column, &gain, self.len);
+        self.mean.correct(column, inverse, innovation, gain, self.len);
+        self.covariance.downdate_scaled(column, gain, self.len);
         Ok(())
     }
 
@@ -154,13 +157,14 @@ impl<const NB: usize, const BLOCKS: usize> Ekf<NB, BLOCKS> {
 
     /// Gives state `i`, which nothing depends on yet, a value that depends on other states by `jacobian`.
     pub fn initialise(&mut self, i: usize, value: f32, jacobian: &Jacobian, noise: f32) {
-        let column = self.cross(jacobian);
+        let [column, ..] = &mut self.rows;
+        self.covariance.product(jacobian, self.len, column);
         let mut variance = noise;
         for &(j, derivative) in jacobian {
             variance += derivative * column.get(j);
         }
         self.mean.set(i, value);
-        self.covariance.set_column(i, &column, variance, self.len);
+        self.covariance.set_column(i, column, variance, self.len);
     }
 
     /// Adds covariance between two states (noise that the initialisations of both share).

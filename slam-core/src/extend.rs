@@ -4,6 +4,7 @@ use crate::angle::sin_cos;
 use crate::birth::{self, LocalLine, Verdict};
 use crate::buffer::Outlier;
 use crate::cluster::{Members, newest_line};
+use crate::ekf::Ekf;
 use crate::grid::{self, GridDirection};
 use crate::line_fit::FittedLine;
 use crate::range::Reading;
@@ -127,6 +128,10 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         let verdict = birth::judge(&self.ekf, self.config.walls, grid.as_ref(), &local);
         if verdict == Verdict::Wait {
             return false;
+        }
+        let full = self.map.is_full() || self.ekf.len() + 2 > Ekf::<NB, BLOCKS>::CAPACITY;
+        if full && self.map.evict(&mut self.ekf, line.count, self.odometry.path_m) {
+            self.counters.prunes = self.counters.prunes.saturating_add(1);
         }
         let states = if self.map.is_full() { None } else { birth::add_states(&mut self.ekf, verdict, &local) };
         let Some((rho, direction)) = states else {

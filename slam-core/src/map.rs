@@ -30,6 +30,9 @@ const MAX_SCORE: i8 = 20;
 const FORGET_BELOW: u32 = 10;
 const FORGET_AFTER_M: f32 = 3.0;
 
+/// A newborn's points were picked, a known wall's readings were not: how many of these one of those outweighs.
+const WORTH: u32 = 4;
+
 /// At most `W` walls.
 #[derive(Clone, Debug, Default)]
 pub struct Map<const W: usize> {
@@ -93,6 +96,21 @@ impl<const W: usize> Map<W> {
             self.remove(ekf, index);
             true
         })
+    }
+
+    /// Makes room where the map is full: removes the wall that the fewest readings met of those not seen for
+    /// [`FORGET_AFTER_M`], if they are fewer than `points` of the newborn times [`WORTH`]. True where one went.
+    pub fn evict<const NB: usize, const BLOCKS: usize>(
+        &mut self,
+        ekf: &mut Ekf<NB, BLOCKS>,
+        points: u32,
+        path_m: f32,
+    ) -> bool {
+        let unseen = self.walls.iter().enumerate().filter(|(_, w)| path_m - w.seen_at_m > FORGET_AFTER_M);
+        let least = unseen.min_by_key(|(_, w)| w.updates).filter(|(_, w)| w.updates < WORTH.saturating_mul(points));
+        let Some(index) = least.map(|(index, _)| index) else { return false };
+        self.remove(ekf, index);
+        true
     }
 
     /// Removes wall `index` and its states.

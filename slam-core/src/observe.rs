@@ -38,15 +38,13 @@ struct Hypothesis {
     noise_m2: f32,
     /// Innovation variance, m^2.
     variance_m2: f32,
+    /// So near the wall's end, or past it, that another surface is possible.
+    at_end: bool,
     /// Inside the gate.
     explains: bool,
 }
 
 impl Hypothesis {
-    fn at_end(&self) -> bool {
-        self.candidate.inside_m < END_M
-    }
-
     /// A tenth of a millimetre behind this wall, so that rounding does not bring it again.
     fn beyond_m(&self) -> f32 {
         self.candidate.range_m + 1e-4
@@ -147,7 +145,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             if met.explains {
                 check_limits(&limits, &met)?;
                 // Past a wall's end the beam may have gone on: then the reading must not fit what stands there, too.
-                if met.at_end() {
+                if met.at_end {
                     let next = self.hypothesis(sensor, reading, &beam, heading, beyond_m);
                     if next.is_some_and(|next| next.explains) {
                         return Err(Refusal::Ambiguous);
@@ -189,7 +187,8 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         let innovation = reading.innovation(predicted_m);
         let jacobian = self.jacobian(sensor, gain, wall, &prediction);
         let white_m2 = innovation.noise_m2 + SURFACE_M * SURFACE_M + self.timing_variance(sensor, &prediction, heading);
-        let at_end = candidate.inside_m < END_M;
+        let stride_m = self.last_step.path_m + (self.last_step.increment.turn_rad * candidate.range_m).abs();
+        let at_end = candidate.inside_m < END_M.max(stride_m);
         // Where two surfaces are possible, the reading says half as much.
         let noise_m2 = if at_end { 4.0 * white_m2 } else { white_m2 };
         let gate = if at_end { self.config.gate.min(END_GATE) } else { self.config.gate };
@@ -204,6 +203,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             jacobian,
             noise_m2,
             variance_m2,
+            at_end,
             explains: innovation_m * innovation_m <= gate * variance_m2,
         })
     }

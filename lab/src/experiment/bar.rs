@@ -40,8 +40,8 @@ pub enum Limit {
 pub struct Bar {
     /// The case.
     pub case: String,
-    /// The plan; every plan of the case where not given.
-    pub plan: Option<String>,
+    /// The plans; every plan of the case where none is given.
+    pub plans: Vec<String>,
     /// The variant.
     pub variant: String,
     /// The figure.
@@ -81,7 +81,11 @@ impl Bar {
         if !known_variant(&variant) {
             return Err(table.error("variant", format!("is {variant:?}, which is not one of the variants")));
         }
-        let plan = table.optional_text("plan")?;
+        let plans = table.texts("plans")?;
+        let own = cases.iter().find(|known| known.name == case).map_or(&[][..], |known| &known.plans);
+        if let Some(plan) = plans.iter().find(|plan| !own.contains(plan)) {
+            return Err(table.error("plans", format!("has {plan:?}, which the case is not driven in")));
+        }
         let known: Vec<&str> = Metric::ALL.iter().map(|metric| metric.name()).collect();
         let metric = Metric::of_name(&table.text("metric")?)
             .ok_or_else(|| table.error("metric", format!("is not known; known are {}", known.join(", "))))?;
@@ -91,7 +95,7 @@ impl Bar {
         {
             return Err(table.error("than", format!("is {other:?}, which is not one of the variants")));
         }
-        let bar = Self { case, plan, variant, metric, statistic: read_statistic(table)?, limit };
+        let bar = Self { case, plans, variant, metric, statistic: read_statistic(table)?, limit };
         table.nothing_else()?;
         Ok(bar)
     }
@@ -99,11 +103,9 @@ impl Bar {
     /// Whether it holds, in each plan that it is for.
     pub fn judge(&self, rows: &[RunRow], cases: &[Case]) -> Vec<Verdict> {
         let case = cases.iter().find(|case| case.name == self.case);
-        let plans: Vec<String> = match &self.plan {
-            Some(plan) => vec![plan.clone()],
-            None => case.map_or_else(Vec::new, |case| case.plans.clone()),
-        };
-        plans.into_iter().map(|plan| self.judge_plan(rows, plan)).collect()
+        let of_case = case.map_or(&[][..], |case| &case.plans);
+        let plans = if self.plans.is_empty() { of_case } else { &self.plans };
+        plans.iter().map(|plan| self.judge_plan(rows, plan.clone())).collect()
     }
 
     fn judge_plan(&self, rows: &[RunRow], plan: String) -> Verdict {
@@ -204,7 +206,7 @@ mod tests {
     fn bar(limit: Limit) -> Bar {
         Bar {
             case: "default".into(),
-            plan: Some("flat".into()),
+            plans: vec!["flat".into()],
             variant: "own".into(),
             metric: Metric::Ate,
             statistic: Statistic::Median,

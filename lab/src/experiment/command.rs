@@ -10,6 +10,7 @@ use crate::error::FileError;
 use crate::experiment::file::Experiment;
 use crate::experiment::page::{self, Written};
 use crate::experiment::runner::{Runner, Shard};
+use crate::experiment::sensor::SensorArgs;
 use crate::experiment::{store, table};
 
 /// `lab experiment`.
@@ -43,6 +44,8 @@ enum Part {
         #[arg(required = true)]
         parts: Vec<PathBuf>,
     },
+    /// Fit the sensor model to a real sensor's log.
+    Sensor(SensorArgs),
 }
 
 impl ExperimentArgs {
@@ -51,10 +54,14 @@ impl ExperimentArgs {
     /// # Errors
     /// A file that cannot be used, or a drive that cannot be simulated.
     pub fn run(self) -> Result<(), FileError> {
-        if let Some(Part::Merge { out, parts }) = self.part {
-            let experiment = store::merge(&out, &parts)?;
-            say(&page::write(&out, &experiment)?, &out);
-            return Ok(());
+        match self.part {
+            Some(Part::Merge { out, parts }) => {
+                let experiment = store::merge(&out, &parts)?;
+                say(&page::write(&out, &experiment)?, &out);
+                return Ok(());
+            }
+            Some(Part::Sensor(sensor)) => return sensor.run(),
+            None => {}
         }
         let file = self.file.unwrap_or_default();
         let experiment = Experiment::read(&file)?;

@@ -56,7 +56,7 @@ fn legend(experiment: &Experiment) -> Vec<(usize, String)> {
 }
 
 /// A name as part of a file's name.
-pub(crate) fn slug(text: &str) -> String {
+pub fn slug(text: &str) -> String {
     let letter = |c: char| if c.is_ascii_alphanumeric() || c == '.' { c.to_ascii_lowercase() } else { '-' };
     let text: String = text.chars().map(letter).collect();
     let words: Vec<&str> = text.split('-').filter(|word| !word.is_empty()).collect();
@@ -147,7 +147,7 @@ fn nees_over_time(experiment: &Experiment, case: &str, plan: &str, samples: &[&E
 }
 
 /// Bars of a histogram from -5 to 5 in steps of 0.25, as densities; what is beyond is put into the last ones.
-pub(crate) fn density_bars(values: &[f64]) -> Vec<(f64, f64, f64)> {
+pub fn density_bars(values: &[f64]) -> Vec<(f64, f64, f64)> {
     const BINS: usize = 40;
     let mut counts = [0usize; BINS];
     for value in values {
@@ -162,7 +162,7 @@ pub(crate) fn density_bars(values: &[f64]) -> Vec<(f64, f64, f64)> {
 }
 
 /// A histogram with the standard normal density over it.
-pub(crate) fn density_panel(title: &str, label: &str, values: &[f64], width: f64, height: f64) -> Panel {
+pub fn density_panel(title: &str, label: &str, values: &[f64], width: f64, height: f64) -> Panel {
     let bars = density_bars(values);
     let top = bars.iter().map(|bar| bar.2).fold(0.42, f64::max);
     let y = Axis::from_zero("density", top);

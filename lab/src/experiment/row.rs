@@ -9,8 +9,8 @@ pub enum Metric {
     Path,
     /// Rooms of the plan that the robot was in.
     RoomsVisited,
-    /// Rooms of the plan.
-    Rooms,
+    /// Rooms of the plan that it was not in.
+    RoomsMissed,
     /// RMSE of position after the best rigid alignment, metres.
     Ate,
     /// RMSE of position in the start frame, metres.
@@ -40,7 +40,7 @@ impl Metric {
     pub const ALL: [Metric; 14] = [
         Self::Path,
         Self::RoomsVisited,
-        Self::Rooms,
+        Self::RoomsMissed,
         Self::Ate,
         Self::Start,
         Self::Heading,
@@ -59,7 +59,7 @@ impl Metric {
         match self {
             Self::Path => "path_m",
             Self::RoomsVisited => "rooms_visited",
-            Self::Rooms => "rooms",
+            Self::RoomsMissed => "rooms_missed",
             Self::Ate => "ate_m",
             Self::Start => "start_m",
             Self::Heading => "heading_deg",

@@ -72,11 +72,7 @@ fn scaled(value: Option<f64>, factor: f64) -> Option<f64> {
 
 const COLUMNS: [Column; 17] = [
     column("path_m", "path m", 0, |line| median(&line.figures(Metric::Path))),
-    column("rooms_missed", "", 2, |line| {
-        let visited = line.figures(Metric::RoomsVisited);
-        let missed: Vec<f64> = line.figures(Metric::Rooms).iter().zip(visited).map(|(all, seen)| all - seen).collect();
-        mean(&missed)
-    }),
+    column("rooms_missed", "", 2, |line| mean(&line.figures(Metric::RoomsMissed))),
     column("ate_median_cm", "aligned RMSE cm", 2, |line| scaled(median(&line.figures(Metric::Ate)), 100.0)),
     column("ate_p90_cm", "90 % cm", 2, |line| scaled(quantile(&line.figures(Metric::Ate), 0.9), 100.0)),
     column("ate_max_cm", "", 2, |line| scaled(max(&line.figures(Metric::Ate)), 100.0)),

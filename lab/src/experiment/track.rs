@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use hal_sim::{Estimate, Frame};
-use slam_core::{Config, Outcome, RigError, Sample, Slam, WallView};
+use slam_core::{Config, HostSlam, Outcome, RigError, Sample, Slam, WallView};
 
 use crate::recording::{Step, nis};
 use crate::rig_file::{MAX_SENSORS, Robot};
@@ -25,6 +25,9 @@ pub struct Track {
 
 /// The workbench's estimator with room for `B` outliers.
 type Estimator<const B: usize> = Slam<MAX_SENSORS, 64, B, 20, 1680>;
+
+// With the default's room it is the very estimator of `lab run`.
+const _: fn(Estimator<128>) -> HostSlam = |slam| slam;
 
 /// A running estimator and its track so far.
 pub struct Tracker<const B: usize> {

@@ -163,8 +163,9 @@ impl Driven {
     fn score(&self, key: RunKey, variant: &Variant, track: &Track) -> RunRow {
         let mut row = RunRow::new(key);
         row.set(Metric::Path, path_length_m(track.steps.iter().filter_map(|step| step.truth)));
-        row.set(Metric::RoomsVisited, self.rooms_visited() as f64);
-        row.set(Metric::Rooms, self.plan.rooms.len() as f64);
+        let visited = self.rooms_visited();
+        row.set(Metric::RoomsVisited, visited as f64);
+        row.set(Metric::RoomsMissed, (self.plan.rooms.len() - visited) as f64);
         let pairs: Vec<(Pose2, Pose2)> = track.steps.iter().filter_map(|step| Some((step.pose, step.truth?))).collect();
         let Some(score) = path::score(&pairs) else { return row };
         row.set(Metric::Ate, score.ate_m);

@@ -85,22 +85,3 @@ pub fn blocks<const STRIDE: usize, const FROM: usize, const TO: usize>(
         }
     }
 }
-
-/// Makes the entries left of the diagonal zero again, in the first of the blocks of eight rows.
-pub fn clear_left<const STRIDE: usize>(rows: &mut [[Block; STRIDE]]) {
-    let Some([_, b, c, d, e, f, g, h]) = rows.first_chunk_mut::<8>() else { return };
-    left::<STRIDE, 1>(b);
-    left::<STRIDE, 2>(c);
-    left::<STRIDE, 3>(d);
-    left::<STRIDE, 4>(e);
-    left::<STRIDE, 5>(f);
-    left::<STRIDE, 6>(g);
-    left::<STRIDE, 7>(h);
-}
-
-#[inline(always)]
-fn left<const STRIDE: usize, const N: usize>(row: &mut [Block; STRIDE]) {
-    if let Some(left) = row.first_mut().and_then(|block| block.first_chunk_mut::<N>()) {
-        *left = [0.0; N];
-    }
-}

@@ -53,7 +53,7 @@ fn figures(outcome: &Outcome) -> [Figure; 2] {
         svg: svg(&panels, &legend),
     };
     let innovations = &outcome.track.innovations;
-    let stride = innovations.len().div_ceil(3000).max(1);
+    let stride = innovations.len().div_ceil(1500).max(1);
     let shown: Vec<(f64, f64)> = innovations.iter().copied().step_by(stride).collect();
     let x = Axis::linear("time, s", shown.iter().map(|point| point.0));
     let y = Axis::linear("innovation / sigma", [-4.0, 4.0]);

@@ -1,0 +1,38 @@
+//! The committed experiment files: all can be read, and what the smaller sweep must hold holds.
+
+use std::path::{Path, PathBuf};
+
+use lab::experiment::file::Experiment;
+use lab::experiment::runner::{Runner, Shard};
+use lab::experiment::{page, table};
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments")
+}
+
+#[test]
+fn every_file_is_good() {
+    let mut read = 0;
+    for entry in std::fs::read_dir(folder()).expect("the folder") {
+        let file = entry.expect("an entry").path();
+        if file.extension().is_some_and(|extension| extension == "toml") {
+            Experiment::read(&file).unwrap_or_else(|error| panic!("{error}"));
+            read += 1;
+        }
+    }
+    assert!(read >= 4, "{read}");
+}
+
+#[test]
+fn the_smaller_sweep_holds() {
+    let experiment = Experiment::read(&folder().join("ci.toml")).expect("a good file");
+    let out = tempfile::tempdir().expect("a temporary folder");
+    let jobs = std::thread::available_parallelism().map_or(1, usize::from);
+    let runner = Runner { out: out.path().to_owned(), shard: Shard::WHOLE, jobs };
+    runner.run(&experiment, &|_, _| {}).expect("it runs");
+    let written = page::write(out.path(), &experiment).expect("it is written");
+    println!("{}\n{}", table::markdown(&written.lines), table::verdicts_markdown(&written.verdicts));
+    assert!(written.verdicts.len() >= 40, "{}", written.verdicts.len());
+    let broken: Vec<_> = written.verdicts.iter().filter(|verdict| !verdict.holds).collect();
+    assert!(broken.is_empty(), "{broken:#?}");
+}
