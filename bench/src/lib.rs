@@ -1,0 +1,1 @@
+//! Nothing of its own: `cargo bench --package bench` runs `benches/update.rs`.
