@@ -4,6 +4,24 @@
 //! dead-reckoned increment, and one reading per range sensor) and keeps a pose, a map of walls, the direction of the
 //! home's wall grid and the calibration of the robot's own sensors in one extended Kalman filter.
 //!
+//! Layers, in the order in which the data flow; none reaches back:
+//!
+//! | layer | what it makes |
+//! |---|---|
+//! | [`sample`], [`rig`] | what was sensed, and what by |
+//! | motion, range | checked travel and readings, with their noise; what cannot be is refused here and counted |
+//! | beam, association, observe | which wall a reading came from, and what it should have been |
+//! | [`ekf`], [`covariance`] | the state: predict, update, add, remove; knows nothing of robots and walls |
+//! | buffer, cluster, line fit, birth | new walls from the readings that fit none |
+//! | grid, map | the home's directions; walls merged and removed |
+//! | [`report`], [`WallView`] | what became of each reading, and what is known |
+//!
+//! One rule: the crate is pure. Time and samples are arguments; there is no clock, no randomness, no hardware, no heap and
+//! no panic.
+//!
+//! "The report" in the comments is P. Rousse and J. Qiu, *Simultaneous Localization And Mapping in a domestic
+//! environment*; `docs/estimator.md` says where this estimator goes beyond it.
+//!
 //! Frames: *map* is the robot's start pose (origin at the wheel axle's centre, x forward, y left, theta
 //! counter-clockwise); *robot* is the same, moving with the robot. Units are metres, radians, seconds and volts.
 #![no_std]
