@@ -116,9 +116,8 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
 
     /// Long enough, seen under angles that the sensor supports, and straight.
     fn is_wall(&self, sensor: usize, line: &FittedLine) -> bool {
-        let Some(limits) = self.rig.sensors.get(sensor) else { return false };
         line.length_m() >= SHORTEST_WALL_M
-            && line.cos_incidence >= libm::cosf(limits.max_incidence_rad)
+            && self.min_cos.get(sensor).is_some_and(|min_cos| line.cos_incidence >= *min_cos)
             && line.is_straight()
     }
 

@@ -60,8 +60,8 @@ impl Hypothesis {
 }
 
 /// Whether the sensor can see the wall that it is said to have seen.
-fn check_limits(limits: &RangeSensor, met: &Hypothesis) -> Result<(), Refusal> {
-    if met.candidate.cos_incidence < libm::cosf(limits.max_incidence_rad) {
+fn check_limits(limits: &RangeSensor, min_cos: f32, met: &Hypothesis) -> Result<(), Refusal> {
+    if met.candidate.cos_incidence < min_cos {
         return Err(Refusal::Incidence);
     }
     // A reading that only its noise brought inside the sensor's limits is a biased one.
@@ -136,14 +136,16 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
     fn associate(&mut self, sensor: usize, reading: &Reading) -> Result<Outcome, Refusal> {
         let heading = sin_cos(self.ekf.mean(THETA));
         let beam = self.mount_then(sensor).beam(self.position(), heading);
-        let Some(limits) = self.rig.sensors.get(sensor).copied() else { return Err(Refusal::Invalid) };
+        let (Some(&limits), Some(&min_cos)) = (self.rig.sensors.get(sensor), self.min_cos.get(sensor)) else {
+            return Err(Refusal::Invalid);
+        };
         let mut outcome = Outcome::Unexplained;
         let mut beyond_m = 0.0;
         for _ in 0..MAX_CANDIDATES {
             let Some(met) = self.hypothesis(sensor, reading, &beam, heading, beyond_m) else { break };
             beyond_m = met.beyond_m();
             if met.explains {
-                check_limits(&limits, &met)?;
+                check_limits(&limits, min_cos, &met)?;
                 // Past a wall's end the beam may have gone on: then the reading must not fit what stands there, too.
                 if met.at_end {
                     let next = self.hypothesis(sensor, reading, &beam, heading, beyond_m);

@@ -26,6 +26,8 @@ pub struct Slam<const S: usize, const W: usize, const B: usize, const NB: usize,
     pub(crate) config: Config,
     pub(crate) layout: Layout<S>,
     pub(crate) mounts: [FixedMount; S],
+    /// Cosine of the largest incidence at which each sensor is trusted.
+    pub(crate) min_cos: [f32; S],
     pub(crate) front_ends: [FrontEnd; S],
     pub(crate) ekf: Ekf<NB, BLOCKS>,
     pub(crate) has_grid: bool,
@@ -68,6 +70,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         },
         layout: Layout { first_scale: None, second_scale: None, track: None, gains: [None; S] },
         mounts: [FixedMount::NONE; S],
+        min_cos: [0.0; S],
         front_ends: [FrontEnd::NEW; S],
         ekf: Ekf::EMPTY,
         has_grid: false,
@@ -110,8 +113,9 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         self.layout = Layout::new(&rig, &config, |sigma| {
             ekf.augment(1.0, &Jacobian::new(), sigma * sigma);
         });
-        for (mount, sensor) in self.mounts.iter_mut().zip(&rig.sensors) {
+        for ((mount, min_cos), sensor) in self.mounts.iter_mut().zip(&mut self.min_cos).zip(&rig.sensors) {
             *mount = FixedMount::new(&sensor.mount);
+            *min_cos = libm::cosf(sensor.max_incidence_rad);
         }
         self.rig = rig;
         self.config = config;
@@ -126,6 +130,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         self.map.clear();
         self.buffer.clear();
         self.pending = [false; S];
+        self.last_clustered = 0;
         self.counters = Counters::ZERO;
         Ok(())
     }
