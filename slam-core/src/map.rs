@@ -209,14 +209,16 @@ impl Tie {
         other: &Wall,
         newborn: bool,
     ) -> Option<Self> {
+        // The cheap questions first: most pairs face another way or stand elsewhere.
+        let other_way = matches!((wall.direction, other.direction), (Direction::Grid(a), Direction::Grid(b)) if a != b);
+        let gap_m = wall.lo_m.max(other.lo_m) - wall.hi_m.min(other.hi_m);
+        if other_way || gap_m > MERGE_GAP_M {
+            return None;
+        }
         let other_line = other.line(ekf, grid);
         let cos = line.normal[0] * other_line.normal[0] + line.normal[1] * other_line.normal[1];
         // Within eight degrees of each other, facing the same way.
         if cos < 0.99 || (line.rho_m - other_line.rho_m).abs() > 1.0 {
-            return None;
-        }
-        let gap_m = wall.lo_m.max(other.lo_m) - wall.hi_m.min(other.hi_m);
-        if gap_m > MERGE_GAP_M {
             return None;
         }
         // Between the two, or the ends of what they share; for walls with the same direction one point tells all.
