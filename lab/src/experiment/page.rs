@@ -12,7 +12,7 @@ use crate::experiment::{figures::FOLDER, store};
 
 const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:1100px;margin:2rem auto;padding:0 1rem;\
 color:#24292f;background:#fff}table{border-collapse:collapse;font-size:13px;display:block;overflow-x:auto}\
-th,td{padding:.3rem .6rem;border-bottom:1px solid #d0d7de;text-align:right}th:first-child,td:first-child{text-align:left}\
+th,td{padding:.3rem .6rem;border-bottom:1px solid #d0d7de;text-align:right}th:first-child,td:first-child{text-align:left}td{white-space:nowrap}\
 figure{margin:2rem 0}figure svg{max-width:100%;height:auto}pre{overflow-x:auto;background:#f6f8fa;padding:1rem}\
 .no{color:#cf222e;font-weight:600}@media(prefers-color-scheme:dark){body{color:#e6edf3;background:#0d1117}\
 th,td{border-color:#30363d}pre{background:#161b22}.no{color:#ff7b72}}";
