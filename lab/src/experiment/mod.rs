@@ -1,6 +1,6 @@
 //! `lab experiment`: Monte Carlo over seeds, plans, settings and estimator variants.
 //!
-//! A [`file`](mod@file) says which [`plan`]s are driven under which [`setting`]s by which [`variant`]s. A [`unit`] of work is one
+//! A [`file`](mod@file) says which [`plan`]s are driven under which [`setting`]s by which [`variant`]s. A [`unit`](mod@unit) of work is one
 //! drive: it is simulated once, steered by the default estimator, and every variant gets its samples. The [`store`]
 //! keeps a [`row`] of metrics for each variant of each drive, so that a run can be resumed and its parts merged;
 //! [`table`]s, [`bar`]s, [`figures`] and the [`page`] are made from the rows alone.
