@@ -80,7 +80,7 @@ exponent = -1.16
 noise_v = 0.012
 "#;
 
-/// A folder of its own for each test, with helpers to fill and read it.
+/// A folder of its own for each test, and ways to fill and read it.
 pub struct Place {
     folder: TempDir,
 }
