@@ -62,7 +62,7 @@ pub fn sensor(index: usize, robot: &Robot, held_m: f32, free: &[Sample], held: &
     else {
         return Ok("it answers".into());
     };
-    let volts = median(index, held) / ((1u32 << adc.bits) - 1) as f32 * adc.vref_v;
+    let volts = median(index, held) / adc.full_scale() as f32 * adc.vref_v;
     let range_m = scale_m * volts.powf(exponent);
     if (range_m / held_m - 1.0).abs() > RANGE_SHARE {
         return Err(format!(
