@@ -26,6 +26,10 @@ const MERGE_GAP_M: f32 = crate::association::PROLONGATION_M;
 const BIRTH_SCORE: i8 = 5;
 const MAX_SCORE: i8 = 20;
 
+/// What one beam that passes through weighs against one that meets: a row of chair legs is met, too, but a wall lets
+/// nothing through.
+const PASS_WEIGHT: i8 = 3;
+
 /// A wall that was met by fewer readings than this, and not for [`FORGET_AFTER_M`] of path, was noise.
 const FORGET_BELOW: u32 = 10;
 const FORGET_AFTER_M: f32 = 3.0;
@@ -82,7 +86,7 @@ impl<const W: usize> Map<W> {
     /// A reading went through wall `index`.
     pub fn passed_through(&mut self, index: usize) {
         if let Some(wall) = self.walls.get_mut(index) {
-            wall.score = wall.score.saturating_sub(1);
+            wall.score = wall.score.saturating_sub(PASS_WEIGHT);
         }
     }
 

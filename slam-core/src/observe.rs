@@ -21,7 +21,13 @@ const NEAR_SHARE: f32 = 0.15;
 /// Within this distance of a wall's ends, and beyond them, another surface may be the one that was met, metres.
 const END_M: f32 = 0.1;
 
-/// Gate there: 95 % of a chi-square distribution with one degree of freedom.
+/// A wall nearer than this share of a sensor's maximum range is seen, if it is there.
+const ABSENCE_SHARE: f32 = 0.7;
+
+/// And if the beam meets it this far from its ends, metres.
+const ABSENCE_M: f32 = 0.15;
+
+/// Gate near a wall's ends: 95 % of a chi-square distribution with one degree of freedom.
 const END_GATE: f32 = 3.84;
 
 /// "This reading came from that wall."
@@ -87,6 +93,9 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             let reading = match front_end.read(sensor, self.rig.adc.as_ref(), *input, self.dt_s, path_m) {
                 Ok(reading) => reading,
                 Err(refusal) => {
+                    if matches!(refusal, Refusal::TooFar | Refusal::Floor) {
+                        self.judge_absence(i);
+                    }
                     report.outcome = self.refuse(refusal);
                     continue;
                 }
@@ -215,6 +224,19 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         let margin_m = 0.1 + 3.0 * libm::sqrtf(met.variance_m2);
         if met.innovation_m > margin_m && met.candidate.inside_m > margin_m {
             self.map.passed_through(met.candidate.index);
+        }
+    }
+
+    /// A beam that found nothing within its range, where it should have met a wall well within it, went through the wall.
+    fn judge_absence(&mut self, sensor: usize) {
+        let (Some(limits), Some(&min_cos)) = (self.rig.sensors.get(sensor), self.min_cos.get(sensor)) else { return };
+        let heading = sin_cos(self.ekf.mean(THETA));
+        let beam = self.mount_then(sensor).beam(self.position(), heading);
+        let grid = GridDirection::of(&self.ekf);
+        let within_m = ABSENCE_SHARE * limits.max_m;
+        let Some(met) = first_met(&self.ekf, &grid, self.map.walls(), &beam, 0.0, within_m) else { return };
+        if met.inside_m > ABSENCE_M && met.cos_incidence > min_cos {
+            self.map.passed_through(met.index);
         }
     }
 
