@@ -18,6 +18,10 @@ pub const LEADING: usize = LANES;
 /// Rows of the pose in the Jacobian of the motion model, over the leading states.
 pub type MotionJacobian = [[f32; LEADING]; 3];
 
+/// Smallest noise variance of an update, as a share of the variance before it: 2^-16. A smaller one would leave a
+/// variance that is lost in f32's rounding of the larger one, and a covariance that is none.
+const FINEST: f32 = 1.0 / 65536.0;
+
 /// An update that cannot be done: the innovation variance is not a positive number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Degenerate;
@@ -131,12 +135,13 @@ impl<const NB: usize, const BLOCKS: usize> Ekf<NB, BLOCKS> {
     pub fn update(&mut self, innovation: f32, jacobian: &Jacobian, noise: f32) -> Result<(), Degenerate> {
         let [column, gain, _] = &mut self.rows;
         self.covariance.product(jacobian, self.len, column);
-        let mut variance = noise;
+        let mut known = 0.0;
         for &(i, derivative) in jacobian {
-            variance += derivative * column.get(i);
+            known += derivative * column.get(i);
         }
-        let inverse = 1.0 / variance;
-        if !(inverse > 0.0 && inverse.is_finite() && innovation.is_finite()) {
+        let inverse = 1.0 / (known + noise.max(FINEST * known));
+        let possible = known + noise > 0.0 && inverse > 0.0 && inverse.is_finite() && innovation.is_finite();
+        if !possible {
             return Err(Degenerate);
         }
         self.mean.correct(column, inverse, innovation, gain, self.len);

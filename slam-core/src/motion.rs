@@ -66,10 +66,11 @@ pub struct Step {
 
 impl Step {
     /// What is known of the step after this one when its motion is lost: the robot stood or went on as before, so it is
-    /// where it was, give or take that much (and at least a centimetre and a degree).
+    /// where it was, give or take that much: at least a centimetre and a degree, at most what a cleaning robot does in a
+    /// fifth of a second.
     pub fn lost(&self) -> Self {
-        let along = self.path_m.max(0.01);
-        let turn = self.increment.turn_rad.abs().max(0.02);
+        let along = self.path_m.clamp(0.01, 0.1);
+        let turn = self.increment.turn_rad.abs().clamp(0.02, 0.2);
         let noise = [[along * along, 0.0, 0.0], [0.0, along * along, 0.0], [0.0, 0.0, turn * turn]];
         Self { noise, path_m: along, ..Self::default() }
     }
@@ -87,6 +88,16 @@ impl Step {
 #[derive(Clone, Debug, Default)]
 pub struct Encoders {
     last: Option<Ticks>,
+}
+
+impl Motion {
+    /// Whether it is of the drive's kind.
+    pub(crate) fn fits(&self, drive: &DriveModel) -> bool {
+        matches!(
+            (drive, self),
+            (DriveModel::Wheels { .. }, Self::Ticks(_)) | (DriveModel::Odometry { .. }, Self::Increment(_))
+        )
+    }
 }
 
 impl Encoders {

@@ -157,6 +157,8 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         self.dt_s = elapsed_us as f32 * 1e-6;
         let travel = self.encoders.travel(&self.rig.drive, &sample.motion, self.dt_s);
         if first {
+            // Where motion starts from; there is none yet that could be wrong but in kind.
+            self.counters.bad_motion += u32::from(!sample.motion.fits(&self.rig.drive));
             return;
         }
         let factors = self.factors();
