@@ -135,13 +135,14 @@ impl<const NB: usize, const BLOCKS: usize> Ekf<NB, BLOCKS> {
     pub fn update(&mut self, innovation: f32, jacobian: &Jacobian, noise: f32) -> Result<(), Degenerate> {
         let [column, gain, _] = &mut self.rows;
         self.covariance.product(jacobian, self.len, column);
-        let mut known = 0.0;
+        let mut variance = noise;
         for &(i, derivative) in jacobian {
-            known += derivative * column.get(i);
+            variance += derivative * column.get(i);
         }
-        let inverse = 1.0 / (known + noise.max(FINEST * known));
-        let possible = known + noise > 0.0 && inverse > 0.0 && inverse.is_finite() && innovation.is_finite();
-        if !possible {
+        let known = variance - noise;
+        let finest = known + FINEST * known;
+        let inverse = 1.0 / if variance > 0.0 && variance < finest { finest } else { variance };
+        if !(inverse > 0.0 && inverse.is_finite() && innovation.is_finite()) {
             return Err(Degenerate);
         }
         self.mean.correct(column, inverse, innovation, gain, self.len);
