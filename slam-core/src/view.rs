@@ -3,6 +3,8 @@
 use crate::grid::GridDirection;
 use crate::layout::{ALPHA, THETA, X, Y};
 use crate::wall::WallKind;
+use nalgebra::Matrix3;
+
 use crate::{Counters, DriveModel, Pose, Rig, Slam};
 
 /// A calibration state.
@@ -59,6 +61,11 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
     /// Covariance of (x, y, theta): m^2, m rad, rad^2.
     pub fn pose_covariance(&self) -> [[f32; 3]; 3] {
         [X, Y, THETA].map(|i| [X, Y, THETA].map(|j| self.ekf.covariance(i, j)))
+    }
+
+    /// [`Slam::pose_covariance`] as a nalgebra matrix, for those who go on computing with it.
+    pub fn pose_covariance_matrix(&self) -> Matrix3<f32> {
+        Matrix3::from(self.pose_covariance())
     }
 
     /// The pose by the motion input alone, with the rig's nominal calibration.

@@ -1,7 +1,8 @@
 //! What the estimator does when something is full, and how large it is.
 
 use hal_sim::{Frame, SimOptions, default_rig};
-use slam_core::{Config, Counters, DriveModel, Rig, RobotSlam, Slam, WallPolicy};
+use slam_core::ekf::Ekf;
+use slam_core::{Config, Counters, DriveModel, HostSlam, Rig, RobotSlam, Slam, WallPolicy};
 use tests::frames::{narrowed, narrowed_rig, recorded};
 use tests::sanity::{Tally, assert_sane};
 
@@ -40,6 +41,16 @@ fn the_robot_s_estimator_fits_into_32_kib() {
     }
     let empty = RobotSlam::new(rig, Config::default()).unwrap();
     assert_eq!(empty.state_len() + 64, 79);
+}
+
+#[test]
+fn the_workbench_s_estimator_holds_64_free_walls() {
+    let empty = HostSlam::new(default_rig(), Config::default()).unwrap();
+    assert!(
+        empty.state_len() + 2 * 64 <= Ekf::<20, 1680>::CAPACITY,
+        "{} states before the first wall",
+        empty.state_len()
+    );
 }
 
 #[test]
