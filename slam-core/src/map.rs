@@ -24,11 +24,8 @@ const MERGE_GAP_M: f32 = crate::association::PROLONGATION_M;
 
 /// Score of a new wall: so many more beams must pass through it than meet it before it goes.
 const BIRTH_SCORE: i8 = 5;
-const MAX_SCORE: i8 = 20;
-
-/// What one beam that passes through weighs against one that meets: a row of chair legs is met, too, but a wall lets
-/// nothing through.
-const PASS_WEIGHT: i8 = 3;
+/// So many that a short run of wrong associations does not take a wall that was seen all day.
+const MAX_SCORE: i8 = 100;
 
 /// A wall that was met by fewer readings than this, and not for [`FORGET_AFTER_M`] of path, was noise.
 const FORGET_BELOW: u32 = 10;
@@ -86,7 +83,7 @@ impl<const W: usize> Map<W> {
     /// A reading went through wall `index`.
     pub fn passed_through(&mut self, index: usize) {
         if let Some(wall) = self.walls.get_mut(index) {
-            wall.score = wall.score.saturating_sub(PASS_WEIGHT);
+            wall.score = wall.score.saturating_sub(1);
         }
     }
 
