@@ -21,7 +21,7 @@ pub async fn estimate(slam: &mut RobotSlam, config: Config, shared: &Shared) -> 
             let _ = slam.start(slam.rig().clone(), config);
         }
         let sample = raw_sample(&ranges, shared);
-        let report = slam.step(&sample.to_slam());
+        let report = estimator::step(slam, &sample.to_slam());
         shared.senses.signal(senses(slam, &sample, &report, shared));
         steps = steps.wrapping_add(1);
         tell(slam, sample, steps, shared);

@@ -1,0 +1,15 @@
+//! One step of the robot's estimator.
+//!
+//! Generic code is compiled with the profile of the crate that names its types. This crate has the one for speed; the
+//! tasks around it, which seldom run, have the one for size.
+#![no_std]
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+
+use slam_core::{RobotSlam, Sample, StepReport};
+
+/// [`RobotSlam::step`].
+#[inline(never)]
+pub fn step(slam: &mut RobotSlam, sample: &Sample<8>) -> StepReport<8> {
+    slam.step(sample)
+}
