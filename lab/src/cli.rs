@@ -8,6 +8,7 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::compare::Compare;
 use crate::doctor::Doctor;
 use crate::experiment::command::ExperimentArgs;
 use crate::hil::{Hil, Target};
@@ -36,6 +37,8 @@ enum Command {
     Run(RunArgs),
     /// Replay a recorded log: log.csv or CARMEN, plain or gzipped.
     Replay(ReplayArgs),
+    /// Set the scores of two output folders side by side: which is better, and by how much.
+    Compare(Compare),
     /// Run the robot's firmware on its processor, emulated or real, in the loop with the simulated home.
     Hil(HilArgs),
     /// Show what a robot at a serial port says, and record it.
@@ -135,6 +138,7 @@ pub fn main() -> ExitCode {
     let done = match cli.command {
         Some(Command::Replay(args)) => replay(args),
         Some(Command::Run(args)) => run(args),
+        Some(Command::Compare(compare)) => compare.text().map(|text| print(&text)).map_err(Into::into),
         Some(Command::Hil(args)) => hil(args),
         Some(Command::Monitor(monitor)) => monitor.run().map_err(Into::into),
         Some(Command::Doctor(doctor)) => doctor.run().map_err(Into::into),
@@ -186,13 +190,18 @@ fn hil(args: HilArgs) -> Result<(), Box<dyn Error>> {
     let outcome = hil.run(|share| bar.set_position((1000.0 * share) as u64));
     bar.finish_and_clear();
     let outcome = outcome?;
-    let _ = writeln!(std::io::stdout(), "{outcome}  results in {}", hil.out.display());
+    print(&format!("{outcome}  results in {}\n", hil.out.display()));
     outcome.verdict().map_err(Into::into)
 }
 
-/// The closing table on the standard output, where somebody still listens.
+/// Text on the standard output, where somebody still listens.
+fn print(text: &str) {
+    let _ = write!(std::io::stdout(), "{text}");
+}
+
+/// The closing table.
 fn say(recording: &Recording, out: &Path) {
-    let _ = writeln!(std::io::stdout(), "{}  results in {}", closing::table(recording), out.display());
+    print(&format!("{}  results in {}\n", closing::table(recording), out.display()));
 }
 
 fn style(template: &str) -> ProgressStyle {

@@ -178,6 +178,10 @@ pub struct Figures {
     pub outliers: u64,
     /// Mean normalised innovation squared of the updates (1 is ideal).
     pub mean_nis: Option<f64>,
+    /// The same of all readings that met a wall, before the gate (1 is ideal).
+    pub nis_before_gate: Option<f64>,
+    /// Median of these (0.45 is ideal): what the few that are far off do not move.
+    pub median_nis_before_gate: Option<f64>,
     /// The estimate against the truth.
     pub estimate: Option<PathScore>,
     /// Dead reckoning against the truth.
@@ -189,18 +193,58 @@ pub struct Figures {
 }
 
 /// How well a map agrees with itself: scores that need no truth.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Consistency {
     /// Mean map entropy of the readings' end points by the estimate (radius 0.4 m), nats: less is sharper.
     pub entropy_nats: f64,
     /// The same by dead reckoning.
     pub odometry_entropy_nats: f64,
-    /// Walls that were visited more than once, visits more than 30 s apart.
+    /// Walls of which two visits or more saw the same stretch, visits more than 30 s apart.
     pub revisited: usize,
-    /// Largest distance between two visits' mean positions of one wall, along its normal, metres.
-    pub widest_gap_m: f64,
+    /// Largest distance between two visits' places of one wall, along its normal, metres.
+    pub widest_gap_m: Option<f64>,
     /// Mean over the revisited walls of the distance between their two farthest visits, metres.
-    pub mean_gap_m: f64,
+    pub mean_gap_m: Option<f64>,
+    /// RMS thickness of the revisited walls, metres.
+    pub thickness_m: Option<f64>,
+    /// RMS over the revisited walls of the distance between their first and their last visit, metres.
+    pub closure_m: Option<f64>,
+    /// The same had dead reckoning led from the first visit to the last.
+    pub odometry_closure_m: Option<f64>,
+    /// Every wall of the final map that readings met.
+    pub walls: Vec<SeenWall>,
+}
+
+/// A wall of the final map as its visits saw it. Places are distances behind its line, metres.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SeenWall {
+    /// Identifier of the wall.
+    pub wall: u16,
+    /// Readings that ended on it.
+    pub readings: usize,
+    /// RMS distance of these from their mean, metres.
+    pub thickness_m: f64,
+    /// Distance between the two farthest visits, metres; none where no two visits saw the same stretch.
+    pub gap_m: Option<f64>,
+    /// How far behind the first visit's place the last one sees it, metres.
+    pub closure_m: Option<f64>,
+    /// The same had dead reckoning led from the first visit to the last.
+    pub odometry_closure_m: Option<f64>,
+    /// The visits, in order.
+    pub visits: Vec<Visit>,
+}
+
+/// One visit of a wall.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Visit {
+    /// Time of the first reading, seconds since the log's first row.
+    pub begin_s: f64,
+    /// Time of the last, seconds.
+    pub end_s: f64,
+    /// Readings in front of and behind the wall that faced it.
+    pub readings: usize,
+    /// Mean place of those on it, metres behind the wall's line.
+    pub mean_m: f64,
 }
 
 /// Errors of a path against the truth.

@@ -103,20 +103,22 @@ impl Session {
         figures.duration_s = recording.steps.last().map_or(0.0, |step| step.t_s);
         figures.path_m = path_length_m(recording.steps.iter().map(|step| step.dead_reckoning));
         figures.walls = recording.steps.last().map_or(0, |step| step.walls);
-        let (mut updates, mut outliers, mut nis_sum) = (0u64, 0u64, 0.0);
+        let (mut used, mut all) = (Vec::new(), Vec::new());
+        let mut outliers = 0;
         for reading in &recording.readings {
+            let finite = nis(&reading.outcome).filter(|value| value.is_finite());
+            all.extend(finite);
             match reading.outcome {
-                Outcome::Updated { .. } => {
-                    updates += 1;
-                    nis_sum += nis(&reading.outcome).unwrap_or(0.0);
-                }
+                Outcome::Updated { .. } => used.push(finite.unwrap_or(0.0)),
                 Outcome::Gated { .. } | Outcome::Unexplained => outliers += 1,
                 Outcome::Missing | Outcome::Refused(_) => {}
             }
         }
-        figures.updates = updates;
+        figures.updates = used.len() as u64;
         figures.outliers = outliers;
-        figures.mean_nis = (updates > 0).then(|| nis_sum / updates as f64);
+        figures.mean_nis = mean(&used);
+        figures.nis_before_gate = mean(&all);
+        figures.median_nis_before_gate = median(all);
         self.recording
     }
 
@@ -169,6 +171,15 @@ fn parameter_name(parameter: Parameter, sensors: &[String]) -> String {
             None => format!("gain_{index}"),
         },
     }
+}
+
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 /// Length of a path, metres.

@@ -70,4 +70,14 @@ fn maps_are_scored_without_a_truth() {
     let number = |key: &str| score[key].as_f64().unwrap_or_else(|| panic!("{key}: {score}"));
     assert!(number("entropy_nats") < number("odometry_entropy_nats"), "{score}");
     assert!(number("revisited_walls") >= 4.0 && number("widest_gap_m") < 0.1, "{score}");
+    assert!(number("closure_m") < number("odometry_closure_m") && number("thickness_m") < 0.05, "{score}");
+    let wall = &score["walls"][0];
+    assert!(wall["gap_m"].is_number() && wall["visits"][1]["mean_m"].is_number(), "{wall}");
+    let shares = summary["readings"]["shares"].as_object().expect("shares");
+    let parts = ["used", "outside_gate", "unexplained", "refused"].map(|name| shares[name].as_f64().expect("a share"));
+    assert!((parts.iter().sum::<f64>() - 1.0).abs() < 1e-9 && parts[3] > 0.0, "{shares:?}");
+    let reasons: f64 = shares.iter().skip(4).filter_map(|(_, share)| share.as_f64()).sum();
+    assert!((reasons - parts[3]).abs() < 1e-9, "{shares:?}");
+    assert!(summary["nis_before_gate"].as_f64() > summary["mean_nis"].as_f64(), "{summary}");
+    assert!(summary["median_nis_before_gate"].as_f64().is_some_and(|median| (0.1..0.6).contains(&median)), "{summary}");
 }

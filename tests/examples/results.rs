@@ -107,7 +107,7 @@ fn real(text: &mut String) -> std::fmt::Result {
             figures.outliers,
             consistency.entropy_nats,
             consistency.odometry_entropy_nats,
-            100.0 * consistency.widest_gap_m,
+            100.0 * consistency.widest_gap_m.unwrap_or(0.0),
         )?;
     }
     writeln!(text)?;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::recording::{PathScore, Recording};
+use crate::recording::{Consistency, PathScore, Recording};
 
 /// The table, for people.
 pub fn table(recording: &Recording) -> String {
@@ -44,7 +44,9 @@ fn write_paths(text: &mut String, recording: &Recording) -> std::fmt::Result {
 fn write_filter(text: &mut String, recording: &Recording) -> std::fmt::Result {
     let figures = &recording.figures;
     if let Some(nis) = figures.mean_nis {
-        writeln!(text, "  {:<34}{nis:>12.2}   1 is ideal", "innovations NIS (mean)")?;
+        write!(text, "  {:<34}{nis:>12.2}   1 is ideal", "innovations NIS (mean)")?;
+        let all = figures.nis_before_gate.map_or(String::new(), |all| format!("; {all:.2} before the gate"));
+        writeln!(text, "{all}")?;
     }
     writeln!(text, "  {:<34}{:>12}", "walls in the map", figures.walls)?;
     if let Some(map) = &figures.map {
@@ -57,13 +59,24 @@ fn write_filter(text: &mut String, recording: &Recording) -> std::fmt::Result {
         let (ours, theirs) =
             (format!("{:.2} nats", score.entropy_nats), format!("{:.2} nats", score.odometry_entropy_nats));
         writeln!(text, "  {:<34}{ours:>12}{theirs:>18}   less is sharper", "map entropy: estimate, odometry")?;
-        let gap = format!("{:.3} m", score.widest_gap_m);
-        writeln!(text, "  {:<34}{gap:>12}   of {} walls seen again", "widest gap between two visits", score.revisited)?;
+        write_visits(text, score)?;
     }
     writeln!(text, "  {:<34}{:>12}   {} unexplained", "readings used", figures.updates, figures.outliers)?;
     if figures.estimator_s > 0.0 && figures.duration_s > 0.0 {
         let speed = format!("{:.0} x", figures.duration_s / figures.estimator_s);
         writeln!(text, "  {:<34}{speed:>12}   real time, estimator alone", "speed")?;
+    }
+    Ok(())
+}
+
+fn write_visits(text: &mut String, score: &Consistency) -> std::fmt::Result {
+    let metres = |value: f64| format!("{value:.3} m");
+    if let Some(gap_m) = score.widest_gap_m.map(metres) {
+        let name = "widest gap between two visits";
+        writeln!(text, "  {name:<34}{gap_m:>12}   of {} walls seen again", score.revisited)?;
+    }
+    if let (Some(ours), Some(theirs)) = (score.closure_m.map(metres), score.odometry_closure_m.map(metres)) {
+        writeln!(text, "  {:<34}{ours:>12}{theirs:>18}", "first visit to last: ours, odometry")?;
     }
     Ok(())
 }

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 use slam_core::{Clustering, Config, Refusal, WallPolicy};
 
-use crate::recording::{Consistency, MapScore, PathScore, Recording};
+use crate::recording::{Consistency, MapScore, PathScore, Recording, SeenWall};
 
 /// What was run, for `summary.json`.
 #[derive(Clone, Debug)]
@@ -38,6 +38,9 @@ pub fn summary(recording: &Recording, origin: &Origin) -> Value {
     put("updates", json!(figures.updates));
     put("outliers", json!(figures.outliers));
     put("mean_nis", json!(figures.mean_nis));
+    put("nis_before_gate", json!(figures.nis_before_gate));
+    put("median_nis_before_gate", json!(figures.median_nis_before_gate));
+    put("readings", readings(recording));
     if let Some(score) = &figures.estimate {
         for (key, value) in path(score) {
             put(key, value);
@@ -84,7 +87,53 @@ fn consistency(score: &Consistency) -> Value {
         "revisited_walls": score.revisited,
         "widest_gap_m": score.widest_gap_m,
         "mean_gap_m": score.mean_gap_m,
+        "thickness_m": score.thickness_m,
+        "closure_m": score.closure_m,
+        "odometry_closure_m": score.odometry_closure_m,
+        "walls": score.walls.iter().filter(|wall| wall.visits.len() > 1).map(seen_wall).collect::<Vec<_>>(),
     })
+}
+
+fn seen_wall(wall: &SeenWall) -> Value {
+    let visits: Vec<Value> = wall
+        .visits
+        .iter()
+        .map(|visit| {
+            json!({
+                "begin_s": visit.begin_s,
+                "end_s": visit.end_s,
+                "readings": visit.readings,
+                "mean_m": visit.mean_m,
+            })
+        })
+        .collect();
+    json!({
+        "wall": wall.wall,
+        "readings": wall.readings,
+        "thickness_m": wall.thickness_m,
+        "gap_m": wall.gap_m,
+        "closure_m": wall.closure_m,
+        "odometry_closure_m": wall.odometry_closure_m,
+        "visits": visits,
+    })
+}
+
+/// What became of the readings: their number, and shares of it.
+fn readings(recording: &Recording) -> Value {
+    let counters = &recording.counters;
+    let refused: u64 = counters.refused.iter().map(|n| u64::from(*n)).sum();
+    let kept = [counters.updates, counters.gated, counters.unexplained].map(u64::from);
+    let all = refused + kept.iter().sum::<u64>();
+    let share = |n: u64| if all > 0 { n as f64 / all as f64 } else { 0.0 };
+    let mut shares = Map::new();
+    for (name, n) in ["used", "outside_gate", "unexplained"].into_iter().zip(kept) {
+        shares.insert(name.to_owned(), json!(share(n)));
+    }
+    shares.insert("refused".to_owned(), json!(share(refused)));
+    for (refusal, n) in Refusal::ALL.iter().zip(counters.refused).filter(|(_, n)| *n > 0) {
+        shares.insert(refusal_name(*refusal).to_owned(), json!(share(n.into())));
+    }
+    json!({ "all": all, "shares": shares })
 }
 
 fn counters(recording: &Recording) -> Value {

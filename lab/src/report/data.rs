@@ -2,11 +2,8 @@
 //! before, `null` where a value is absent or not finite. `js/decode.js` is the other end.
 
 use super::series;
-use crate::recording::{Consistency, Figures, MapScore, PathScore, Pose2, Recording, Step};
-use crate::score::{
-    consistency::{Face, faces},
-    path::nees,
-};
+use crate::recording::{Consistency, Figures, MapScore, PathScore, Pose2, Recording, SeenWall, Step};
+use crate::score::path::nees;
 use serde_json::{Value, json};
 use slam_core::{Outcome, ReadingReport, Refusal, WallKind, WallView};
 use std::collections::BTreeMap;
@@ -257,14 +254,12 @@ fn walls(recording: &Recording, shown: &[usize]) -> Vec<Value> {
             }
         }
     }
-    let faces = faces(recording);
-    tracks.iter().map(|(id, track)| track_json(*id, track, &faces)).collect()
+    let seen = recording.figures.consistency.as_ref().map_or(&[][..], |score| &score.walls);
+    let seen: BTreeMap<u16, &SeenWall> = seen.iter().map(|wall| (wall.wall, wall)).collect();
+    tracks.iter().map(|(id, track)| track_json(*id, track, seen.get(id).copied())).collect()
 }
 
-fn track_json(id: u16, track: &Track, faces: &[Face]) -> Value {
-    let own = || faces.iter().filter(|face| face.wall == id);
-    let main = own().max_by_key(|face| face.readings);
-    let gap_m = own().filter(|face| face.visits > 1).map(|face| face.gap_m).max_by(f64::total_cmp);
+fn track_json(id: u16, track: &Track, seen: Option<&SeenWall>) -> Value {
     let kind = match track.kind {
         WallKind::Free => "free",
         WallKind::Snapped => "snapped",
@@ -276,9 +271,9 @@ fn track_json(id: u16, track: &Track, faces: &[Face]) -> Value {
         "id": id,
         "kind": kind,
         "updates": track.updates,
-        "visits": own().map(|face| face.visits).max().unwrap_or(0),
-        "thickness": main.map(|face| face.thickness_m),
-        "gap": gap_m,
+        "visits": seen.map_or(0, |wall| wall.visits.len()),
+        "thickness": seen.map(|wall| wall.thickness_m),
+        "gap": seen.and_then(|wall| wall.gap_m),
         "born": track.born,
         "gone": track.gone,
         "at": column(states.iter().map(|state| Some(state.0 as f64)), 1.0),

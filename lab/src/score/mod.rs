@@ -1,7 +1,10 @@
 //! Scores of a run against what is true.
 
 pub mod consistency;
+mod entropy;
+mod hits;
 pub mod map;
+mod passes;
 pub mod path;
 
 use crate::log::truth::{Truth, pair};
