@@ -1,7 +1,7 @@
 //! Estimator settings on the command line.
 
 use clap::{Args, ValueEnum};
-use slam_core::{Clustering, Config, WallPolicy};
+use slam_core::{Clustering, Config, Linearisation, WallPolicy};
 
 /// Settings of the estimator, for comparison; the defaults are the ones to use.
 #[derive(Clone, Copy, Debug, Args)]
@@ -13,6 +13,9 @@ pub struct VariantArgs {
     /// How unexplained readings are grouped into new walls.
     #[arg(long, value_enum, default_value_t = Groups::Sensor)]
     clusters: Groups,
+    /// At which estimates the models are differentiated.
+    #[arg(long, value_enum, default_value_t = Jacobians::First)]
+    jacobians: Jacobians,
     /// Take the rig file's gains, scales and track for exact.
     #[arg(long)]
     no_calibration: bool,
@@ -38,6 +41,14 @@ enum Groups {
     Dbscan,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Jacobians {
+    /// The poses as they were predicted, the grid as it was founded.
+    First,
+    /// The latest ones: a plain extended Kalman filter.
+    Latest,
+}
+
 impl VariantArgs {
     /// The settings.
     pub fn config(&self) -> Config {
@@ -52,6 +63,10 @@ impl VariantArgs {
             clustering: match self.clusters {
                 Groups::Sensor => Clustering::BySensor,
                 Groups::Dbscan => Clustering::Dbscan,
+            },
+            linearisation: match self.jacobians {
+                Jacobians::First => Linearisation::FirstEstimates,
+                Jacobians::Latest => Linearisation::Latest,
             },
             calibrate_gains: calibrate,
             calibrate_scales: calibrate,

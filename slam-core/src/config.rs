@@ -28,6 +28,18 @@ pub enum Clustering {
     Dbscan,
 }
 
+/// At which estimates the models are differentiated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Linearisation {
+    /// The latest ones: the plain extended Kalman filter, as in the report.
+    Latest,
+    /// The pose as each step predicted it and the grid's direction as it was founded (Huang, Mourikis and Roumeliotis
+    /// 2010).
+    #[default]
+    FirstEstimates,
+}
+
 /// Settings of the estimator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -44,6 +56,8 @@ pub struct Config {
     pub calibrate_track: bool,
     /// Association gate: largest squared innovation over its variance (chi-square with one degree of freedom).
     pub gate: f32,
+    /// At which estimates the models are differentiated.
+    pub linearisation: Linearisation,
 }
 
 impl Default for Config {
@@ -56,6 +70,7 @@ impl Default for Config {
             calibrate_track: true,
             // 99.9 % of a chi-square distribution with one degree of freedom.
             gate: 10.83,
+            linearisation: Linearisation::default(),
         }
     }
 }

@@ -10,7 +10,7 @@
 //! |---|---|
 //! | [`sample`], [`rig`] | what was sensed, and what by |
 //! | motion, range | checked travel and readings, with their noise; what cannot be is refused here and counted |
-//! | beam, association, observe | which wall a reading came from, and what it should have been |
+//! | beam, association, linearise, observe | which wall a reading came from, and what it should have been |
 //! | [`ekf`], [`covariance`] | the state: predict, update, add, remove; knows nothing of robots and walls |
 //! | buffer, cluster, line fit, birth | new walls from the readings that fit none |
 //! | grid, map | the home's directions; walls merged and removed |
@@ -45,6 +45,7 @@ mod extend;
 mod grid;
 mod layout;
 mod line_fit;
+mod linearise;
 mod map;
 mod motion;
 mod observe;
@@ -60,7 +61,7 @@ mod tests;
 mod view;
 mod wall;
 
-pub use config::{Clustering, Config, WallPolicy};
+pub use config::{Clustering, Config, Linearisation, WallPolicy};
 pub use pose::Pose;
 pub use report::{Counters, Outcome, ReadingReport, Refusal, StepReport};
 pub use rig::{Adc, DriveModel, Mount, RangeModel, RangeSensor, Rig, RigError};

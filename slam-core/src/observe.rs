@@ -196,7 +196,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         let prediction = beam.predict(&candidate.line);
         let predicted_m = gain * prediction.range_m;
         let innovation = reading.innovation(predicted_m);
-        let jacobian = self.jacobian(sensor, gain, wall, &prediction);
+        let jacobian = self.jacobian(sensor, gain, wall, &self.linearise(wall, &candidate.line, &prediction));
         let white_m2 = innovation.noise_m2 + SURFACE_M * SURFACE_M + self.timing_variance(sensor, &prediction, heading);
         let stride_m = self.last_step.path_m + (self.last_step.increment.turn_rad * candidate.range_m).abs();
         let at_end = candidate.inside_m < END_M.max(stride_m);

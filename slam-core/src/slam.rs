@@ -5,12 +5,15 @@ use crate::beam::FixedMount;
 use crate::buffer::OutlierBuffer;
 use crate::ekf::{Ekf, Jacobian};
 use crate::layout::{Layout, THETA};
+use crate::linearise::First;
 use crate::map::Map;
 use crate::motion::{self, Encoders, Factor, Factors, Step};
 use crate::odometry::Odometry;
 use crate::range::FrontEnd;
 use crate::report::ReadingReport;
-use crate::{Clustering, Config, Counters, DriveModel, Pose, Rig, RigError, Sample, StepReport, WallPolicy};
+use crate::{
+    Clustering, Config, Counters, DriveModel, Linearisation, Pose, Rig, RigError, Sample, StepReport, WallPolicy,
+};
 use heapless::Vec;
 
 /// The estimator as it runs on the robot: 8 range sensors, 64 walls, 128 buffered outliers, 80 states.
@@ -44,6 +47,7 @@ pub struct Slam<const S: usize, const W: usize, const B: usize, const NB: usize,
     /// The sensor whose points were clustered last.
     pub(crate) last_clustered: usize,
     pub(crate) counters: Counters,
+    pub(crate) first: First,
 }
 
 impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOCKS: usize> Slam<S, W, B, NB, BLOCKS> {
@@ -67,6 +71,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             calibrate_scales: false,
             calibrate_track: false,
             gate: 0.0,
+            linearisation: Linearisation::Latest,
         },
         layout: Layout { first_scale: None, second_scale: None, track: None, gains: [None; S] },
         mounts: [FixedMount::NONE; S],
@@ -85,6 +90,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         pending: [false; S],
         last_clustered: 0,
         counters: Counters::ZERO,
+        first: First::START,
     };
 
     /// An estimator at the map frame's origin with an empty map.
@@ -132,6 +138,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         self.pending = [false; S];
         self.last_clustered = 0;
         self.counters = Counters::ZERO;
+        self.first = First::START;
         Ok(())
     }
 
@@ -170,8 +177,9 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             }
         };
         let heading = sin_cos(self.ekf.mean(THETA));
-        let (jacobian, noise) = step.in_map(heading, &factors);
+        let (mut jacobian, noise) = step.in_map(heading, &factors);
         let pose = step.applied_to(&self.pose());
+        self.linearise_motion(&mut jacobian, pose);
         self.ekf.predict([pose.x_m, pose.y_m, pose.theta_rad], &jacobian, &noise);
         self.odometry.advance(&step);
         self.last_step = step;

@@ -7,8 +7,8 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use slam_core::{
-    Adc, Clustering, Config, DriveModel, HostSlam, Increment, Motion, Mount, RangeInput, RangeModel, RangeSensor, Rig,
-    Sample, Slam, Ticks, WallPolicy,
+    Adc, Clustering, Config, DriveModel, HostSlam, Increment, Linearisation, Motion, Mount, RangeInput, RangeModel,
+    RangeSensor, Rig, Sample, Slam, Ticks, WallPolicy,
 };
 use tests::frames::recorded;
 use tests::sanity::{Tally, assert_sane};
@@ -117,6 +117,7 @@ fn config() -> impl Strategy<Value = Config> {
     (proptest::sample::select(walls.to_vec()), any::<bool>(), any::<bool>()).prop_map(
         |(walls, by_sensor, calibrate)| Config {
             walls,
+            linearisation: if by_sensor { Linearisation::FirstEstimates } else { Linearisation::Latest },
             clustering: if by_sensor { Clustering::BySensor } else { Clustering::Dbscan },
             calibrate_gains: calibrate,
             calibrate_scales: calibrate,

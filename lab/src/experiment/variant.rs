@@ -1,6 +1,6 @@
 //! The estimators that an experiment compares.
 
-use slam_core::{Clustering, Config, WallPolicy};
+use slam_core::{Clustering, Config, Linearisation, WallPolicy};
 
 use crate::error::FileError;
 use crate::toml_table::{Allowed, Table};
@@ -55,9 +55,15 @@ pub const NAMED: [&str; 7] = [
 impl Variant {
     /// The variant of this name.
     pub fn named(name: &str) -> Option<Self> {
+        // The report's filter is a plain one.
         let slam = |walls: WallPolicy, calibrate: bool| {
+            let linearisation = match walls {
+                WallPolicy::Grid => Linearisation::FirstEstimates,
+                _ => Linearisation::Latest,
+            };
             let config = Config {
                 walls,
+                linearisation,
                 calibrate_gains: calibrate,
                 calibrate_scales: calibrate,
                 calibrate_track: calibrate,
@@ -88,6 +94,7 @@ impl Variant {
         config.calibrate_gains = flag("calibrate_gains")?;
         config.calibrate_scales = flag("calibrate_scales")?;
         config.calibrate_track = flag("calibrate_track")?;
+        config.linearisation = read_linearisation(table)?;
         config.gate = table.optional_number("gate", Allowed::POSITIVE)?.unwrap_or(config.gate);
         let variant = Self { name: table.text("name")?, method: Method::Slam(config, read_buffer(table)?) };
         if variant.name.contains(['"', '\n', '|']) {
@@ -113,6 +120,14 @@ fn read_clusters(table: &Table<'_>) -> Result<Clustering, FileError> {
         None | Some("sensor") => Ok(Clustering::BySensor),
         Some("dbscan") => Ok(Clustering::Dbscan),
         Some(_) => Err(table.error("clusters", "must be \"sensor\" or \"dbscan\"")),
+    }
+}
+
+fn read_linearisation(table: &Table<'_>) -> Result<Linearisation, FileError> {
+    match table.optional_text("jacobians")?.as_deref() {
+        Some("latest") => Ok(Linearisation::Latest),
+        None | Some("first") => Ok(Linearisation::FirstEstimates),
+        Some(_) => Err(table.error("jacobians", "must be \"latest\" or \"first\"")),
     }
 }
 

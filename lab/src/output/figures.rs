@@ -1,7 +1,7 @@
 //! `summary.json`: the figures of a run, and what is needed to repeat it.
 
 use serde_json::{Map, Value, json};
-use slam_core::{Clustering, Config, Refusal, WallPolicy};
+use slam_core::{Clustering, Config, Linearisation, Refusal, WallPolicy};
 
 use crate::recording::{Consistency, MapScore, PathScore, Recording, SeenWall};
 
@@ -184,6 +184,10 @@ fn configuration(origin: &Origin) -> Value {
         Clustering::BySensor => "by sensor",
         Clustering::Dbscan => "dbscan",
     };
+    let jacobians = match config.linearisation {
+        Linearisation::Latest => "latest",
+        Linearisation::FirstEstimates => "first",
+    };
     json!({
         "arguments": arguments,
         "estimator": {
@@ -193,6 +197,7 @@ fn configuration(origin: &Origin) -> Value {
             "calibrate_scales": config.calibrate_scales,
             "calibrate_track": config.calibrate_track,
             "gate": config.gate,
+            "jacobians": jacobians,
         },
         "rig_toml": origin.rig_toml,
     })

@@ -11,7 +11,9 @@ use crate::config::WallPolicy;
 use crate::ekf::{Ekf, Jacobian};
 use crate::layout::{ALPHA, THETA, X, Y};
 use crate::wall::Direction;
-use crate::{Config, DriveModel, Motion, Mount, Outcome, RangeInput, RangeModel, RangeSensor, Rig, Sample, Slam};
+use crate::{
+    Config, DriveModel, Linearisation, Motion, Mount, Outcome, RangeInput, RangeModel, RangeSensor, Rig, Sample, Slam,
+};
 
 type Small = Slam<2, 4, 16, 3, 48>;
 
@@ -81,7 +83,8 @@ fn slam(kind: Kind, mount: [f64; 3], state: &[f64; STATES], variances: &[f32; ST
         noise_m2_per_m: 1e-5,
     };
     let rig = Rig { drive, adc: None, sensors: [sensor, sensor].into_iter().collect() };
-    let mut slam = Small::new(rig, Config { walls: kind.policy(), ..Config::default() }).unwrap();
+    let config = Config { walls: kind.policy(), linearisation: Linearisation::Latest, ..Config::default() };
+    let mut slam = Small::new(rig, config).unwrap();
     slam.ekf = Ekf::EMPTY;
     for (mean, variance) in state.iter().zip(variances) {
         slam.ekf.augment(*mean as f32, &Jacobian::new(), *variance);
