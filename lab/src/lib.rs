@@ -19,6 +19,7 @@ pub mod hil;
 pub mod log;
 pub mod monitor;
 pub mod output;
+pub mod part;
 pub mod port;
 pub mod recording;
 pub mod replay;

@@ -3,8 +3,10 @@
 use clap::{Args, ValueEnum};
 use slam_core::{Clustering, Config, Linearisation, WallPolicy};
 
+use crate::part::{self, Part};
+
 /// Settings of the estimator, for comparison; the defaults are the ones to use.
-#[derive(Clone, Copy, Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Estimator (the defaults are the ones to use)")]
 pub struct VariantArgs {
     /// Which walls the map may have.
@@ -19,6 +21,18 @@ pub struct VariantArgs {
     /// Take the rig file's gains, scales and track for exact.
     #[arg(long)]
     no_calibration: bool,
+    /// Switch off a part of the estimator; may be given more than once.
+    #[arg(long, value_name = "PART", value_parser = part_of, long_help = part_help())]
+    without: Vec<&'static Part>,
+}
+
+fn part_of(name: &str) -> Result<&'static Part, String> {
+    Part::of_name(name).ok_or_else(|| format!("it must be one of {}", part::names()))
+}
+
+fn part_help() -> String {
+    let parts = part::PARTS.iter().map(|part| format!("\n- {}: {}", part.name, part.without));
+    format!("Switch off a part of the estimator; may be given more than once:{}", parts.collect::<String>())
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -53,7 +67,7 @@ impl VariantArgs {
     /// The settings.
     pub fn config(&self) -> Config {
         let calibrate = !self.no_calibration;
-        Config {
+        let config = Config {
             walls: match self.walls {
                 Walls::Grid => WallPolicy::Grid,
                 Walls::Free => WallPolicy::Free,
@@ -72,6 +86,7 @@ impl VariantArgs {
             calibrate_scales: calibrate,
             calibrate_track: calibrate,
             ..Config::default()
-        }
+        };
+        self.without.iter().fold(config, |config, part| part.off(config))
     }
 }

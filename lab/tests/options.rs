@@ -9,12 +9,13 @@ use predicates::str::contains;
 fn estimator_variants_are_used_and_written_down() {
     let place = Place::new();
     place.lab().args(["--plan", "room", "--minutes", "1", "--out", "sim"]).assert().success();
-    let variants: [(&[&str], &str); 5] = [
+    let variants: [(&[&str], &str); 6] = [
         (&[], "grid"),
         (&["--walls", "free"], "free"),
         (&["--walls", "snapped"], "snapped"),
         (&["--walls", "snapped-moving"], "snapped, theta moves"),
         (&["--no-calibration"], "grid"),
+        (&["--without", "scales", "--without", "track"], "grid"),
     ];
     let mut estimates = Vec::new();
     for (arguments, walls) in variants {
@@ -31,7 +32,10 @@ fn estimator_variants_are_used_and_written_down() {
         assert!(estimates[..i].iter().all(|other| other != one), "variant {i} changes nothing");
     }
     let calibration = place.get("out/calibration.csv");
-    assert!(calibration.lines().skip(1).all(|line| line.ends_with(",1,0")), "{calibration}");
+    let is_exact = |line: &str| line.ends_with(",1,0");
+    assert!(calibration.lines().skip(1).all(|line| is_exact(line) != line.starts_with("gain_")), "{calibration}");
+    assert_eq!(place.summary("out")["configuration"]["estimator"]["without"], serde_json::json!(["scales", "track"]));
+    place.lab().args(["--without", "luck"]).assert().failure().stderr(contains("it must be one of grid, gains"));
     place.lab().args(["--walls", "curved"]).assert().failure().stderr(contains("snapped-moving"));
 }
 

@@ -3,6 +3,7 @@
 use slam_core::{Clustering, Config, Linearisation, WallPolicy};
 
 use crate::error::FileError;
+use crate::part::{self, Part};
 use crate::toml_table::{Allowed, Table};
 
 /// How a variant comes to a pose.
@@ -96,6 +97,10 @@ impl Variant {
         config.calibrate_track = flag("calibrate_track")?;
         config.linearisation = read_linearisation(table)?;
         config.gate = table.optional_number("gate", Allowed::POSITIVE)?.unwrap_or(config.gate);
+        for name in table.texts("without")? {
+            let unknown = || table.error("without", format!("names {name:?}; parts are {}", part::names()));
+            config = Part::of_name(&name).ok_or_else(unknown)?.off(config);
+        }
         let variant = Self { name: table.text("name")?, method: Method::Slam(config, read_buffer(table)?) };
         if variant.name.contains(['"', '\n', '|']) {
             return Err(table.error("name", "holds a quote, line break or |, which the tables cannot carry"));
@@ -144,6 +149,20 @@ fn read_buffer(table: &Table<'_>) -> Result<Buffer, FileError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn parts_can_be_left_out_by_name() {
+        let read = |text: &str| {
+            let file = std::path::Path::new("x.toml");
+            let entries = crate::toml_table::parse(file, text).expect("TOML");
+            Variant::read(&Table::root(file, text, entries.get_ref())).map_err(|error| error.to_string())
+        };
+        let found = read("name = \"exact\"\nwithout = [\"gains\", \"scales\"]").expect("a variant");
+        let expected = Config { calibrate_gains: false, calibrate_scales: false, ..Config::default() };
+        assert_eq!(found.method, Method::Slam(expected, Buffer::B128));
+        let error = read("name = \"exact\"\nwithout = [\"luck\"]").expect_err("no such part");
+        assert!(error.contains("x.toml:2: without: names \"luck\"; parts are grid, gains"), "{error}");
+    }
 
     #[test]
     fn every_name_is_a_different_method() {

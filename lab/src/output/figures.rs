@@ -3,6 +3,7 @@
 use serde_json::{Map, Value, json};
 use slam_core::{Clustering, Config, Linearisation, Refusal, WallPolicy};
 
+use crate::part::PARTS;
 use crate::recording::{Consistency, MapScore, PathScore, Recording, SeenWall};
 
 /// What was run, for `summary.json`.
@@ -198,6 +199,7 @@ fn configuration(origin: &Origin) -> Value {
             "calibrate_track": config.calibrate_track,
             "gate": config.gate,
             "jacobians": jacobians,
+            "without": PARTS.iter().filter(|part| part.is_off(config)).map(|part| part.name).collect::<Vec<_>>(),
         },
         "rig_toml": origin.rig_toml,
     })

@@ -1,0 +1,69 @@
+//! The estimator's parts that can be switched off, to see what each is worth.
+//!
+//! This is the one list of them: `--without` on the command line, `without` in experiment files, the ablations of real
+//! logs and `without` in `summary.json` all follow it.
+
+use slam_core::{Config, Linearisation, WallPolicy};
+
+/// A part that can be switched off.
+#[derive(Clone, Copy, Debug)]
+pub struct Part {
+    /// What the command line, files and tables call it.
+    pub name: &'static str,
+    /// What the estimator does without it.
+    pub without: &'static str,
+    switch_off: fn(&mut Config),
+}
+
+/// Every part.
+pub const PARTS: [Part; 5] = [
+    Part::new("grid", "every wall has a direction of its own", |config| config.walls = WallPolicy::Free),
+    Part::new("gains", "the range sensors' gains are taken for exact", |config| config.calibrate_gains = false),
+    Part::new("scales", "the drive's scales are taken for exact", |config| config.calibrate_scales = false),
+    Part::new("track", "the track is taken for exact", |config| config.calibrate_track = false),
+    Part::new("first-estimates", "models are differentiated at the latest estimates", |config| {
+        config.linearisation = Linearisation::Latest;
+    }),
+];
+
+impl Part {
+    const fn new(name: &'static str, without: &'static str, switch_off: fn(&mut Config)) -> Self {
+        Self { name, without, switch_off }
+    }
+
+    /// The part of this name.
+    pub fn of_name(name: &str) -> Option<&'static Part> {
+        PARTS.iter().find(|part| part.name == name)
+    }
+
+    /// The settings without it.
+    pub fn off(&self, mut config: Config) -> Config {
+        (self.switch_off)(&mut config);
+        config
+    }
+
+    /// Whether these settings are without it.
+    pub fn is_off(&self, config: &Config) -> bool {
+        self.off(*config) == *config
+    }
+}
+
+/// The names, for help and errors.
+pub fn names() -> String {
+    PARTS.map(|part| part.name).join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_part_is_on_by_default_and_changes_something_of_its_own() {
+        let configs = PARTS.map(|part| part.off(Config::default()));
+        for (i, (part, config)) in PARTS.iter().zip(&configs).enumerate() {
+            assert!(!part.is_off(&Config::default()) && part.is_off(config), "{}", part.name);
+            assert!(configs[..i].iter().all(|other| other != config), "{}", part.name);
+            assert_eq!(Part::of_name(part.name).map(|found| found.without), Some(part.without));
+        }
+    }
+}
