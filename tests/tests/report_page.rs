@@ -132,6 +132,8 @@ fn toggles_colourings_and_themes_change_the_picture() {
         await click("[data-colouring='time']");
         await click("[data-colouring='sensor']");
         const sensors = document.querySelectorAll("[data-class]").length;
+        await click("[data-placing='odometry']");
+        await click("[data-placing='estimate']");
         await click("[data-comparison='fit']");
         await click("#zoom-in");
         await click("#walls button");
@@ -201,6 +203,31 @@ fn a_run_without_truth_plan_or_calibration_says_what_it_can() {
     assert!(seen["verdict"].as_str().unwrap().contains("The true path is not known"), "{}", seen["verdict"]);
     assert!(seen["figures"].get("ate").is_none() && seen["figures"].get("visits").is_some(), "{}", seen["figures"]);
     assert_eq!(seen["nan"], false);
+}
+
+#[test]
+fn a_map_without_a_plan_opens_by_passes_and_marks_the_walls_that_they_place_apart() {
+    let mut recording = sample_recording(120.0, 10.0);
+    recording.true_walls.clear();
+    let walls = recording.figures.consistency.as_mut().map(|score| &mut score.walls).expect("it was scored");
+    for wall in walls.iter_mut() {
+        (wall.visits, wall.gap_m) = (vec![Default::default(); 2], Some(0.1));
+    }
+    walls[0].gap_m = Some(0.4);
+    let probe = r##"
+        const map = document.querySelector("#map");
+        const pressed = (choice) => document.querySelector(`[data-colouring='${choice}']`).getAttribute("aria-pressed");
+        await settle();
+        const seen = { pass: pressed("pass"), odometry: document.querySelector("[data-layer='odometry']").checked };
+        const marked = map.toDataURL();
+        document.querySelector("[data-layer='apart']").click();
+        await settle();
+        seen.same = marked === map.toDataURL();
+        return seen;
+    "##;
+    let Some(seen) = open("apart", &recording, "theme=light", probe) else { return };
+    assert_eq!((&seen["pass"], &seen["odometry"]), (&json!("true"), &json!(false)));
+    assert_eq!(seen["same"], false, "the wall is not marked");
 }
 
 #[test]

@@ -340,6 +340,8 @@ fn consistency(score: &Consistency) -> Value {
         "revisited": score.revisited,
         "widest_gap_m": score.widest_gap_m,
         "mean_gap_m": score.mean_gap_m,
+        "closure_m": score.closure_m,
+        "odometry_closure_m": score.odometry_closure_m,
     })
 }
 

@@ -16,7 +16,7 @@ const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("style.css");
 
 /// In the order in which they build on each other.
-const SCRIPTS: [&str; 16] = [
+const SCRIPTS: [&str; 17] = [
     include_str!("js/errors.js"),
     include_str!("js/format.js"),
     include_str!("js/theme.js"),
@@ -26,6 +26,7 @@ const SCRIPTS: [&str; 16] = [
     include_str!("js/clock.js"),
     include_str!("js/layers.js"),
     include_str!("js/view.js"),
+    include_str!("js/apart.js"),
     include_str!("js/map.js"),
     include_str!("js/robot.js"),
     include_str!("js/chart.js"),

@@ -52,6 +52,11 @@ function truthFigures({ estimate, odometry }) {
   ];
 }
 
+function closureNote({ closure_m: ours, odometry_closure_m: odometry }) {
+  if (!Number.isFinite(ours ?? NaN) || !Number.isFinite(odometry ?? NaN)) return "";
+  return ` From first visit to last ${length(ours)}; by dead reckoning ${length(odometry)}.`;
+}
+
 // Scores of the map against itself, which need no truth.
 function consistencyFigures(consistency) {
   const cards = [];
@@ -64,7 +69,7 @@ function consistencyFigures(consistency) {
   }
   if (consistency.revisited) {
     cards.push({ id: "visits", name: "Visits apart", value: length(consistency.widest_gap_m),
-      note: `Largest distance between the places that visits more than ${PASS_GAP_S} s apart give one wall; ${length(consistency.mean_gap_m)} on average over ${consistency.revisited} walls.` });
+      note: `Largest distance between the places that visits more than ${PASS_GAP_S} s apart give one wall; ${length(consistency.mean_gap_m)} on average over ${consistency.revisited} walls.${closureNote(consistency)}` });
   }
   return cards;
 }

@@ -2,40 +2,48 @@
 
 // Visits of one neighbourhood that lie further apart than this are different passes.
 const PASS_GAP_S = 30;
-const PASS_CELL_M = 0.5;
+// A neighbourhood is a cell and those beside it: a pass that drifted aside by half a metre is still one of the same place.
+const PASS_CELL_M = 1;
 
 // Every hit of the run in order of time; `upTo[step]` is the number of hits before the end of that step.
 function collectHits(run) {
   const hits = { count: 0, upTo: new Uint32Array(run.count) };
   let total = 0;
   for (const sensor of run.sensors) for (const range of sensor.range) if (Number.isFinite(range)) total++;
-  hits.x = new Float32Array(total);
-  hits.y = new Float32Array(total);
+  const places = () => ({ x: new Float32Array(total), y: new Float32Array(total) });
+  hits.placed = { estimate: places(), odometry: places() };
   hits.step = new Uint32Array(total);
   hits.sensor = new Uint8Array(total);
   hits.code = new Uint8Array(total);
   for (let step = 0; step < run.count; step++) {
     run.sensors.forEach((sensor, index) => {
-      const end = beam(run, sensor, step);
+      const end = beam(run.estimate, sensor, step);
       if (!end || !Number.isFinite(end.x1)) return;
       const i = hits.count++;
-      hits.x[i] = end.x1;
-      hits.y[i] = end.y1;
+      const drifted = beam(run.odometry, sensor, step);
+      [hits.placed.estimate.x[i], hits.placed.estimate.y[i]] = [end.x1, end.y1];
+      [hits.placed.odometry.x[i], hits.placed.odometry.y[i]] = [drifted.x1, drifted.y1];
       hits.step[i] = step;
       hits.sensor[i] = index;
       hits.code[i] = Math.min(sensor.code[step], REFUSED);
     });
     hits.upTo[step] = hits.count;
   }
+  placeHits(hits, "estimate");
   hits.pass = numberPasses(run, hits);
   return hits;
 }
 
-// Start and end of a sensor's beam in the map frame; null without a range.
-function beam(run, sensor, step) {
+// Places the hits with the poses of the "estimate", or of "odometry".
+function placeHits(hits, path) {
+  Object.assign(hits, hits.placed[path]);
+}
+
+// Start and end of a sensor's beam from a pose of a path; null without a range.
+function beam(path, sensor, step) {
   const range = sensor.range[step];
   if (!Number.isFinite(range)) return null;
-  const { x, y, theta } = run.estimate;
+  const { x, y, theta } = path;
   const c = Math.cos(theta[step]);
   const s = Math.sin(theta[step]);
   const x0 = x[step] + c * sensor.x - s * sensor.y;
@@ -44,7 +52,8 @@ function beam(run, sensor, step) {
   return { x0, y0, x1: x0 + range * Math.cos(direction), y1: y0 + range * Math.sin(direction) };
 }
 
-// The pass of each hit, from 1; 0 for refused ones. A pass ends when nothing was seen near for PASS_GAP_S.
+// The pass of each hit, from 1; 0 for refused ones. A cell's next pass begins with the first hit in it or beside it after
+// none was seen there for PASS_GAP_S.
 function numberPasses(run, hits) {
   const pass = new Uint8Array(hits.count);
   const cells = new Map();
@@ -53,17 +62,17 @@ function numberPasses(run, hits) {
     if (hits.code[h] >= REFUSED) continue;
     const i = Math.floor(hits.x[h] / PASS_CELL_M);
     const j = Math.floor(hits.y[h] / PASS_CELL_M);
-    let latest = null;
+    const t = run.t[hits.step[h]];
     for (let di = -1; di <= 1; di++) {
       for (let dj = -1; dj <= 1; dj++) {
-        const near = cells.get(key(i + di, j + dj));
-        if (near && (!latest || near.t > latest.t)) latest = near;
+        const at = key(i + di, j + dj);
+        const cell = cells.get(at) ?? { t: -Infinity, pass: 0 };
+        if (t - cell.t > PASS_GAP_S) cell.pass = Math.min(255, cell.pass + 1);
+        cell.t = t;
+        cells.set(at, cell);
       }
     }
-    const t = run.t[hits.step[h]];
-    const fresh = latest && t - latest.t > PASS_GAP_S;
-    pass[h] = latest ? Math.min(255, latest.pass + (fresh ? 1 : 0)) : 1;
-    cells.set(key(i, j), { t, pass: pass[h] });
+    pass[h] = cells.get(key(i, j)).pass;
   }
   return pass;
 }

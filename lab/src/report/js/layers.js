@@ -3,6 +3,7 @@
 const LAYERS = [
   { id: "plan", label: "True plan", swatch: "band", colour: "plan" },
   { id: "walls", label: "Estimated walls", swatch: "thick", colour: "wall" },
+  { id: "apart", label: "Visits over 15 cm apart", swatch: "glow", colour: "apart" },
   { id: "hits", label: "Hits", swatch: "dot", colour: "used" },
   { id: "estimate", label: "Estimated path", swatch: "line", colour: "estimate" },
   { id: "truth", label: "True path", swatch: "dash", colour: "truth" },

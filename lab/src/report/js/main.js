@@ -1,9 +1,9 @@
 // Puts the page together.
 
 function buildLayerToggles(map, run) {
-  const absent = { truth: !run.truth, plan: !run.plan.length };
+  const absent = { truth: !run.truth, plan: !run.plan.length, apart: !wallsApart(run).length };
   const boxes = LAYERS.filter((layer) => !absent[layer.id]).map((layer) => {
-    const box = element("input", { type: "checkbox", checked: true, "data-layer": layer.id });
+    const box = element("input", { type: "checkbox", checked: map.shown[layer.id], "data-layer": layer.id });
     box.addEventListener("change", () => {
       map.shown[layer.id] = box.checked;
       map.redrawHits();
@@ -52,6 +52,7 @@ function bindMapControls(map) {
   byId("follow").addEventListener("click", () => map.setFollow(!map.follow));
   byId("comparison").hidden = !map.run.truths.fit;
   chooseOne(byId("comparison"), (button) => map.compare(button.dataset.comparison));
+  chooseOne(byId("placing"), (button) => map.place(button.dataset.placing));
   chooseOne(byId("colouring"), (button) => {
     map.colouring = button.dataset.colouring;
     showHitClasses(map);
@@ -87,6 +88,9 @@ function tipText(map, run, hits, px, py) {
     const { wall, ends } = near;
     lines.push(`Wall ${wall.id}, ${wall.kind}: ${length(Math.hypot(ends.x1 - ends.x0, ends.y1 - ends.y0))} long, sigma ${length(ends.sigma)}`);
   }
+  if (near?.wall.visits > 1 && Number.isFinite(near.wall.gap)) {
+    lines.push(`seen on ${near.wall.visits} visits, ${length(near.wall.gap)} apart`);
+  }
   const h = map.hitNear(px, py);
   if (h >= 0) {
     const step = hits.step[h];
@@ -117,11 +121,12 @@ function allCharts(run, clock) {
   ];
 }
 
-// `#t=83.4&theme=dark&colour=pass` opens the page at a moment, in a theme, with a colouring.
-function openAtAddress(clock, chooseTheme) {
+// `#t=83.4&theme=dark&colour=pass&place=odometry` opens the page at a moment, in a theme, with a colouring and placing.
+function openAtAddress(clock, chooseTheme, colouring) {
   const wish = new URLSearchParams(location.hash.slice(1));
+  document.querySelector(`[data-placing="${CSS.escape(wish.get("place") ?? "")}"]`)?.click();
   if (["light", "dark"].includes(wish.get("theme"))) chooseTheme(wish.get("theme"));
-  document.querySelector(`[data-colouring="${CSS.escape(wish.get("colour") ?? "")}"]`)?.click();
+  document.querySelector(`[data-colouring="${CSS.escape(wish.get("colour") ?? colouring)}"]`)?.click();
   const seconds = Number.parseFloat(wish.get("t"));
   if (Number.isFinite(seconds)) clock.seek(seconds);
 }
@@ -144,6 +149,9 @@ function start() {
     drawBirths(document.getElementById("births"), run, theme);
     for (const chart of charts) chart.draw(theme);
   };
+  // Without a plan to hold it against, a map shows whether it is right by its passes, and less is more.
+  const isReal = !run.plan.length;
+  map.shown.odometry = !isReal;
   buildLayerToggles(map, run);
   bindMapControls(map);
   bindMapTip(map, run, hits, clock);
@@ -158,7 +166,7 @@ function start() {
     if (map.view.untouched) map.view.fitAll();
     redraw();
   }).observe(document.querySelector("main"));
-  openAtAddress(clock, chooseTheme);
+  openAtAddress(clock, chooseTheme, isReal ? "pass" : "outcome");
   const stride = run.stride > 1 ? ` Every ${run.stride}th sample is shown.` : "";
   document.getElementById("eyebrow").textContent = run.seed === null ? "Replayed log" : `Simulated drive, seed ${run.seed}`;
   document.getElementById("foot").textContent = `Written by ${run.program}.${stride} This page needs no network.`;

@@ -5,6 +5,7 @@ class MapView {
     Object.assign(this, { canvas, run, hits, clock });
     this.shown = Object.fromEntries(LAYERS.map((layer) => [layer.id, true]));
     this.colouring = "outcome";
+    this.placing = "estimate";
     this.hidden = new Set();
     this.hitLayer = document.createElement("canvas");
     this.hitsDrawn = 0;
@@ -25,6 +26,18 @@ class MapView {
   compare(how) {
     Object.assign(this.run, this.run.truths[how]);
     this.draw();
+  }
+
+  // Place the hits by the "estimate", or by "odometry": what the map would be without the estimator.
+  place(path) {
+    this.placing = path;
+    placeHits(this.hits, path);
+    this.redrawHits();
+  }
+
+  // Walls lie on top of the hits that made them, but under hits that are to show whether passes or sensors agree.
+  get wallsBeneath() {
+    return this.shown.hits && this.colouring !== "outcome";
   }
 
   setFollow(on) {
@@ -79,11 +92,13 @@ class MapView {
     this.paintGrid(surface);
     this.paintStart();
     if (shown.plan) this.paintPlan();
+    if (shown.apart && this.placing === "estimate") paintApart(this);
+    if (shown.walls && this.wallsBeneath) this.paintWalls();
     if (shown.hits) this.paintHits(surface);
     if (shown.odometry) this.paintPath(run.odometry, this.theme.odometry, 1.5, []);
     if (shown.estimate) this.paintPath(run.estimate, this.theme.estimate, 2, []);
     if (shown.truth && run.truth) this.paintPath(run.truth, this.theme.truth, 1.25, [5, 4]);
-    if (shown.walls) this.paintWalls();
+    if (shown.walls && !this.wallsBeneath) this.paintWalls();
     if (shown.robot && run.count) paintRobot(this, clock.step);
     this.paintScaleBar(surface);
   }
@@ -163,8 +178,8 @@ class MapView {
         context.lineWidth = 14;
         this.stroke(ends.x0, ends.y0, ends.x1, ends.y1);
       }
-      context.strokeStyle = free ? theme.free : theme.wall;
-      context.lineWidth = 3;
+      context.strokeStyle = translucent(free ? theme.free : theme.wall, this.wallsBeneath ? 0.45 : 1);
+      context.lineWidth = this.wallsBeneath ? 2 : 3;
       context.setLineDash(wall.kind === "snapped" ? [9, 3] : []);
       this.stroke(ends.x0, ends.y0, ends.x1, ends.y1);
       context.setLineDash([]);
@@ -247,7 +262,7 @@ class MapView {
   paintHitsFrom(layer, from, until, { width, height }) {
     const { hits, view } = this;
     const colours = this.classes().map((c) => translucent(this.theme[c.colour], 0.75));
-    const size = Math.min(4, Math.max(1.6, view.scale * 0.012));
+    const size = Math.min(4, Math.max(2, view.scale * 0.012));
     const sx = width / 2 - view.x * view.scale - size / 2;
     const sy = height / 2 + view.y * view.scale - size / 2;
     // Refused readings first, used ones on top of them.

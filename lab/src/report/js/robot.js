@@ -43,7 +43,7 @@ function paintOutline(map, path, step, colour, dash) {
 function paintBeams(map, step) {
   const { context, run, theme } = map;
   for (const sensor of run.sensors) {
-    const ray = beam(run, sensor, step);
+    const ray = beam(run.estimate, sensor, step);
     if (!ray || !Number.isFinite(ray.x1)) continue;
     const colour = theme[OUTCOMES[Math.min(sensor.code[step], REFUSED) - USED]?.colour ?? "soft"];
     context.strokeStyle = translucent(colour, 0.8);

@@ -1,0 +1,35 @@
+// Walls that different visits place apart: where the map contradicts itself.
+
+// From here on the visits of a wall are apart, metres.
+const APART_M = 0.15;
+
+// This many walls carry their figure however small the map is drawn.
+const APART_LABELS = 5;
+
+// The finished map's walls whose visits are apart, the widest first.
+function wallsApart(run) {
+  return run.walls.filter((wall) => wall.gap > APART_M && wall.gone === Infinity).sort((a, b) => b.gap - a.gap);
+}
+
+// A band along each such wall, and how far its visits are apart.
+function paintApart(map) {
+  const { context, view, theme, clock } = map;
+  wallsApart(map.run).forEach((wall, rank) => {
+    const ends = wallAt(wall, clock.step);
+    if (!ends) return;
+    context.strokeStyle = translucent(theme.apart, 0.3);
+    context.lineWidth = Math.max(9, Math.min(40, wall.gap * view.scale));
+    map.stroke(ends.x0, ends.y0, ends.x1, ends.y1);
+    if (rank >= APART_LABELS && view.scale < 60) return;
+    const [px, py] = view.toScreen((ends.x0 + ends.x1) / 2, (ends.y0 + ends.y1) / 2);
+    context.font = `600 12px ${theme.font}`;
+    context.textAlign = "center";
+    context.lineJoin = "round";
+    context.lineWidth = 4;
+    context.strokeStyle = theme.card;
+    context.fillStyle = theme.apart;
+    const text = length(wall.gap);
+    context.strokeText(text, px, py + 4);
+    context.fillText(text, px, py + 4);
+  });
+}
