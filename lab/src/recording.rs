@@ -182,6 +182,8 @@ pub struct Figures {
     pub nis_before_gate: Option<f64>,
     /// Median of these (0.45 is ideal): what the few that are far off do not move.
     pub median_nis_before_gate: Option<f64>,
+    /// Share of the readings that met a wall and fell outside its gate.
+    pub outside_gate: Option<f64>,
     /// The estimate against the truth.
     pub estimate: Option<PathScore>,
     /// Dead reckoning against the truth.

@@ -118,6 +118,7 @@ impl Session {
         figures.outliers = outliers;
         figures.mean_nis = mean(&used);
         figures.nis_before_gate = mean(&all);
+        figures.outside_gate = (!all.is_empty()).then(|| 1.0 - used.len() as f64 / all.len() as f64);
         figures.median_nis_before_gate = median(all);
         self.recording
     }

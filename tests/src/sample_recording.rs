@@ -255,6 +255,7 @@ fn figures(seconds: f64, walls: usize) -> Figures {
         mean_nis: Some(1.04),
         nis_before_gate: Some(1.9),
         median_nis_before_gate: Some(0.47),
+        outside_gate: Some(0.03),
         estimate: Some(estimate),
         odometry: Some(odometry),
         map: Some(MapScore { offset_m: 0.0061, matched: walls, missed: 0, invented: 0 }),

@@ -4,18 +4,60 @@ use std::convert::Infallible;
 
 use hal_sim::SimOptions;
 use lab::drive::Drive;
-use lab::recording::Recording;
+use lab::log::Row;
+use lab::recording::{Figures, Recording};
 use lab::run::built_in_robot;
+use lab::score;
 use lab::session::Session;
 use slam_core::Config;
 
 /// The built-in robot's drive through a built-in plan.
 pub fn drive(plan: &str, minutes: f64, seed: u64) -> Recording {
+    drive_with(plan, minutes, seed, |_| ())
+}
+
+/// The log of such a drive, with the true poses.
+pub fn rows(plan: &str, minutes: f64, seed: u64) -> Vec<Row> {
+    let mut rows = Vec::new();
+    drive_with(plan, minutes, seed, |row| rows.push(row.clone()));
+    rows
+}
+
+/// What another estimator makes of such a log.
+pub fn estimated(rows: &[Row], config: Config) -> Figures {
+    let (robot, _) = built_in_robot().expect("the built-in rig is good");
+    let mut session = Session::new(&robot, config, "").expect("a good rig");
+    for row in rows {
+        session.push(row);
+    }
+    let mut recording = session.finish();
+    let times_s: Vec<f64> = rows.iter().map(|row| row.t_s).collect();
+    score::score(&mut recording, &times_s, None);
+    recording.figures
+}
+
+fn drive_with(plan: &str, minutes: f64, seed: u64, mut see: impl FnMut(&Row)) -> Recording {
     let (robot, _) = built_in_robot().expect("the built-in rig is good");
     let home = hal_sim::plan_file::load(plan).expect("a built-in plan");
     let mut drive = Drive::new(&home, &robot, SimOptions::default(), seed).expect("the robot fits");
     let mut session = Session::new(&robot, Config::default(), plan).expect("a good rig");
-    let driven = drive.run(&mut session, 60.0 * minutes, |_, _| Ok::<(), Infallible>(()));
+    let driven = drive.run(&mut session, 60.0 * minutes, |row, _| {
+        see(row);
+        Ok::<(), Infallible>(())
+    });
     driven.expect("nothing can fail");
     drive.finish(session)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_same_estimator_makes_the_same_of_a_drives_log() {
+        let (driven, again) = (drive("room", 1.0, 1).figures, estimated(&rows("room", 1.0, 1), Config::default()));
+        assert_eq!((driven.estimate, driven.walls, driven.mean_nis), (again.estimate, again.walls, again.mean_nis));
+        let free = Config { walls: slam_core::WallPolicy::Free, ..Config::default() };
+        assert_ne!(estimated(&rows("room", 1.0, 1), free).estimate, again.estimate);
+    }
 }

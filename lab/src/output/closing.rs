@@ -45,8 +45,10 @@ fn write_filter(text: &mut String, recording: &Recording) -> std::fmt::Result {
     let figures = &recording.figures;
     if let Some(nis) = figures.mean_nis {
         write!(text, "  {:<34}{nis:>12.2}   1 is ideal", "innovations NIS (mean)")?;
-        let all = figures.nis_before_gate.map_or(String::new(), |all| format!("; {all:.2} before the gate"));
-        writeln!(text, "{all}")?;
+        if let (Some(all), Some(share)) = (figures.nis_before_gate, figures.outside_gate) {
+            write!(text, "; {all:.2} before the gate, {:.1} % outside it", 100.0 * share)?;
+        }
+        writeln!(text)?;
     }
     writeln!(text, "  {:<34}{:>12}", "walls in the map", figures.walls)?;
     if let Some(map) = &figures.map {

@@ -1,0 +1,109 @@
+//! What should hold on real logs, and whether it does.
+
+use std::fmt::Write as _;
+
+use lab::recording::Figures;
+
+use super::cells::{median_and_worst, sharper_nats};
+use super::{Capped, LOGS};
+
+/// What is measured, how it is written, and what should hold.
+struct Bar {
+    name: &'static str,
+    value: fn(&Figures) -> Option<f64>,
+    /// Value as written, and its unit.
+    scale: (f64, &'static str),
+    limit: Limit,
+}
+
+#[derive(Clone, Copy)]
+enum Limit {
+    AtMost(f64),
+    AtLeast(f64),
+    Within(f64, f64),
+}
+
+impl Limit {
+    fn holds(self, value: f64) -> bool {
+        match self {
+            Self::AtMost(most) => value <= most,
+            Self::AtLeast(least) => value >= least,
+            Self::Within(least, most) => (least..=most).contains(&value),
+        }
+    }
+
+    fn text(self, (scale, unit): (f64, &str)) -> String {
+        match self {
+            Self::AtMost(most) => format!("at most {}{unit}", scale * most),
+            Self::AtLeast(least) => format!("at least {}{unit}", scale * least),
+            Self::Within(least, most) => format!("{} to {}{unit}", scale * least, scale * most),
+        }
+    }
+}
+
+const ALIGNED: Bar = Bar {
+    name: "aligned RMSE",
+    value: |figures| Some(figures.estimate?.ate_m),
+    scale: (100.0, " cm"),
+    limit: Limit::AtMost(0.12),
+};
+
+const NOT_WORSE: Bar = Bar {
+    name: "aligned RMSE as a share of odometry's",
+    value: |figures| Some(figures.estimate?.ate_m / figures.odometry?.ate_m),
+    scale: (1.0, ""),
+    limit: Limit::AtMost(1.0),
+};
+
+const GAP: Bar = Bar {
+    name: "widest gap between visits",
+    value: |figures| figures.consistency.as_ref()?.widest_gap_m,
+    scale: (100.0, " cm"),
+    limit: Limit::AtMost(0.15),
+};
+
+const SHARPER: Bar =
+    Bar { name: "sharper than odometry", value: sharper_nats, scale: (1.0, " nats"), limit: Limit::AtLeast(0.3) };
+
+const NIS: Bar = Bar {
+    name: "NIS before the gate",
+    value: |figures| figures.nis_before_gate,
+    scale: (1.0, ""),
+    limit: Limit::Within(0.7, 1.5),
+};
+
+/// The bars of each log.
+const BARS: [&[Bar]; 4] = [
+    &[ALIGNED, NOT_WORSE, NIS],
+    &[Bar { limit: Limit::AtMost(0.3), ..ALIGNED }, NOT_WORSE, NIS],
+    &[GAP, SHARPER, NIS],
+    &[GAP, SHARPER, NIS],
+];
+
+/// The table of bars; `defaults` are the replays with the estimator's defaults, log by log.
+pub fn write(text: &mut String, defaults: &[Vec<Figures>]) -> std::fmt::Result {
+    writeln!(
+        text,
+        "### What should hold\n\n| log | figure | bar | median | worst | held |\n|---|---|---|---|---|---|"
+    )?;
+    for ((capped, bars), runs) in LOGS.iter().zip(BARS).zip(defaults) {
+        for bar in bars {
+            row(text, capped, bar, runs)?;
+        }
+    }
+    writeln!(text)
+}
+
+fn row(text: &mut String, capped: &Capped, bar: &Bar, runs: &[Figures]) -> std::fmt::Result {
+    let values: Vec<f64> = runs.iter().filter_map(bar.value).collect();
+    let (held, n) = (values.iter().filter(|value| bar.limit.holds(**value)).count(), values.len());
+    let more_is_better = matches!(bar.limit, Limit::AtLeast(_));
+    let Some((median, worst)) = median_and_worst(values, more_is_better) else { return Ok(()) };
+    let (scale, unit) = bar.scale;
+    let number = |value: f64| {
+        let digits = if scale > 1.0 || scale * value >= 10.0 { 0 } else { 2 };
+        format!("{:.digits$}{unit}", scale * value)
+    };
+    let (title, limit) = (capped.title(), bar.limit.text(bar.scale));
+    writeln!(text, "| {title} | {} | {limit} | {} | {} | {held} of {n} |", bar.name, number(median), number(worst))
+}

@@ -1,0 +1,81 @@
+//! The cells of a row: figures of several replays, median and worst.
+
+use lab::recording::{Consistency, Figures};
+
+const COLUMNS: [&str; 10] = [
+    "estimator",
+    "aligned RMSE",
+    "heading RMSE",
+    "NIS",
+    "median NIS before the gate",
+    "outside the gate",
+    "sharper than odometry",
+    "widest gap",
+    "mean gap",
+    "walls",
+];
+
+/// The table's head.
+pub fn header() -> String {
+    format!("| {} |\n|{}", COLUMNS.join(" | "), "---|".repeat(COLUMNS.len()))
+}
+
+/// The cells of a row after its name.
+pub fn of(runs: &[Figures]) -> [String; 9] {
+    let of = |value: &dyn Fn(&Figures) -> Option<f64>| runs.iter().filter_map(value).collect::<Vec<f64>>();
+    let plain = |value: f64| format!("{value:.2}");
+    [
+        centimetres(of(&|figures| Some(figures.estimate?.ate_m))),
+        spread(of(&|figures| Some(figures.estimate?.heading_deg)), false, |degrees| format!("{degrees:.1}"), "°"),
+        spread(of(&|figures| figures.mean_nis), false, plain, ""),
+        spread(of(&|figures| figures.median_nis_before_gate), false, plain, ""),
+        spread(of(&|figures| figures.outside_gate), false, |share| format!("{:.0}", 100.0 * share), " %"),
+        spread(of(&sharper_nats), true, plain, " nats"),
+        centimetres(of(&|figures| consistency(figures)?.widest_gap_m)),
+        centimetres(of(&|figures| consistency(figures)?.mean_gap_m)),
+        spread(of(&|figures| Some(figures.walls as f64)), false, |walls| format!("{walls:.0}"), ""),
+    ]
+}
+
+/// The cells of dead reckoning's row.
+pub fn of_odometry(figures: &Figures) -> [String; 9] {
+    let mut cells: [String; 9] = Default::default();
+    if let Some(score) = figures.odometry {
+        cells[0] = format!("{:.0} cm", 100.0 * score.ate_m);
+        cells[1] = format!("{:.1}°", score.heading_deg);
+    }
+    cells
+}
+
+fn consistency(figures: &Figures) -> Option<&Consistency> {
+    figures.consistency.as_ref()
+}
+
+/// Dead reckoning's map entropy less the estimate's, nats.
+pub fn sharper_nats(figures: &Figures) -> Option<f64> {
+    let score = consistency(figures)?;
+    Some(score.odometry_entropy_nats - score.entropy_nats)
+}
+
+/// Lengths in metres as a cell.
+pub fn centimetres(values_m: Vec<f64>) -> String {
+    let digits = usize::from(values_m.iter().all(|metres| *metres < 0.05));
+    spread(values_m, false, |metres| format!("{:.digits$}", 100.0 * metres), " cm")
+}
+
+/// The median, and in brackets the worst: the largest, or the smallest where more is better.
+pub fn spread(values: Vec<f64>, more_is_better: bool, write: impl Fn(f64) -> String, unit: &str) -> String {
+    match median_and_worst(values, more_is_better) {
+        Some((median, worst)) => format!("{}{unit} ({})", write(median), write(worst)),
+        None => "no truth".to_owned(),
+    }
+}
+
+/// The middle of the values, and the largest, or the smallest where more is better.
+pub fn median_and_worst(mut values: Vec<f64>, more_is_better: bool) -> Option<(f64, f64)> {
+    values.sort_by(f64::total_cmp);
+    if more_is_better {
+        values.reverse();
+    }
+    Some((*values.get(values.len() / 2)?, *values.last()?))
+}
