@@ -7,3 +7,4 @@ pub mod sample_recording;
 pub mod sanity;
 pub mod simulated;
 pub mod snapshot;
+pub mod trial;

@@ -18,6 +18,12 @@ fn replay(log: RealLog, rows: usize) -> Option<Figures> {
     Some(recording.figures)
 }
 
+/// Odometry's map entropy less the estimate's.
+fn sharper_nats(figures: &Figures) -> f64 {
+    let score = figures.consistency.as_ref().expect("there are readings");
+    score.odometry_entropy_nats - score.entropy_nats
+}
+
 #[test]
 fn freiburg_offices_with_a_laser() {
     let Some(figures) = replay(FREIBURG, 2400) else { return };
@@ -29,11 +35,13 @@ fn freiburg_offices_with_a_laser() {
 
 #[test]
 fn hallways_with_a_drone() {
-    replay(HALLWAYS, 3431);
+    let Some(figures) = replay(HALLWAYS, 3431) else { return };
+    assert!(sharper_nats(&figures) > 0.0, "more blurred than odometry: {:?}", figures.consistency);
 }
 
 #[test]
 fn a_corridor_in_a_carmen_log() {
     let Some(figures) = replay(CORRIDOR, 713) else { return };
     assert!((figures.path_m - 41.2).abs() < 0.1, "{figures:?}");
+    assert!(sharper_nats(&figures) > 0.2, "hardly sharper than odometry: {:?}", figures.consistency);
 }

@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 
-use lab::recording::Figures;
+use lab::recording::{Figures, Recording};
 
 use super::cells::{median_and_worst, sharper_nats};
-use super::{Capped, LOGS};
+use super::{Case, figures_of};
 
 /// What is measured, how it is written, and what should hold.
 struct Bar {
@@ -81,20 +81,21 @@ const BARS: [&[Bar]; 4] = [
 ];
 
 /// The table of bars; `defaults` are the replays with the estimator's defaults, log by log.
-pub fn write(text: &mut String, defaults: &[Vec<Figures>]) -> std::fmt::Result {
+pub fn write(text: &mut String, defaults: &[(Vec<Recording>, Case)]) -> std::fmt::Result {
     writeln!(
         text,
         "### What should hold\n\n| log | figure | bar | median | worst | held |\n|---|---|---|---|---|---|"
     )?;
-    for ((capped, bars), runs) in LOGS.iter().zip(BARS).zip(defaults) {
+    for ((recordings, case), bars) in defaults.iter().zip(BARS) {
+        let runs = figures_of(recordings);
         for bar in bars {
-            row(text, capped, bar, runs)?;
+            row(text, case, bar, &runs)?;
         }
     }
     writeln!(text)
 }
 
-fn row(text: &mut String, capped: &Capped, bar: &Bar, runs: &[Figures]) -> std::fmt::Result {
+fn row(text: &mut String, case: &Case, bar: &Bar, runs: &[Figures]) -> std::fmt::Result {
     let values: Vec<f64> = runs.iter().filter_map(bar.value).collect();
     let (held, n) = (values.iter().filter(|value| bar.limit.holds(**value)).count(), values.len());
     let more_is_better = matches!(bar.limit, Limit::AtLeast(_));
@@ -104,6 +105,6 @@ fn row(text: &mut String, capped: &Capped, bar: &Bar, runs: &[Figures]) -> std::
         let digits = if scale > 1.0 || scale * value >= 10.0 { 0 } else { 2 };
         format!("{:.digits$}{unit}", scale * value)
     };
-    let (title, limit) = (capped.title(), bar.limit.text(bar.scale));
+    let (title, limit) = (case.title, bar.limit.text(bar.scale));
     writeln!(text, "| {title} | {} | {limit} | {} | {} | {held} of {n} |", bar.name, number(median), number(worst))
 }

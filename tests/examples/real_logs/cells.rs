@@ -2,8 +2,7 @@
 
 use lab::recording::{Consistency, Figures};
 
-const COLUMNS: [&str; 10] = [
-    "estimator",
+const COLUMNS: [&str; 9] = [
     "aligned RMSE",
     "heading RMSE",
     "NIS",
@@ -15,9 +14,9 @@ const COLUMNS: [&str; 10] = [
     "walls",
 ];
 
-/// The table's head.
-pub fn header() -> String {
-    format!("| {} |\n|{}", COLUMNS.join(" | "), "---|".repeat(COLUMNS.len()))
+/// The table's head; `first` is that of its first column.
+pub fn header(first: &str) -> String {
+    format!("| {first} | {} |\n|---|{}", COLUMNS.join(" | "), "---|".repeat(COLUMNS.len()))
 }
 
 /// The cells of a row after its name.

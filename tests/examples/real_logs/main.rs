@@ -1,7 +1,7 @@
 //! Writes the tables of `docs/real-logs.md`: `cargo run --release --package tests --example real_logs`.
 //!
 //! Each part of the estimator that can be switched off (`lab::part::PARTS`) is a row of each table. `-- NAME...` shows
-//! the rows of these parts only, on the standard output, and leaves the page alone.
+//! the rows of these parts only, on the standard output, and leaves the page alone; `-- default` shows no part's.
 
 mod bars;
 mod cells;
@@ -13,61 +13,77 @@ use std::fs;
 use std::path::Path;
 
 use lab::part::{PARTS, Part};
-use lab::recording::Figures;
+use lab::recording::{Figures, Recording};
 use slam_core::Config;
-use tests::real_logs::{CORRIDOR, FREIBURG, HALLWAYS, RealLog, Trial};
+use tests::real_logs::{CORRIDOR, FREIBURG, HALLWAYS, RealLog};
+use tests::trial::{LoadedLog, Trial};
 
 /// Real logs are chaotic: a change that should not matter can decide which wall a reading goes to. So each row is the
 /// median and the worst of replays whose range noise is off by so much.
-const NOISES: [f64; 9] = [1.0, 0.99, 1.01, 0.98, 1.02, 0.97, 1.03, 0.96, 1.04];
+const NOISES: [f32; 9] = [1.0, 0.99, 1.01, 0.98, 1.02, 0.97, 1.03, 0.96, 1.04];
 
 /// What stands between these two lines is written here; everything around them is kept.
 const BEGIN: &str = "<!-- Written by cargo run --release --package tests --example real_logs -->\n";
 const END: &str = "<!-- End of what that command writes -->\n";
 
-/// A log with a cap on its ranges, metres.
-#[derive(Clone, Copy)]
-struct Capped {
+/// A log, and what is done with it.
+struct Case {
+    title: &'static str,
     log: RealLog,
-    cap_m: f64,
+    trial: fn(Trial) -> Trial,
 }
 
-const LOGS: [Capped; 4] = [
-    Capped { log: FREIBURG, cap_m: f64::INFINITY },
-    Capped { log: FREIBURG, cap_m: 1.5 },
-    Capped { log: HALLWAYS, cap_m: f64::INFINITY },
-    Capped { log: CORRIDOR, cap_m: f64::INFINITY },
+/// The logs that parts are judged by.
+const LOGS: [Case; 4] = [
+    Case { title: "fr079-first", log: FREIBURG, trial: |trial| trial },
+    Case { title: "fr079-first up to 1.5 m", log: FREIBURG, trial: |trial| Trial { cap_m: 1.5, ..trial } },
+    Case { title: "olsson-demo", log: HALLWAYS, trial: |trial| trial },
+    Case { title: "wean-1", log: CORRIDOR, trial: |trial| trial },
 ];
 
-impl Capped {
-    fn title(&self) -> String {
-        let cap = if self.cap_m.is_finite() { format!(" up to {} m", self.cap_m) } else { String::new() };
-        format!("{}{cap}", self.log.name)
-    }
+/// The same logs begun later and with fewer sensors: what no part was made for.
+const VARIATIONS: [Case; 7] = [
+    Case { title: "fr079-first from 120 s", log: FREIBURG, trial: |trial| Trial { from_s: 120.0, ..trial } },
+    Case { title: "fr079-first, four beams", log: FREIBURG, trial: |trial| Trial { every: 2, ..trial } },
+    Case { title: "fr079-first up to 2 m", log: FREIBURG, trial: |trial| Trial { cap_m: 2.0, ..trial } },
+    Case { title: "olsson-demo from 60 s", log: HALLWAYS, trial: |trial| Trial { from_s: 60.0, ..trial } },
+    Case { title: "olsson-demo up to 1.5 m", log: HALLWAYS, trial: |trial| Trial { cap_m: 1.5, ..trial } },
+    Case { title: "wean-1, four beams", log: CORRIDOR, trial: |trial| Trial { every: 2, ..trial } },
+    Case { title: "wean-1 up to 2 m", log: CORRIDOR, trial: |trial| Trial { cap_m: 2.0, ..trial } },
+];
 
+impl Case {
     /// The replays of one row.
-    fn replay(&self, config: Config) -> Vec<Figures> {
-        let replay = |noise| {
-            let trial = Trial { config, cap_m: self.cap_m, noise };
-            self.log.replay_as(&trial).expect("this page shows the real logs").recording.figures
-        };
+    fn replay(&self, config: Config) -> Vec<Recording> {
+        let log = LoadedLog::read(self.log).expect("this page shows the real logs");
+        let replay = |noise| log.replay(&(self.trial)(Trial { config, noise, ..Trial::default() }));
         NOISES.into_iter().map(replay).collect()
     }
+
+    fn figures(&self, config: Config) -> Vec<Figures> {
+        self.replay(config).into_iter().map(|recording| recording.figures).collect()
+    }
 }
+
+/// A part's name on the command line that stands for the estimator with all of its parts.
+const DEFAULT: &str = "default";
 
 fn main() {
     let wanted: Vec<String> = std::env::args().skip(1).collect();
     let part = |name: &String| {
-        Part::of_name(name).unwrap_or_else(|| panic!("no part {name}; there are {}", lab::part::names()))
+        Part::of_name(name).unwrap_or_else(|| {
+            eprintln!("error: no part {name}; it must be {DEFAULT} or one of {}", lab::part::names());
+            std::process::exit(2)
+        })
     };
-    let parts: Vec<&Part> = if wanted.is_empty() { PARTS.iter().collect() } else { wanted.iter().map(part).collect() };
-    let defaults = LOGS.map(|capped| capped.replay(Config::default()));
+    let parts: Vec<&Part> = if wanted.is_empty() {
+        PARTS.iter().collect()
+    } else {
+        wanted.iter().filter(|name| *name != DEFAULT).map(part).collect()
+    };
+    let defaults = LOGS.map(|case| (case.replay(Config::default()), case));
     let mut text = String::new();
-    bars::write(&mut text, &defaults).and_then(|()| outcomes::write(&mut text)).expect("a String takes it all");
-    for (capped, default) in LOGS.iter().zip(&defaults) {
-        table(&mut text, capped, default, &parts).expect("a String takes it all");
-    }
-    simulated::write(&mut text, &parts).expect("a String takes it all");
+    write_all(&mut text, &defaults, &parts).expect("a String takes it all");
     if !wanted.is_empty() {
         print!("{text}");
         return;
@@ -79,14 +95,30 @@ fn main() {
     fs::write(&path, format!("{before}{BEGIN}\n{text}{END}{after}")).expect("docs/real-logs.md can be written");
 }
 
-fn table(text: &mut String, capped: &Capped, default: &[Figures], parts: &[&Part]) -> std::fmt::Result {
-    writeln!(text, "### {}\n\n{}", capped.title(), cells::header())?;
-    writeln!(text, "| default | {} |", cells::of(default).join(" | "))?;
+fn write_all(text: &mut String, defaults: &[(Vec<Recording>, Case)], parts: &[&Part]) -> std::fmt::Result {
+    bars::write(text, defaults)?;
+    variations(text)?;
+    outcomes::write(text, defaults)?;
+    for (recordings, case) in defaults {
+        table(text, case, recordings, parts)?;
+    }
+    if parts.is_empty() { Ok(()) } else { simulated::write(text, parts) }
+}
+
+fn figures_of(recordings: &[Recording]) -> Vec<Figures> {
+    recordings.iter().map(|recording| recording.figures.clone()).collect()
+}
+
+/// A table for each log: the default, dead reckoning, and the default without each part.
+fn table(text: &mut String, case: &Case, default: &[Recording], parts: &[&Part]) -> std::fmt::Result {
+    let default = figures_of(default);
+    writeln!(text, "### {}\n\n{}", case.title, cells::header("estimator"))?;
+    writeln!(text, "| default | {} |", cells::of(&default).join(" | "))?;
     writeln!(text, "| odometry | {} |", cells::of_odometry(&default[0]).join(" | "))?;
     let mut idle = Vec::new();
     for part in parts {
-        let cells = cells::of(&capped.replay(part.off(Config::default())));
-        if cells == cells::of(default) {
+        let cells = cells::of(&case.figures(part.off(Config::default())));
+        if cells == cells::of(&default) {
             idle.push(part.name);
         } else {
             writeln!(text, "| without {} | {} |", part.name, cells.join(" | "))?;
@@ -94,6 +126,22 @@ fn table(text: &mut String, capped: &Capped, default: &[Figures], parts: &[&Part
     }
     if !idle.is_empty() {
         write!(text, "\nNo difference: without {}.\n", idle.join(", "))?;
+    }
+    writeln!(text)
+}
+
+fn variations(text: &mut String) -> std::fmt::Result {
+    writeln!(
+        text,
+        "### The same logs otherwise\n\nBegun later, with every second sensor, with shorter ranges.\n\n{}",
+        cells::header("log")
+    )?;
+    for case in VARIATIONS {
+        let runs = case.figures(Config::default());
+        writeln!(text, "| {} | {} |", case.title, cells::of(&runs).join(" | "))?;
+        if runs[0].odometry.is_some() {
+            writeln!(text, "| its odometry | {} |", cells::of_odometry(&runs[0]).join(" | "))?;
+        }
     }
     writeln!(text)
 }

@@ -4,12 +4,11 @@ use std::fmt::Write as _;
 
 use lab::recording::Recording;
 use slam_core::{Outcome, Refusal};
-use tests::real_logs::Trial;
 
-use super::LOGS;
+use super::Case;
 
-/// The table, of the estimator's defaults.
-pub fn write(text: &mut String) -> std::fmt::Result {
+/// The table; `defaults` are the replays with the estimator's defaults.
+pub fn write(text: &mut String, defaults: &[(Vec<Recording>, Case)]) -> std::fmt::Result {
     writeln!(
         text,
         "### What becomes of the readings\n\n\
@@ -19,16 +18,9 @@ pub fn write(text: &mut String) -> std::fmt::Result {
          farther |\n|{}",
         "---|".repeat(10)
     )?;
-    for capped in LOGS {
-        let trial = Trial { cap_m: capped.cap_m, ..Trial::default() };
-        let recording = capped.log.replay_as(&trial).expect("this page shows the real logs").recording;
-        writeln!(
-            text,
-            "| {} | {} | {} |",
-            capped.title(),
-            shares(&recording).join(" | "),
-            off(&recording).join(" | ")
-        )?;
+    for (recordings, case) in defaults {
+        let Some(recording) = recordings.first() else { continue };
+        writeln!(text, "| {} | {} | {} |", case.title, shares(recording).join(" | "), off(recording).join(" | "))?;
     }
     writeln!(text)
 }

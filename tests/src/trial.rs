@@ -1,0 +1,123 @@
+//! A real log, read once and replayed in many ways.
+
+use lab::log::truth::{self, Truth};
+use lab::log::{self, Row};
+use lab::recording::Recording;
+use lab::rig_file::Robot;
+use lab::score;
+use lab::session::Session;
+use slam_core::{Config, RangeInput, RangeModel};
+
+use crate::real_logs::RealLog;
+
+/// What a replay differs in from the log's own rig file and the estimator's defaults.
+#[derive(Clone, Copy, Debug)]
+pub struct Trial {
+    /// The estimator's settings.
+    pub config: Config,
+    /// Longest range that is a reading, metres, where the rig file allows more.
+    pub cap_m: f32,
+    /// Factor of the range sensors' noise.
+    pub noise: f32,
+    /// Where to begin in the log, seconds.
+    pub from_s: f64,
+    /// Of so many sensors only the first is used.
+    pub every: usize,
+}
+
+impl Default for Trial {
+    fn default() -> Self {
+        Self { config: Config::default(), cap_m: f32::INFINITY, noise: 1.0, from_s: 0.0, every: 1 }
+    }
+}
+
+/// The rows of a log, with the robot and the truth.
+#[derive(Clone, Debug)]
+pub struct LoadedLog {
+    robot: Robot,
+    rows: Vec<Row>,
+    truth: Option<Truth>,
+}
+
+impl LoadedLog {
+    /// Reads a log; none where it is not at hand.
+    ///
+    /// # Panics
+    /// It is damaged.
+    pub fn read(log: RealLog) -> Option<Self> {
+        let folder = log.folder()?;
+        let mut robot = Robot::read(&folder.join("rig.toml")).unwrap_or_else(|error| panic!("{error}"));
+        let rows = log::open(&folder.join(log.file), &mut robot).and_then(|rows| rows.collect::<Result<Vec<_>, _>>());
+        let rows = rows.unwrap_or_else(|error| panic!("{error}"));
+        let truth = folder.join("truth.csv");
+        let truth = truth.is_file().then(|| truth::read(&truth).unwrap_or_else(|error| panic!("{error}")));
+        Some(Self { robot, rows, truth })
+    }
+
+    /// What the estimator makes of it in a trial.
+    ///
+    /// # Panics
+    /// The trial's robot cannot be.
+    pub fn replay(&self, trial: &Trial) -> Recording {
+        let mut session = Session::new(&trial.robot(&self.robot), trial.config, "").expect("a robot that can be");
+        let begin_s = self.rows.first().map_or(0.0, |row| row.t_s + trial.from_s);
+        let mut times_s = Vec::new();
+        for row in self.rows.iter().filter(|row| row.t_s >= begin_s) {
+            session.push(&trial.row(row));
+            times_s.push(row.t_s);
+        }
+        let mut recording = session.finish();
+        score::score(&mut recording, &times_s, self.truth.as_ref());
+        recording
+    }
+}
+
+impl Trial {
+    fn robot(&self, own: &Robot) -> Robot {
+        let mut robot = own.clone();
+        for sensor in &mut robot.rig.sensors {
+            sensor.max_m = sensor.max_m.min(self.cap_m);
+            match &mut sensor.model {
+                RangeModel::Sharp { noise_v, .. } => *noise_v *= self.noise,
+                RangeModel::Metric { noise_m, noise_rel } => {
+                    *noise_m *= self.noise;
+                    *noise_rel *= self.noise;
+                }
+            }
+        }
+        robot
+    }
+
+    fn row(&self, own: &Row) -> Row {
+        let mut row = own.clone();
+        for (_, range) in row.sample.ranges.iter_mut().enumerate().filter(|(sensor, _)| sensor % self.every != 0) {
+            *range = RangeInput::Missing;
+        }
+        row
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulated::rows;
+    use lab::run::built_in_robot;
+    use slam_core::Outcome;
+
+    #[test]
+    fn a_trial_changes_what_it_says() {
+        let (robot, _) = built_in_robot().expect("the built-in rig is good");
+        let log = LoadedLog { robot, rows: rows("room", 0.5, 1), truth: None };
+        let own = log.replay(&Trial::default());
+        let used = |recording: &Recording| recording.figures.updates;
+        let later = log.replay(&Trial { from_s: 10.0, ..Trial::default() });
+        assert_eq!(later.steps.len(), own.steps.len() - 250);
+        assert!(later.figures.estimate.is_some(), "the truth is still there");
+        let near = log.replay(&Trial { cap_m: 0.5, ..Trial::default() });
+        let noisy = log.replay(&Trial { noise: 2.0, ..Trial::default() });
+        assert!(used(&near) < used(&own) && noisy.figures.mean_nis < own.figures.mean_nis);
+        let few = log.replay(&Trial { every: 2, ..Trial::default() });
+        let is_silent = |step: usize| few.readings(step)[1].outcome == Outcome::Missing;
+        assert!((0..few.steps.len()).all(is_silent) && used(&few) > 0);
+    }
+}
