@@ -213,8 +213,28 @@ pub struct Consistency {
     pub closure_m: Option<f64>,
     /// The same had dead reckoning led from the first visit to the last.
     pub odometry_closure_m: Option<f64>,
+    /// How far visits are apart, by pieces of surface and without the map's walls.
+    pub surfels: Option<SurfelScore>,
+    /// The same by dead reckoning.
+    pub odometry_surfels: Option<SurfelScore>,
     /// Every wall of the final map that readings met.
     pub walls: Vec<SeenWall>,
+}
+
+/// How far visits of one place, more than 30 s apart, see its surface apart: by surfels, flat pieces of surface half a metre
+/// wide as one visit saw them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SurfelScore {
+    /// Surfels found.
+    pub found: usize,
+    /// Of which other visits saw the surface as well.
+    pub compared: usize,
+    /// Median over these of the distance to the visit that differs most, metres.
+    pub median_m: f64,
+    /// The distance that nine in ten do not exceed, metres.
+    pub p90_m: f64,
+    /// Share that is more than 15 cm apart.
+    pub wide_share: f64,
 }
 
 /// A wall of the final map as its visits saw it. Places are distances behind its line, metres.

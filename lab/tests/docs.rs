@@ -57,7 +57,9 @@ fn every_figure_is_documented() {
     let summary = place.summary("out");
     let keys = |value: &serde_json::Value| value.as_object().expect("an object").keys().cloned().collect::<Vec<_>>();
     let wall = &summary["consistency"]["walls"][0];
-    let inner = [keys(&summary["consistency"]), keys(wall), keys(&wall["visits"][0]), keys(&summary["map"])].concat();
+    let consistency = &summary["consistency"];
+    let [surfels, visit] = [&consistency["surfels"], &wall["visits"][0]].map(keys);
+    let inner = [keys(consistency), keys(wall), visit, surfels, keys(&summary["map"])].concat();
     for key in keys(&summary).iter().chain(&inner) {
         assert!(own.contains(&key.as_str()) || FORMATS.contains(&format!("`{key}`")), "{key} is not documented");
     }

@@ -77,6 +77,8 @@ fn maps_are_scored_without_a_truth() {
     assert!(number("closure_m") < number("odometry_closure_m") && number("thickness_m") < 0.05, "{score}");
     let wall = &score["walls"][0];
     assert!(wall["gap_m"].is_number() && wall["visits"][1]["mean_m"].is_number(), "{wall}");
+    let median = |key: &str| score[key]["median_m"].as_f64().unwrap_or_else(|| panic!("{key}: {score}"));
+    assert!(median("surfels") < 0.03 && median("surfels") < median("odometry_surfels"), "{score}");
     let shares = summary["readings"]["shares"].as_object().expect("shares");
     let parts = ["used", "outside_gate", "unexplained", "refused"].map(|name| shares[name].as_f64().expect("a share"));
     assert!((parts.iter().sum::<f64>() - 1.0).abs() < 1e-9 && parts[3] > 0.0, "{shares:?}");

@@ -56,7 +56,7 @@ const READINGS: &str = "readings";
 
 type Score = (&'static str, &'static str, &'static str, Unit, Better);
 
-const SCORES: [Score; 33] = [
+const SCORES: [Score; 37] = [
     ("log", "rows", "/rows", Unit::Count, Better::Neither),
     ("log", "path by dead reckoning", "/path_m", Unit::Metres, Better::Neither),
     (TRUTH, "position, best alignment (RMSE)", "/ate_m", Unit::Metres, Better::Less),
@@ -76,6 +76,10 @@ const SCORES: [Score; 33] = [
     (CONSISTENCY, "map entropy", "/consistency/entropy_nats", Unit::Nats, Better::Less),
     (CONSISTENCY, "  odometry's", "/consistency/odometry_entropy_nats", Unit::Nats, Better::Neither),
     (CONSISTENCY, "  below odometry's", BELOW_ODOMETRY, Unit::Nats, Better::More),
+    (CONSISTENCY, "visits apart (median)", "/consistency/surfels/median_m", Unit::Metres, Better::Less),
+    (CONSISTENCY, "  odometry's", "/consistency/odometry_surfels/median_m", Unit::Metres, Better::Neither),
+    (CONSISTENCY, "  nine in ten at most", "/consistency/surfels/p90_m", Unit::Metres, Better::Less),
+    (CONSISTENCY, "  over 15 cm", "/consistency/surfels/wide_share", Unit::Share, Better::Less),
     (CONSISTENCY, "walls seen again", "/consistency/revisited_walls", Unit::Count, Better::Neither),
     (CONSISTENCY, "widest gap between two visits", "/consistency/widest_gap_m", Unit::Metres, Better::Less),
     (CONSISTENCY, "mean gap", "/consistency/mean_gap_m", Unit::Metres, Better::Less),

@@ -77,6 +77,10 @@ fn write_visits(text: &mut String, score: &Consistency) -> std::fmt::Result {
         let name = "widest gap between two visits";
         writeln!(text, "  {name:<34}{gap_m:>12}   of {} walls seen again", score.revisited)?;
     }
+    if let (Some(ours), Some(theirs)) = (&score.surfels, &score.odometry_surfels) {
+        let (ours, theirs) = (metres(ours.median_m), metres(theirs.median_m));
+        writeln!(text, "  {:<34}{ours:>12}{theirs:>18}", "visits apart: ours, odometry")?;
+    }
     if let (Some(ours), Some(theirs)) = (score.closure_m.map(metres), score.odometry_closure_m.map(metres)) {
         writeln!(text, "  {:<34}{ours:>12}{theirs:>18}", "first visit to last: ours, odometry")?;
     }

@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 use slam_core::{Clustering, Config, Linearisation, Refusal, WallPolicy};
 
 use crate::part::PARTS;
-use crate::recording::{Consistency, MapScore, PathScore, Recording, SeenWall};
+use crate::recording::{Consistency, MapScore, PathScore, Recording, SeenWall, SurfelScore};
 
 /// What was run, for `summary.json`.
 #[derive(Clone, Debug)]
@@ -91,7 +91,19 @@ fn consistency(score: &Consistency) -> Value {
         "thickness_m": score.thickness_m,
         "closure_m": score.closure_m,
         "odometry_closure_m": score.odometry_closure_m,
+        "surfels": score.surfels.as_ref().map(surfels),
+        "odometry_surfels": score.odometry_surfels.as_ref().map(surfels),
         "walls": score.walls.iter().filter(|wall| wall.visits.len() > 1).map(seen_wall).collect::<Vec<_>>(),
+    })
+}
+
+fn surfels(score: &SurfelScore) -> Value {
+    json!({
+        "found": score.found,
+        "compared": score.compared,
+        "median_m": score.median_m,
+        "p90_m": score.p90_m,
+        "wide_share": score.wide_share,
     })
 }
 

@@ -340,8 +340,9 @@ fn consistency(score: &Consistency) -> Value {
         "revisited": score.revisited,
         "widest_gap_m": score.widest_gap_m,
         "mean_gap_m": score.mean_gap_m,
+        "apart_m": score.surfels.map(|surfels| surfels.median_m),
+        "odometry_apart_m": score.odometry_surfels.map(|surfels| surfels.median_m),
         "closure_m": score.closure_m,
-        "odometry_closure_m": score.odometry_closure_m,
     })
 }
 

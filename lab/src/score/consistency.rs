@@ -4,13 +4,13 @@
 //! right, points of one wall fall on one line, however often the robot came by.
 
 use super::hits::project;
-use super::{entropy, passes};
+use super::{entropy, passes, surfels};
 use crate::recording::{Consistency, Recording, SeenWall};
 
 /// Scores the record's map against itself; none where there are no readings.
 pub fn score(recording: &Recording) -> Option<Consistency> {
-    let entropy_nats = entropy::mean_nats(&project(recording, |step| step.pose))?;
-    let odometry_entropy_nats = entropy::mean_nats(&project(recording, |step| step.dead_reckoning))?;
+    let (estimate, odometry) = (project(recording, |step| step.pose), project(recording, |step| step.dead_reckoning));
+    let (entropy_nats, odometry_entropy_nats) = (entropy::mean_nats(&estimate)?, entropy::mean_nats(&odometry)?);
     let walls = passes::walls_seen(recording);
     let seen_again = || walls.iter().filter(|wall| wall.gap_m.is_some());
     let gaps_m: Vec<f64> = seen_again().filter_map(|wall| wall.gap_m).collect();
@@ -24,6 +24,8 @@ pub fn score(recording: &Recording) -> Option<Consistency> {
         thickness_m: rms(&|wall| Some(wall.thickness_m)),
         closure_m: rms(&|wall| wall.closure_m),
         odometry_closure_m: rms(&|wall| wall.odometry_closure_m),
+        surfels: surfels::score(recording, &estimate),
+        odometry_surfels: surfels::score(recording, &odometry),
         walls,
     })
 }

@@ -6,6 +6,7 @@ mod hits;
 pub mod map;
 mod passes;
 pub mod path;
+mod surfels;
 
 use crate::log::truth::{Truth, pair};
 use crate::recording::{Pose2, Recording};

@@ -16,7 +16,7 @@ use super::map::segment_of;
 use crate::recording::{Pose2, Recording, SeenWall, Segment, Visit};
 
 /// Two visits of a wall are different ones when this much time lies between them, seconds.
-const APART_S: f64 = 30.0;
+pub const APART_S: f64 = 30.0;
 
 /// Points farther from a wall are not its own, metres. A drift of half a metre must show; what stands deeper than a wardrobe
 /// behind a wall's line, seen through a door, is another wall.

@@ -62,6 +62,16 @@ const GAP: Bar = Bar {
     limit: Limit::AtMost(0.15),
 };
 
+const AGREEING: Bar = Bar {
+    name: "visits apart as a share of odometry's",
+    value: |figures| {
+        let score = figures.consistency.as_ref()?;
+        Some(score.surfels?.median_m / score.odometry_surfels?.median_m)
+    },
+    scale: (1.0, ""),
+    limit: Limit::AtMost(1.0),
+};
+
 const SHARPER: Bar =
     Bar { name: "sharper than odometry", value: sharper_nats, scale: (1.0, " nats"), limit: Limit::AtLeast(0.3) };
 
@@ -74,10 +84,10 @@ const NIS: Bar = Bar {
 
 /// The bars of each log.
 const BARS: [&[Bar]; 4] = [
-    &[ALIGNED, NOT_WORSE, NIS],
+    &[ALIGNED, NOT_WORSE, AGREEING, NIS],
     &[Bar { limit: Limit::AtMost(0.3), ..ALIGNED }, NOT_WORSE, NIS],
-    &[GAP, SHARPER, NIS],
-    &[GAP, SHARPER, NIS],
+    &[GAP, AGREEING, SHARPER, NIS],
+    &[GAP, AGREEING, SHARPER, NIS],
 ];
 
 /// The table of bars; `defaults` are the replays with the estimator's defaults, log by log.

@@ -2,13 +2,14 @@
 
 use lab::recording::{Consistency, Figures};
 
-const COLUMNS: [&str; 9] = [
+const COLUMNS: [&str; 10] = [
     "aligned RMSE",
     "heading RMSE",
     "NIS",
     "median NIS before the gate",
     "outside the gate",
     "sharper than odometry",
+    "visits apart",
     "widest gap",
     "mean gap",
     "walls",
@@ -20,7 +21,7 @@ pub fn header(first: &str) -> String {
 }
 
 /// The cells of a row after its name.
-pub fn of(runs: &[Figures]) -> [String; 9] {
+pub fn of(runs: &[Figures]) -> [String; 10] {
     let of = |value: &dyn Fn(&Figures) -> Option<f64>| runs.iter().filter_map(value).collect::<Vec<f64>>();
     let plain = |value: f64| format!("{value:.2}");
     [
@@ -30,6 +31,7 @@ pub fn of(runs: &[Figures]) -> [String; 9] {
         spread(of(&|figures| figures.median_nis_before_gate), false, plain, ""),
         spread(of(&|figures| figures.outside_gate), false, |share| format!("{:.0}", 100.0 * share), " %"),
         spread(of(&sharper_nats), true, plain, " nats"),
+        centimetres(of(&|figures| Some(consistency(figures)?.surfels?.median_m))),
         centimetres(of(&|figures| consistency(figures)?.widest_gap_m)),
         centimetres(of(&|figures| consistency(figures)?.mean_gap_m)),
         spread(of(&|figures| Some(figures.walls as f64)), false, |walls| format!("{walls:.0}"), ""),
@@ -37,11 +39,14 @@ pub fn of(runs: &[Figures]) -> [String; 9] {
 }
 
 /// The cells of dead reckoning's row.
-pub fn of_odometry(figures: &Figures) -> [String; 9] {
-    let mut cells: [String; 9] = Default::default();
+pub fn of_odometry(figures: &Figures) -> [String; 10] {
+    let mut cells: [String; 10] = Default::default();
     if let Some(score) = figures.odometry {
         cells[0] = format!("{:.0} cm", 100.0 * score.ate_m);
         cells[1] = format!("{:.1}°", score.heading_deg);
+    }
+    if let Some(surfels) = consistency(figures).and_then(|score| score.odometry_surfels) {
+        cells[6] = format!("{:.0} cm", 100.0 * surfels.median_m);
     }
     cells
 }

@@ -13,7 +13,8 @@ function verdict(run) {
     return `${drive}: the estimated path lies ${length(estimate.ate_m)} from the true one, ${versus}; ${walls} in the map.`;
   }
   const consistency = run.figures.consistency;
-  const apart = consistency?.revisited ? ` Different visits of one wall place it at most ${length(consistency.widest_gap_m)} apart.` : "";
+  const apart = Number.isFinite(consistency?.apart_m ?? NaN)
+    ? ` Different visits see one surface ${length(consistency.apart_m)} apart${Number.isFinite(consistency.odometry_apart_m ?? NaN) ? `, dead reckoning ${length(consistency.odometry_apart_m)}` : ""}.` : "";
   return `${drive}, ${walls} in the map. The true path is not known.${apart}`;
 }
 
@@ -52,9 +53,11 @@ function truthFigures({ estimate, odometry }) {
   ];
 }
 
-function closureNote({ closure_m: ours, odometry_closure_m: odometry }) {
-  if (!Number.isFinite(ours ?? NaN) || !Number.isFinite(odometry ?? NaN)) return "";
-  return ` From first visit to last ${length(ours)}; by dead reckoning ${length(odometry)}.`;
+function visitsNote({ revisited, widest_gap_m: widest, closure_m: closure }) {
+  const typical = `How far visits more than ${PASS_GAP_S} s apart see one surface apart: the median over all places.`;
+  if (!revisited) return typical;
+  const last = Number.isFinite(closure ?? NaN) ? `; from first visit to last ${length(closure)}` : "";
+  return `${typical} Of ${revisited} walls seen again at most ${length(widest)}${last}.`;
 }
 
 // Scores of the map against itself, which need no truth.
@@ -67,9 +70,9 @@ function consistencyFigures(consistency) {
     cards.push({ id: "sharpness", name: "Sharpness", value: `${gain > 0 ? "+" : ""}${fixed(gain, 2)}`,
       note: `Mean map entropy of the hits in nats, dead reckoning's minus the estimate's: the map is ${sharper} without SLAM.` });
   }
-  if (consistency.revisited) {
-    cards.push({ id: "visits", name: "Visits apart", value: length(consistency.widest_gap_m),
-      note: `Largest distance between the places that visits more than ${PASS_GAP_S} s apart give one wall; ${length(consistency.mean_gap_m)} on average over ${consistency.revisited} walls.${closureNote(consistency)}` });
+  if (Number.isFinite(consistency.apart_m ?? NaN)) {
+    cards.push({ id: "visits", name: "Visits apart", value: length(consistency.apart_m), text: length,
+      estimate: consistency.apart_m, odometry: consistency.odometry_apart_m ?? NaN, note: visitsNote(consistency) });
   }
   return cards;
 }

@@ -92,7 +92,8 @@ class MapView {
     this.paintGrid(surface);
     this.paintStart();
     if (shown.plan) this.paintPlan();
-    if (shown.apart && this.placing === "estimate") paintApart(this);
+    const apart = shown.apart && this.placing === "estimate";
+    if (apart) paintApartBands(this);
     if (shown.walls && this.wallsBeneath) this.paintWalls();
     if (shown.hits) this.paintHits(surface);
     if (shown.odometry) this.paintPath(run.odometry, this.theme.odometry, 1.5, []);
@@ -100,6 +101,7 @@ class MapView {
     if (shown.truth && run.truth) this.paintPath(run.truth, this.theme.truth, 1.25, [5, 4]);
     if (shown.walls && !this.wallsBeneath) this.paintWalls();
     if (shown.robot && run.count) paintRobot(this, clock.step);
+    if (apart) paintApartLabels(this);
     this.paintScaleBar(surface);
   }
 
