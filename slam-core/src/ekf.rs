@@ -3,14 +3,10 @@
 //! Prediction touches the rows of the pose only; a scalar update has a sparse Jacobian; a state can be added with its
 //! full cross-covariance, and removed. The costs are O(n) but for the update's downdate, which is n (n + 1) / 2.
 
-use crate::covariance::{Covariance, LANES, Vector};
+use crate::covariance::{Covariance, HEAD, LANES, Vector};
 use heapless::Vec;
 
-/// Most entries of a Jacobian row that are not zero: pose, grid direction and every sensor's gain in a birth.
-pub const MAX_ENTRIES: usize = 24;
-
-/// A sparse row of a Jacobian: (state index, derivative).
-pub type Jacobian = Vec<(usize, f32), MAX_ENTRIES>;
+pub use crate::jacobian::Jacobian;
 
 /// Number of leading states that a prediction may read: pose, grid direction, motion calibration, all in one block.
 pub const LEADING: usize = LANES;
@@ -85,15 +81,7 @@ impl<const NB: usize, const BLOCKS: usize> Ekf<NB, BLOCKS> {
 
     /// J P J^T of a sparse row: the variance of what it measures. O(entries^2), no pass over the state.
     pub fn variance(&self, jacobian: &Jacobian) -> f32 {
-        let mut sum = 0.0;
-        for (a, &(i, ji)) in jacobian.iter().enumerate() {
-            let mut row = 0.5 * ji * self.covariance.get(i, i);
-            for &(j, jj) in jacobian.iter().skip(a + 1) {
-                row += jj * self.covariance.get(i, j);
-            }
-            sum += 2.0 * ji * row;
-        }
-        sum
+        self.covariance.quadratic(jacobian.head(), jacobian.others())
     }
 
     /// Prediction: the pose becomes `pose`, its rows and columns F P, its own block F P F^T + Q.
@@ -101,13 +89,14 @@ impl<const NB: usize, const BLOCKS: usize> Ekf<NB, BLOCKS> {
     /// `jacobian` is d(pose')/d(leading states); `noise` is Q, symmetric.
     pub fn predict(&mut self, pose: [f32; 3], jacobian: &MotionJacobian, noise: &[[f32; 3]; 3]) {
         for (row, derivatives) in self.rows.iter_mut().zip(jacobian) {
-            let mut entries: Vec<(usize, f32), LEADING> = Vec::new();
-            for (i, &derivative) in derivatives.iter().enumerate().take(self.len) {
+            let Some((head, rest)) = derivatives.split_first_chunk() else { return };
+            let mut others: Vec<(usize, f32), { LEADING - HEAD }> = Vec::new();
+            for (i, &derivative) in (HEAD..self.len).zip(rest) {
                 if derivative != 0.0 {
-                    let _ = entries.push((i, derivative));
+                    let _ = others.push((i, derivative));
                 }
             }
-            self.covariance.product(&entries, self.len, row);
+            self.covariance.product(head, &others, self.len, row);
         }
         let mut pose_block = *noise;
         for ((out, row), noise) in pose_block.iter_mut().zip(&self.rows).zip(noise) {
@@ -134,15 +123,13 @@ impl<const NB: usize, const BLOCKS: usize> Ekf<NB, BLOCKS> {
     /// [`Degenerate`] and nothing changed where the innovation variance is not a positive number.
     pub fn update(&mut self, innovation: f32, jacobian: &Jacobian, noise: f32) -> Result<(), Degenerate> {
         let [column, gain, _] = &mut self.rows;
-        self.covariance.product(jacobian, self.len, column);
-        let mut variance = noise;
-        for &(i, derivative) in jacobian {
-            variance += derivative * column.get(i);
-        }
-        let known = variance - noise;
+        self.covariance.product(jacobian.head(), jacobian.others(), self.len, column);
+        let known = column.dot(jacobian.head(), jacobian.others());
+        let variance = known + noise;
         let finest = known + FINEST * known;
         let inverse = 1.0 / if variance > 0.0 && variance < finest { finest } else { variance };
-        if !(inverse > 0.0 && inverse.is_finite() && innovation.is_finite()) {
+        // Also false for what is not a number.
+        if !(inverse > 0.0 && inverse <= f32::MAX && innovation.abs() <= f32::MAX) {
             return Err(Degenerate);
         }
         self.mean.correct(column, inverse, innovation, gain, self.len);
@@ -164,11 +151,8 @@ impl<const NB: usize, const BLOCKS: usize> Ekf<NB, BLOCKS> {
     /// Gives state `i`, which nothing depends on yet, a value that depends on other states by `jacobian`.
     pub fn initialise(&mut self, i: usize, value: f32, jacobian: &Jacobian, noise: f32) {
         let [column, ..] = &mut self.rows;
-        self.covariance.product(jacobian, self.len, column);
-        let mut variance = noise;
-        for &(j, derivative) in jacobian {
-            variance += derivative * column.get(j);
-        }
+        self.covariance.product(jacobian.head(), jacobian.others(), self.len, column);
+        let variance = noise + column.dot(jacobian.head(), jacobian.others());
         self.mean.set(i, value);
         self.covariance.set_column(i, column, variance, self.len);
     }

@@ -43,6 +43,7 @@ pub mod dbscan;
 pub mod ekf;
 mod extend;
 mod grid;
+mod jacobian;
 mod layout;
 mod line_fit;
 mod linearise;

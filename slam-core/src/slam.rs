@@ -17,13 +17,13 @@ use crate::{
 use heapless::Vec;
 
 /// The estimator as it runs on the robot: 8 range sensors, 64 walls, 128 buffered outliers, 80 states.
-pub type RobotSlam = Slam<8, 64, 128, 10, 440>;
+pub type RobotSlam = Slam<8, 64, 128, 10, 480>;
 
 /// The estimator as the workbench runs it: 16 range sensors, 64 walls of any kind, 160 states.
-pub type HostSlam = Slam<16, 64, 128, 20, 1680>;
+pub type HostSlam = Slam<16, 64, 128, 20, 1760>;
 
 /// The estimator: at most `S` range sensors, `W` walls, `B` buffered outliers and `8 NB` states; `BLOCKS` must be
-/// `4 NB (NB + 1)`.
+/// [`covariance::blocks`](crate::covariance::blocks)`(NB)`.
 pub struct Slam<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOCKS: usize> {
     pub(crate) rig: Rig<S>,
     pub(crate) config: Config,

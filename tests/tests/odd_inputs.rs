@@ -16,7 +16,7 @@ use tests::sanity::{Tally, assert_sane};
 /// A minute in the flat.
 static FRAMES: LazyLock<Vec<Frame>> = LazyLock::new(|| recorded("flat", 1.0, 1, SimOptions::default()));
 
-type Small = Slam<4, 8, 16, 3, 48>;
+type Small = Slam<4, 8, 16, 3, 96>;
 
 const WHEELS: DriveModel = DriveModel::Wheels {
     track_m: 0.235,

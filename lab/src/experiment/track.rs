@@ -24,7 +24,7 @@ pub struct Track {
 }
 
 /// The workbench's estimator with room for `B` outliers.
-type Estimator<const B: usize> = Slam<MAX_SENSORS, 64, B, 20, 1680>;
+type Estimator<const B: usize> = Slam<MAX_SENSORS, 64, B, 20, 1760>;
 
 // With the default's room it is the very estimator of `lab run`.
 const _: fn(Estimator<128>) -> HostSlam = |slam| slam;

@@ -4,7 +4,7 @@ use std::vec;
 use std::vec::Vec;
 
 use super::random::Random;
-use crate::covariance::{Covariance, LANES, Vector, blocks};
+use crate::covariance::{Covariance, HEAD, LANES, Vector, blocks};
 
 const NB: usize = 4;
 const CAPACITY: usize = LANES * NB;
@@ -106,12 +106,37 @@ fn a_product_is_the_naive_one_for_every_length_and_column() {
         }
         for c in 0..n {
             let (mut out, _) = random_vector(&mut random, CAPACITY);
-            packed.product(&[(c, -0.3), (n - 1 - c, 0.2)], n, &mut out);
+            let mut head = [0.0; HEAD];
+            head[c % n.min(HEAD)] = 0.7;
+            packed.product(&head, &[(c, -0.3), (n - 1 - c, 0.2)], n, &mut out);
             for i in 0..n {
-                let expected = -f64::from(0.3f32) * dense[i][c] + f64::from(0.2f32) * dense[i][n - 1 - c];
+                let expected = f64::from(0.7f32) * dense[i][c % n.min(HEAD)] - f64::from(0.3f32) * dense[i][c]
+                    + f64::from(0.2f32) * dense[i][n - 1 - c];
                 assert!((f64::from(out.get(i)) - expected).abs() < 1e-6, "n = {n}, column {c}, entry {i}");
             }
             assert!((n..n.next_multiple_of(LANES)).all(|i| out.get(i) == 0.0));
+        }
+    }
+}
+
+#[test]
+fn a_quadratic_form_is_the_naive_one_for_every_length() {
+    let mut random = Random::new(5);
+    for n in HEAD + 1..=CAPACITY {
+        let (packed, dense) = random_symmetric(&mut random, n);
+        for c in HEAD..n {
+            let mut row = vec![0.0; n];
+            row[..HEAD].copy_from_slice(&[0.7, -0.2, 0.5, 0.1]);
+            row[c] += -0.3;
+            row[n - 1] += 0.2;
+            let head = [row[0], row[1], row[2], row[3]];
+            let others = [(c, -0.3), (n - 1, 0.2)];
+            let expected: f64 = (0..n)
+                .flat_map(|i| (0..n).map(move |j| (i, j)))
+                .map(|(i, j)| f64::from(row[i]) * f64::from(row[j]) * dense[i][j])
+                .sum();
+            let difference = (f64::from(packed.quadratic(&head, &others)) - expected).abs();
+            assert!(difference < 1e-6, "n = {n}, column {c}");
         }
     }
 }

@@ -15,7 +15,7 @@ use crate::{
     Config, DriveModel, Linearisation, Motion, Mount, Outcome, RangeInput, RangeModel, RangeSensor, Rig, Sample, Slam,
 };
 
-type Small = Slam<2, 4, 16, 3, 48>;
+type Small = Slam<2, 4, 16, 3, 96>;
 
 /// x, y, theta, alpha, two scales, the track, two gains, rho, theta_i.
 const STATES: usize = 11;

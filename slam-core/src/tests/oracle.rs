@@ -18,8 +18,10 @@ pub struct Oracle {
 /// A sparse row as a dense one of length `n`.
 pub fn dense(jacobian: &Jacobian, n: usize) -> Vec<f64> {
     let mut row = vec![0.0; n];
-    for &(i, derivative) in jacobian {
-        row[i] += f64::from(derivative);
+    for (i, derivative) in jacobian.head().iter().copied().enumerate().chain(jacobian.others().iter().copied()) {
+        if derivative != 0.0 {
+            row[i] += f64::from(derivative);
+        }
     }
     row
 }
