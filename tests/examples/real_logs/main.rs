@@ -5,6 +5,7 @@
 
 mod bars;
 mod cells;
+mod directions;
 mod outcomes;
 mod simulated;
 
@@ -99,6 +100,7 @@ fn write_all(text: &mut String, defaults: &[(Vec<Recording>, Case)], parts: &[&P
     bars::write(text, defaults)?;
     variations(text)?;
     outcomes::write(text, defaults)?;
+    directions::write(text, defaults)?;
     for (recordings, case) in defaults {
         table(text, case, recordings, parts)?;
     }
