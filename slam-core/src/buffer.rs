@@ -76,12 +76,16 @@ impl<const B: usize> OutlierBuffer<B> {
 
     /// Keeps the points for which `keep` of their position in the buffer and themselves is true.
     pub fn retain(&mut self, mut keep: impl FnMut(usize, &Outlier) -> bool) {
+        let mut kept = 0;
         for i in 0..self.points.len() {
-            if let Some(point) = self.points.pop_front()
-                && keep(i, &point)
+            let Some(point) = self.points.get(i).filter(|point| keep(i, point)).copied() else { continue };
+            if kept < i
+                && let Some(slot) = self.points.get_mut(kept)
             {
-                let _ = self.points.push_back(point);
+                *slot = point;
             }
+            kept += 1;
         }
+        self.points.truncate(kept);
     }
 }

@@ -6,7 +6,7 @@ use crate::buffer::Outlier;
 use crate::cluster::{Members, newest_line};
 use crate::ekf::Ekf;
 use crate::grid::{self, GridDirection};
-use crate::line_fit::FittedLine;
+use crate::line_fit::{FittedLine, Influence};
 use crate::range::Reading;
 use crate::wall::Wall;
 use crate::{Slam, StepReport};
@@ -156,29 +156,31 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         let position = (self.odometry.position_variance - line.position_variance).max(0.0);
         let (s, c) = sin_cos(normal_rad);
         let lever_m = centroid_m[1] * c - centroid_m[0] * s;
-        let points = || self.buffer.iter().zip(members).filter(|(_, member)| **member).map(|(point, _)| point);
-        let mut by_calibration = heapless::Vec::new();
-        for (sensor, state) in self.layout.gains.iter().enumerate() {
-            let Some(state) = *state else { continue };
-            let gain = self.gain(sensor);
-            let of_sensor = points().filter(|p| usize::from(p.sensor) == sensor);
-            // hit = origin + range / gain * direction
-            let (offset, direction) =
-                line.by_parameter(of_sensor, |p| p.direction.map(|d| -p.range_m / (gain * gain) * d));
-            if offset != 0.0 {
-                let _ = by_calibration.push((state, offset, direction));
+        let (mut by_gain, mut by_drive) = ([Influence::default(); S], [Influence::default(); 3]);
+        let gains: [f32; S] = core::array::from_fn(|sensor| self.gain(sensor));
+        let points = self.buffer.iter().zip(members).filter(|(_, member)| **member).map(|(point, _)| point);
+        for p in points {
+            let weight = line.weight(p);
+            let sensor = usize::from(p.sensor);
+            if let (Some(influence), Some(gain)) = (by_gain.get_mut(sensor), gains.get(sensor)) {
+                // hit = origin + range / gain * direction
+                line.add_shift(influence, weight, p.direction.map(|d| -p.range_m / (gain * gain) * d));
+            }
+            // What moves the point moves the robot too: what counts is the difference.
+            for ((influence, then), now) in by_drive.iter_mut().zip(p.by_factor).zip(self.odometry.by_factor(p.hit_m)) {
+                line.add_shift(influence, weight, [then[0] - now[0], then[1] - now[1]]);
             }
         }
-        for (factor, state) in [self.layout.first_scale, self.layout.second_scale, self.layout.track].iter().enumerate()
-        {
-            let Some(state) = *state else { continue };
-            // What moves the point moves the robot too: what counts is the difference.
-            let (offset, direction) = line.by_parameter(points(), |p| {
-                let [then, now] =
-                    [p.by_factor, self.odometry.by_factor(p.hit_m)].map(|d| d.get(factor).copied().unwrap_or([0.0; 2]));
-                [then[0] - now[0], then[1] - now[1]]
-            });
-            let _ = by_calibration.push((state, offset, direction));
+        let drive = [self.layout.first_scale, self.layout.second_scale, self.layout.track];
+        let states = self.layout.gains.iter().zip(&by_gain).chain(drive.iter().zip(&by_drive));
+        let mut by_calibration = heapless::Vec::new();
+        for (state, influence) in states {
+            let (offset, direction) = line.by_parameter(influence);
+            if let Some(state) = *state
+                && (offset != 0.0 || direction != 0.0)
+            {
+                let _ = by_calibration.push((state, offset, direction));
+            }
         }
         LocalLine {
             centroid_m,

@@ -83,6 +83,13 @@ impl Scatter {
     }
 }
 
+/// What a parameter of the robot does to a fitted line, through the points that it shifts.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Influence {
+    offset: f32,
+    slope: f32,
+}
+
 /// A line fitted to outliers, in the odometry frame.
 #[derive(Clone, Copy, Debug)]
 pub struct FittedLine {
@@ -201,21 +208,22 @@ impl FittedLine {
         is_noise_of_line(self.chi_square, self.count) && self.bend < 3.0
     }
 
-    /// d(centroid along the normal, direction) by a parameter that shifts each point by `shift`, metres.
-    pub fn by_parameter<'a>(
-        &self,
-        points: impl Iterator<Item = &'a Outlier>,
-        shift: impl Fn(&Outlier) -> [f32; 2],
-    ) -> (f32, f32) {
-        let (mut offset, mut slope) = (0.0f32, 0.0f32);
-        for p in points {
-            let w = 1.0 / across_variance(p, self.normal);
-            let by = shift(p);
-            let across = by[0] * self.normal[0] + by[1] * self.normal[1];
-            offset += w * across;
-            slope += w * self.along(p.hit_m) * across;
-        }
-        (offset * self.variance_m2, -slope * self.direction_variance)
+    /// d(centroid along the normal, direction) by a parameter that shifts some of the points, each by so much, metres.
+    pub fn by_parameter(&self, influence: &Influence) -> (f32, f32) {
+        (influence.offset * self.variance_m2, -influence.slope * self.direction_variance)
+    }
+
+    /// Weight of a point in the fit, and that times its coordinate along the line.
+    pub fn weight(&self, point: &Outlier) -> (f32, f32) {
+        let weight = 1.0 / across_variance(point, self.normal);
+        (weight, weight * self.along(point.hit_m))
+    }
+
+    /// Adds what a shift of a point with this weight does.
+    pub fn add_shift(&self, influence: &mut Influence, (weight, lever): (f32, f32), shift: [f32; 2]) {
+        let across = shift[0] * self.normal[0] + shift[1] * self.normal[1];
+        influence.offset += weight * across;
+        influence.slope += lever * across;
     }
 
     /// Signed distance of a point from the line along the normal, metres, and the line's own standard deviation there.

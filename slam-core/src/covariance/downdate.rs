@@ -67,28 +67,43 @@ fn pair(row: &mut Pair, factor: &f32, [g, h]: &Pair) {
 #[inline(never)]
 pub fn lanes<const WIDTH: usize>(mut rows: &mut [Pair], factors: &[Block], g: &Block) {
     let g = *g;
-    for factors in factors {
-        let Some((turn, rest)) = rows.split_first_chunk_mut::<LANES>() else { break };
-        for (row, factor) in turn.iter_mut().zip(factors) {
-            for (p, g) in row[0].iter_mut().zip(g).take(WIDTH) {
-                *p -= factor * g;
-            }
-        }
+    for [a, b, c, d, e, f, i, j] in factors {
+        let Some(([p, q, r, s, t, u, v, w], rest)) = rows.split_first_chunk_mut() else { break };
+        part::<0, 0, WIDTH>(p, a, &g);
+        part::<0, 0, WIDTH>(q, b, &g);
+        part::<0, 0, WIDTH>(r, c, &g);
+        part::<0, 0, WIDTH>(s, d, &g);
+        part::<0, 0, WIDTH>(t, e, &g);
+        part::<0, 0, WIDTH>(u, f, &g);
+        part::<0, 0, WIDTH>(v, i, &g);
+        part::<0, 0, WIDTH>(w, j, &g);
         rows = rest;
     }
 }
 
-/// The same for the upper triangle of the first `WIDTH` rows and columns of a block on the diagonal, which is the tile's
-/// first or second.
+/// The same for the upper triangle of the first `WIDTH` rows and columns, four or eight, of a block on the diagonal,
+/// which is the tile's first or second.
 #[inline(never)]
 pub fn triangle<const SIDE: usize, const WIDTH: usize>(rows: &mut [Pair], factors: &Block, g: &Block) {
-    let Some(rows) = rows.first_chunk_mut::<WIDTH>() else { return };
-    let g = *g;
-    for (i, (row, factor)) in rows.iter_mut().zip(factors).enumerate() {
-        for (k, (p, g)) in row[SIDE].iter_mut().zip(g).enumerate().take(WIDTH) {
-            if k >= i {
-                *p -= factor * g;
-            }
+    let Some([p, q, r, s, t, u, v, w]) = rows.first_chunk_mut() else { return };
+    let ([a, b, c, d, e, f, i, j], g) = (factors, *g);
+    part::<SIDE, 0, WIDTH>(p, a, &g);
+    part::<SIDE, 1, WIDTH>(q, b, &g);
+    part::<SIDE, 2, WIDTH>(r, c, &g);
+    part::<SIDE, 3, WIDTH>(s, d, &g);
+    if WIDTH > LANES / 2 {
+        part::<SIDE, 4, WIDTH>(t, e, &g);
+        part::<SIDE, 5, WIDTH>(u, f, &g);
+        part::<SIDE, 6, WIDTH>(v, i, &g);
+        part::<SIDE, 7, WIDTH>(w, j, &g);
+    }
+}
+
+#[inline(always)]
+fn part<const SIDE: usize, const FROM: usize, const TO: usize>(row: &mut Pair, factor: &f32, g: &Block) {
+    for (k, (p, g)) in row[SIDE].iter_mut().zip(g).enumerate() {
+        if (FROM..TO).contains(&k) {
+            *p -= factor * g;
         }
     }
 }

@@ -35,17 +35,17 @@ pub fn tile<const N: usize, const W: usize>(
     }
     for &(state, factor) in others {
         if let Some(row) = above.get(state) {
-            for (sums, row) in sums.iter_mut().zip(row) {
-                for (sum, p) in sums.iter_mut().zip(row) {
-                    *sum += factor * p;
+            for (w, sums) in sums.iter_mut().enumerate() {
+                for (k, sum) in sums.iter_mut().enumerate() {
+                    *sum += factor * row[w][k];
                 }
             }
         } else if state >= first + TILE {
             let rows = pairs.get(tile_start(state / TILE) + first..).and_then(|rows| rows.first_chunk::<TILE>());
             let Some(rows) = rows else { continue };
-            for (sums, rows) in sums.iter_mut().zip(rows.as_chunks::<LANES>().0) {
-                for (sum, row) in sums.iter_mut().zip(rows) {
-                    *sum += factor * row[state / LANES % 2][state % LANES];
+            for (w, sums) in sums.iter_mut().enumerate() {
+                for (k, sum) in sums.iter_mut().enumerate() {
+                    *sum += factor * rows[(LANES * w + k) % TILE][state / LANES % 2][state % LANES];
                 }
             }
         } else {
@@ -63,8 +63,8 @@ fn add_beside<const N: usize, const W: usize>(
     factor: f32,
     c: usize,
 ) {
-    // Each with constant addresses.
-    match c {
+    // Each with constant addresses. No state of the tile is past what is asked for.
+    match c % (N * W) {
         0 => add_crossed::<N, W, 0>(sums, diagonal, factor),
         1 => add_crossed::<N, W, 1>(sums, diagonal, factor),
         2 => add_crossed::<N, W, 2>(sums, diagonal, factor),

@@ -5,7 +5,7 @@ use std::vec::Vec;
 use super::outliers::OUTLIER;
 use super::random::Random;
 use crate::buffer::Outlier;
-use crate::line_fit::{FittedLine, Moments, Scatter, fit};
+use crate::line_fit::{FittedLine, Influence, Moments, Scatter, fit};
 use crate::range::SURFACE_M;
 
 const SURFACE: f64 = SURFACE_M as f64;
@@ -115,7 +115,11 @@ fn derivatives_by_a_parameter_are_those_of_fitting_again() {
         // The gain of the sensor that saw every other point.
         let gains = |p: &Outlier| -> [f32; 2] { p.direction.map(|d| -p.range_m * d) };
         let moved_points = original.iter().enumerate().filter(|(i, _)| i % 2 == 0).map(|(_, p)| p);
-        let (by_offset, by_direction) = line.by_parameter(moved_points, gains);
+        let mut influence = Influence::default();
+        for p in moved_points {
+            line.add_shift(&mut influence, line.weight(p), gains(p));
+        }
+        let (by_offset, by_direction) = line.by_parameter(&influence);
         let again = |step: f32| {
             let shifted: Vec<Outlier> = original
                 .iter()
