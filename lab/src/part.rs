@@ -16,7 +16,7 @@ pub struct Part {
 }
 
 /// Every part.
-pub const PARTS: [Part; 5] = [
+pub const PARTS: [Part; 7] = [
     Part::new("grid", "every wall has a direction of its own", |config| config.walls = WallPolicy::Free),
     Part::new("gains", "the range sensors' gains are taken for exact", |config| config.calibrate_gains = false),
     Part::new("scales", "the drive's scales are taken for exact", |config| config.calibrate_scales = false),
@@ -24,6 +24,12 @@ pub const PARTS: [Part; 5] = [
     Part::new("first-estimates", "models are differentiated at the latest estimates", |config| {
         config.linearisation = Linearisation::Latest;
     }),
+    Part::new("deviation", "walls on the grid have exactly its direction", |config| {
+        if config.walls == WallPolicy::NearGrid {
+            config.walls = WallPolicy::Grid;
+        }
+    }),
+    Part::new("repeats", "each reading of a wall is a new one, however near the last", |config| config.repeats = false),
 ];
 
 impl Part {
@@ -59,9 +65,9 @@ mod tests {
 
     #[test]
     fn each_part_is_on_by_default_and_changes_something_of_its_own() {
-        let configs = PARTS.map(|part| part.off(Config::default()));
+        let configs = PARTS.map(|part| part.off(Config::real_rooms()));
         for (i, (part, config)) in PARTS.iter().zip(&configs).enumerate() {
-            assert!(!part.is_off(&Config::default()) && part.is_off(config), "{}", part.name);
+            assert!(!part.is_off(&Config::real_rooms()) && part.is_off(config), "{}", part.name);
             assert!(configs[..i].iter().all(|other| other != config), "{}", part.name);
             assert_eq!(Part::of_name(part.name).map(|found| found.without), Some(part.without));
         }

@@ -9,9 +9,8 @@ use crate::part::{self, Part};
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Estimator (the defaults are the ones to use)")]
 pub struct VariantArgs {
-    /// Which walls the map may have.
-    #[arg(long, value_enum, default_value_t = Walls::Grid)]
-    walls: Walls,
+    #[arg(long, value_enum, help = "Which walls the map may have [default: grid; near-grid for replay]")]
+    walls: Option<Walls>,
     /// How unexplained readings are grouped into new walls.
     #[arg(long, value_enum, default_value_t = Groups::Sensor)]
     clusters: Groups,
@@ -39,6 +38,8 @@ fn part_help() -> String {
 enum Walls {
     /// Grid walls, and free ones where the data are off the grid.
     Grid,
+    /// The same, a grid wall up to half a degree or so off the grid.
+    NearGrid,
     /// Lines with their own direction.
     Free,
     /// Lines whose direction is snapped to the grid.
@@ -64,15 +65,17 @@ enum Jacobians {
 }
 
 impl VariantArgs {
-    /// The settings.
-    pub fn config(&self) -> Config {
+    /// The settings, where `base` has those that nothing is said about.
+    pub fn config(&self, base: Config) -> Config {
         let calibrate = !self.no_calibration;
         let config = Config {
             walls: match self.walls {
-                Walls::Grid => WallPolicy::Grid,
-                Walls::Free => WallPolicy::Free,
-                Walls::Snapped => WallPolicy::Snapped { theta_moves: false },
-                Walls::SnappedMoving => WallPolicy::Snapped { theta_moves: true },
+                None => base.walls,
+                Some(Walls::Grid) => WallPolicy::Grid,
+                Some(Walls::NearGrid) => WallPolicy::NearGrid,
+                Some(Walls::Free) => WallPolicy::Free,
+                Some(Walls::Snapped) => WallPolicy::Snapped { theta_moves: false },
+                Some(Walls::SnappedMoving) => WallPolicy::Snapped { theta_moves: true },
             },
             clustering: match self.clusters {
                 Groups::Sensor => Clustering::BySensor,
@@ -85,7 +88,7 @@ impl VariantArgs {
             calibrate_gains: calibrate,
             calibrate_scales: calibrate,
             calibrate_track: calibrate,
-            ..Config::default()
+            ..base
         };
         self.without.iter().fold(config, |config, part| part.off(config))
     }

@@ -5,8 +5,11 @@ use crate::ekf::Ekf;
 use crate::grid::GridDirection;
 use crate::wall::{Direction, Line, Wall};
 
-/// A wall may be prolonged by a reading over a gap that is too narrow for a door, metres. Doors start at 0.6 m.
-pub const PROLONGATION_M: f32 = 0.4;
+/// Points this far apart along a line are of one wall: the gap is too narrow for a door, metres. Doors start at 0.6 m.
+pub const GAP_M: f32 = 0.4;
+
+/// One reading alone may prolong a wall by half of that, metres: over a wider gap it takes a line of them.
+const PROLONGATION_M: f32 = 0.5 * GAP_M;
 
 /// Beams flatter than this (cosine of 85 degrees) neither hit nor cross a wall in any useful sense.
 const GRAZING_COS: f32 = 0.087;
@@ -45,7 +48,7 @@ pub fn first_met<const NB: usize, const BLOCKS: usize>(
         let quarter = match wall.direction {
             Direction::Grid(quarter) => Some(quarter),
             Direction::Snapped(theta) => Some(grid.quarter(ekf.mean(theta))),
-            Direction::Free(_) => None,
+            Direction::Free(_) | Direction::NearGrid(..) => None,
         };
         let facing = match quarter {
             Some(quarter) => facing[usize::from(quarter & 3)],

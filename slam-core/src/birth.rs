@@ -3,7 +3,7 @@
 use crate::angle::wrap;
 use crate::config::WallPolicy;
 use crate::ekf::{Ekf, Jacobian};
-use crate::grid::{GridDirection, decide};
+use crate::grid::{self, GridDirection, decide};
 use crate::layout::{ALPHA, THETA, X, Y};
 use crate::wall::Direction;
 
@@ -43,6 +43,8 @@ pub enum Verdict {
     Wait,
     /// On the grid, this many quarter turns from alpha.
     OnGrid(u8),
+    /// On the grid but for a deviation of its own.
+    NearGrid(u8),
     /// Off the grid, or there is none in this policy.
     Free,
     /// The report's snapped wall.
@@ -65,8 +67,10 @@ pub fn judge<const NB: usize, const BLOCKS: usize>(
     let quarter = grid.quarter(theta);
     let off = wrap(theta - grid.beta(quarter));
     let relative = ekf.covariance(THETA, THETA) + ekf.covariance(ALPHA, ALPHA) - 2.0 * ekf.covariance(THETA, ALPHA);
-    match (decide(off, line.direction_variance + relative.max(0.0)), policy) {
+    let variance = line.direction_variance + relative.max(0.0) + grid::deviation(policy);
+    match (decide(off, variance), policy) {
         (Some(true), WallPolicy::Snapped { .. }) => Verdict::Snapped,
+        (Some(true), WallPolicy::NearGrid) => Verdict::NearGrid(quarter),
         (Some(true), _) => Verdict::OnGrid(quarter),
         (Some(false), _) => free,
         (None, _) => Verdict::Wait,
@@ -82,6 +86,13 @@ pub fn add_states<const NB: usize, const BLOCKS: usize>(
     match verdict {
         Verdict::Wait => None,
         Verdict::OnGrid(quarter) => add_grid(ekf, line, quarter),
+        Verdict::NearGrid(quarter) => {
+            let (rho, theta) = add_line(ekf, line)?;
+            let off = wrap(ekf.mean(theta) - GridDirection::of(ekf).beta(quarter));
+            // Where that is numerically impossible it is a free wall.
+            let tied = grid::tie(ekf, theta, off, WallPolicy::NearGrid);
+            Some((rho, if tied { Direction::NearGrid(theta, quarter) } else { Direction::Free(theta) }))
+        }
         Verdict::Free => add_line(ekf, line).map(|(rho, theta)| (rho, Direction::Free(theta))),
         Verdict::Snapped => add_line(ekf, line).map(|(rho, theta)| (rho, Direction::Snapped(theta))),
     }

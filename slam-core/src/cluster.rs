@@ -5,7 +5,7 @@
 //! as they stay straight, which splits a cluster that runs around a corner at the corner.
 
 use crate::Clustering;
-use crate::association::PROLONGATION_M;
+use crate::association::GAP_M;
 use crate::buffer::OutlierBuffer;
 use crate::dbscan::{NOISE, dbscan};
 use crate::line_fit::{FittedLine, Moments, fit};
@@ -74,7 +74,7 @@ fn straight_part<const B: usize>(buffer: &OutlierBuffer<B>, cluster: &Members<B>
         let gap = [point.hit_m[0] - last.hit_m[0], point.hit_m[1] - last.hit_m[1]];
         // Readings of one sensor in steps that follow each other have seen all there is to see between them.
         let follows = point.sensor == last.sensor && last.step.wrapping_sub(point.step) <= 1;
-        if !follows && gap[0] * gap[0] + gap[1] * gap[1] > PROLONGATION_M * PROLONGATION_M {
+        if !follows && gap[0] * gap[0] + gap[1] * gap[1] > GAP_M * GAP_M {
             break;
         }
         let mut longer = moments;
@@ -115,7 +115,7 @@ fn grow<const B: usize>(buffer: &OutlierBuffer<B>, members: &mut Members<B>, lin
         let (residual, sigma) = line.residual(point.hit_m);
         let cos = point.direction[0] * line.normal[0] + point.direction[1] * line.normal[1];
         let noise = point.sigma_m * cos;
-        let near = along > line.lo_m - PROLONGATION_M && along < line.hi_m + PROLONGATION_M;
+        let near = along > line.lo_m - GAP_M && along < line.hi_m + GAP_M;
         // A line that does not know where it is going cannot tell its own points from those of a corner's other wall.
         let known = sigma < noise;
         // 95 % of a chi-square distribution with one degree of freedom.

@@ -15,6 +15,8 @@ pub enum WallPolicy {
     /// Walls on the grid have rho alone; lines that the data put off the grid are free.
     #[default]
     Grid,
+    /// The same, but a wall on the grid may stand off its direction by half a degree, as built walls do: (rho, theta).
+    NearGrid,
 }
 
 /// How outliers are grouped into candidate walls.
@@ -58,6 +60,15 @@ pub struct Config {
     pub gate: f32,
     /// At which estimates the models are differentiated.
     pub linearisation: Linearisation,
+    /// Readings of one stretch of wall repeat its surface's error, where the sensor reports metres.
+    pub repeats: bool,
+}
+
+impl Config {
+    /// For rooms as they are built and furnished, where there is room for two states a wall.
+    pub fn real_rooms() -> Self {
+        Self { walls: WallPolicy::NearGrid, ..Self::default() }
+    }
 }
 
 impl Default for Config {
@@ -71,6 +82,7 @@ impl Default for Config {
             // 99.9 % of a chi-square distribution with one degree of freedom.
             gate: 10.83,
             linearisation: Linearisation::default(),
+            repeats: true,
         }
     }
 }

@@ -21,6 +21,9 @@ const DECISION: f32 = 0.95;
 /// Walls of one grid are parallel or orthogonal to within this, radians: a twentieth of a degree.
 const GRID_TOLERANCE: f32 = 1e-3;
 
+/// Built walls are to within this: half a degree. The corridor's in the Freiburg offices stand 1.0 degree off their mean.
+const BUILT_TOLERANCE: f32 = 0.01;
+
 /// Largest sigma of the angle between two walls that may found the grid, radians: two degrees.
 const FOUNDING_SIGMA: f32 = 0.035;
 
@@ -74,6 +77,14 @@ fn log_odds(off_rad: f32, variance: f32) -> f32 {
     log_grid - libm::logf(FRAC_2_PI) + libm::logf(GRID_SHARE / (1.0 - GRID_SHARE))
 }
 
+/// Variance of a wall's direction about the grid's, rad^2, beyond what walls of a perfect grid have.
+pub fn deviation(policy: WallPolicy) -> f32 {
+    match policy {
+        WallPolicy::NearGrid => BUILT_TOLERANCE * BUILT_TOLERANCE,
+        _ => 0.0,
+    }
+}
+
 /// On the grid (true), off it (false), or not clear yet.
 pub fn decide(off_rad: f32, variance: f32) -> Option<bool> {
     let odds = log_odds(off_rad, variance + GRID_TOLERANCE * GRID_TOLERANCE);
@@ -99,12 +110,12 @@ pub fn upkeep<const W: usize, const NB: usize, const BLOCKS: usize>(
         return;
     }
     if !*has_grid {
-        let Some(theta) = founder(map.walls(), ekf) else { return };
+        let Some(theta) = founder(map.walls(), ekf, policy) else { return };
         let mut jacobian = Jacobian::new();
         let _ = jacobian.push((theta, 1.0));
         let direction = ekf.mean(theta);
         let quarters = libm::roundf(direction * (1.0 / FRAC_PI_2));
-        ekf.initialise(ALPHA, direction - quarters * FRAC_PI_2, &jacobian, 0.0);
+        ekf.initialise(ALPHA, direction - quarters * FRAC_PI_2, &jacobian, deviation(policy));
         *has_grid = true;
         for index in (0..map.walls().len()).rev() {
             take_in(map, ekf, policy, index);
@@ -121,7 +132,11 @@ fn off_quarter(a: f32, b: f32) -> f32 {
 }
 
 /// The direction state of the free wall with which the most length of wall agrees, where that is enough and a majority.
-fn founder<const NB: usize, const BLOCKS: usize>(walls: &[Wall], ekf: &Ekf<NB, BLOCKS>) -> Option<usize> {
+fn founder<const NB: usize, const BLOCKS: usize>(
+    walls: &[Wall],
+    ekf: &Ekf<NB, BLOCKS>,
+    policy: WallPolicy,
+) -> Option<usize> {
     let mut best: Option<(f32, usize)> = None;
     let mut total_m = 0.0;
     for (i, wall) in walls.iter().enumerate() {
@@ -136,7 +151,8 @@ fn founder<const NB: usize, const BLOCKS: usize>(walls: &[Wall], ekf: &Ekf<NB, B
             }
             let variance = relative_variance(ekf, theta, other_theta);
             let off = off_quarter(ekf.mean(theta), ekf.mean(other_theta));
-            if variance < FOUNDING_SIGMA * FOUNDING_SIGMA && decide(off, variance) == Some(true) {
+            let agrees = decide(off, variance + deviation(policy)) == Some(true);
+            if variance < FOUNDING_SIGMA * FOUNDING_SIGMA && agrees {
                 support_m += other.length_m();
                 others += 1;
             }
@@ -152,7 +168,7 @@ fn relative_variance<const NB: usize, const BLOCKS: usize>(ekf: &Ekf<NB, BLOCKS>
     (ekf.covariance(i, i) + ekf.covariance(j, j) - 2.0 * ekf.covariance(i, j)).max(0.0)
 }
 
-/// Takes a free wall into the grid where the odds are for it: one scalar measurement, theta - alpha - k pi/2 = 0.
+/// Takes a free wall into the grid where the odds are for it.
 fn take_in<const W: usize, const NB: usize, const BLOCKS: usize>(
     map: &mut Map<W>,
     ekf: &mut Ekf<NB, BLOCKS>,
@@ -164,15 +180,13 @@ fn take_in<const W: usize, const NB: usize, const BLOCKS: usize>(
     let quarter = grid.quarter(ekf.mean(theta));
     let off = wrap(ekf.mean(theta) - grid.beta(quarter));
     let variance = relative_variance(ekf, theta, ALPHA);
-    if variance > FOUNDING_SIGMA * FOUNDING_SIGMA || decide(off, variance) != Some(true) {
+    if variance > FOUNDING_SIGMA * FOUNDING_SIGMA || decide(off, variance + deviation(policy)) != Some(true) {
         return;
     }
-    let mut jacobian = Jacobian::new();
-    let _ = jacobian.push((theta, 1.0));
-    let _ = jacobian.push((ALPHA, -1.0));
     // A tie that is numerically impossible leaves the wall free.
-    if ekf.update(-off, &jacobian, GRID_TOLERANCE * GRID_TOLERANCE).is_ok() {
+    if tie(ekf, theta, off, policy) {
         match policy {
+            WallPolicy::NearGrid => map.set_direction(index, Direction::NearGrid(theta, quarter)),
             WallPolicy::Snapped { .. } => map.set_direction(index, Direction::Snapped(theta)),
             _ => {
                 map.set_direction(index, Direction::Grid(quarter));
@@ -180,4 +194,18 @@ fn take_in<const W: usize, const NB: usize, const BLOCKS: usize>(
             }
         }
     }
+}
+
+/// The scalar measurement that a wall's direction, `off_rad` from one of the grid's, is that one. False where it is
+/// numerically impossible.
+pub fn tie<const NB: usize, const BLOCKS: usize>(
+    ekf: &mut Ekf<NB, BLOCKS>,
+    theta: usize,
+    off_rad: f32,
+    policy: WallPolicy,
+) -> bool {
+    let mut jacobian = Jacobian::new();
+    let _ = jacobian.push((theta, 1.0));
+    let _ = jacobian.push((ALPHA, -1.0));
+    ekf.update(-off_rad, &jacobian, GRID_TOLERANCE * GRID_TOLERANCE + deviation(policy)).is_ok()
 }

@@ -20,7 +20,7 @@ const REFIND_GATE: f32 = 25.0;
 const REFIND_M: f32 = 0.5;
 
 /// Collinear walls are one where the unseen gap between them is too narrow for a door, metres.
-const MERGE_GAP_M: f32 = crate::association::PROLONGATION_M;
+const MERGE_GAP_M: f32 = crate::association::GAP_M;
 
 /// Score of a new wall: so many more beams must pass through it than meet it before it goes.
 const BIRTH_SCORE: i8 = 5;
@@ -125,7 +125,7 @@ impl<const W: usize> Map<W> {
         self.walls.truncate(last);
         let mut states: Vec<usize, 2> = Vec::new();
         let _ = states.push(wall.rho);
-        if let Direction::Free(theta) | Direction::Snapped(theta) = wall.direction {
+        if let Some(theta) = wall.direction.state() {
             let _ = states.push(theta);
         }
         // The higher index first: the state moved into its place is then never the other one.
@@ -211,7 +211,7 @@ impl Tie {
         newborn: bool,
     ) -> Option<Self> {
         // The cheap questions first: most pairs face another way or stand elsewhere.
-        let other_way = matches!((wall.direction, other.direction), (Direction::Grid(a), Direction::Grid(b)) if a != b);
+        let other_way = matches!((wall.direction.quarter(), other.direction.quarter()), (Some(a), Some(b)) if a != b);
         let gap_m = wall.lo_m.max(other.lo_m) - wall.hi_m.min(other.hi_m);
         if other_way || gap_m > MERGE_GAP_M {
             return None;
@@ -270,7 +270,7 @@ impl Tie {
 
 fn direction_state(wall: &Wall) -> usize {
     match wall.direction {
-        Direction::Free(theta) => theta,
+        Direction::Free(theta) | Direction::NearGrid(theta, _) => theta,
         Direction::Snapped(_) | Direction::Grid(_) => ALPHA,
     }
 }

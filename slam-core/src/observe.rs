@@ -7,7 +7,8 @@ use crate::config::WallPolicy;
 use crate::ekf::Jacobian;
 use crate::grid::GridDirection;
 use crate::layout::{ALPHA, THETA, X, Y};
-use crate::range::{Reading, SHARP_HOLD_S, SURFACE_M};
+use crate::range::{Noise, Reading, SHARP_HOLD_S, SURFACE_M};
+use crate::repeats::Hit;
 use crate::wall::{Direction, Wall};
 use crate::{Outcome, RangeInput, RangeModel, RangeSensor, Refusal, Sample, Slam, StepReport};
 
@@ -162,7 +163,8 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
                         return Err(Refusal::Ambiguous);
                     }
                 }
-                self.ekf.update(met.innovation_m, &met.jacobian, met.noise_m2).map_err(|_| Refusal::Degenerate)?;
+                let noise_m2 = met.noise_m2 * self.repeated(sensor, reading, &met);
+                self.ekf.update(met.innovation_m, &met.jacobian, noise_m2).map_err(|_| Refusal::Degenerate)?;
                 self.ekf.set_mean(THETA, wrap(self.ekf.mean(THETA)));
                 self.counters.updates = self.counters.updates.saturating_add(1);
                 self.map.met(met.candidate.index, met.candidate.along_m, self.odometry.path_m);
@@ -217,6 +219,19 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             at_end,
             explains: innovation_m * innovation_m <= gate * variance_m2,
         })
+    }
+
+    /// Of how many readings this is one that say the same; it is taken note of.
+    fn repeated(&mut self, sensor: usize, reading: &Reading, met: &Hypothesis) -> f32 {
+        // An analogue sensor's noise is electric, and new with each reading.
+        if !self.config.repeats || !matches!(reading.noise, Noise::Metres { .. }) {
+            return 1.0;
+        }
+        let (wall, along_m, step) = (met.wall, met.candidate.along_m, self.counters.steps);
+        let count = self.repeats.count(sensor, wall, along_m, step);
+        let normalised = met.innovation_m / libm::sqrtf(met.variance_m2);
+        self.repeats.note(sensor, Hit { wall, along_m, step, normalised });
+        count
     }
 
     /// A reading well beyond a wall, well inside its extent, went through it.
@@ -274,7 +289,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         push(THETA, gain * prediction.by_heading);
         match wall.direction {
             Direction::Grid(_) => push(ALPHA, gain * prediction.by_beta),
-            Direction::Free(theta) => push(theta, gain * prediction.by_beta),
+            Direction::Free(theta) | Direction::NearGrid(theta, _) => push(theta, gain * prediction.by_beta),
             Direction::Snapped(theta) => {
                 push(ALPHA, gain * prediction.by_beta);
                 if self.config.walls == (WallPolicy::Snapped { theta_moves: true }) {

@@ -10,6 +10,7 @@ use crate::map::Map;
 use crate::motion::{self, Encoders, Factor, Factors, Step};
 use crate::odometry::Odometry;
 use crate::range::FrontEnd;
+use crate::repeats::Repeats;
 use crate::report::ReadingReport;
 use crate::{
     Clustering, Config, Counters, DriveModel, Linearisation, Pose, Rig, RigError, Sample, StepReport, WallPolicy,
@@ -47,6 +48,7 @@ pub struct Slam<const S: usize, const W: usize, const B: usize, const NB: usize,
     /// The sensor whose points were clustered last.
     pub(crate) last_clustered: usize,
     pub(crate) counters: Counters,
+    pub(crate) repeats: Repeats<S>,
     pub(crate) first: First,
 }
 
@@ -72,6 +74,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             calibrate_track: false,
             gate: 0.0,
             linearisation: Linearisation::Latest,
+            repeats: false,
         },
         layout: Layout { first_scale: None, second_scale: None, track: None, gains: [None; S] },
         mounts: [FixedMount::NONE; S],
@@ -90,6 +93,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         pending: [false; S],
         last_clustered: 0,
         counters: Counters::ZERO,
+        repeats: Repeats::NEW,
         first: First::START,
     };
 
@@ -138,6 +142,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         self.pending = [false; S];
         self.last_clustered = 0;
         self.counters = Counters::ZERO;
+        self.repeats = Repeats::NEW;
         self.first = First::START;
         Ok(())
     }

@@ -12,7 +12,8 @@ pub enum WallKind {
     Free,
     /// rho and theta are states; the direction used is the grid's nearest to theta.
     Snapped,
-    /// rho is a state; the direction is alpha plus a whole number of quarter turns.
+    /// rho is a state; the direction is alpha plus a whole number of quarter turns, but for a deviation where walls may
+    /// have one.
     Grid,
 }
 
@@ -25,6 +26,26 @@ pub enum Direction {
     Snapped(usize),
     /// alpha plus this many quarter turns, counter-clockwise, 0 to 3.
     Grid(u8),
+    /// The state with this index, which was tied to alpha plus that many quarter turns.
+    NearGrid(usize, u8),
+}
+
+impl Direction {
+    /// The index of its own state, if it has one.
+    pub fn state(self) -> Option<usize> {
+        match self {
+            Self::Free(theta) | Self::Snapped(theta) | Self::NearGrid(theta, _) => Some(theta),
+            Self::Grid(_) => None,
+        }
+    }
+
+    /// The grid direction that it was found to be, counted in quarter turns from alpha.
+    pub fn quarter(self) -> Option<u8> {
+        match self {
+            Self::Grid(quarter) | Self::NearGrid(_, quarter) => Some(quarter),
+            Self::Free(_) | Self::Snapped(_) => None,
+        }
+    }
 }
 
 /// A wall. Its normal points from the side it was seen from into the wall, so rho - p . n is positive for a robot at p
@@ -92,7 +113,7 @@ impl Wall {
         match self.direction {
             Direction::Grid(quarter) => on_grid(quarter),
             Direction::Snapped(theta) => on_grid(grid.quarter(ekf.mean(theta))),
-            Direction::Free(theta) => {
+            Direction::Free(theta) | Direction::NearGrid(theta, _) => {
                 let beta_rad = ekf.mean(theta);
                 let (s, c) = sin_cos(beta_rad);
                 Line { rho_m, beta_rad, normal: [c, s] }
@@ -110,7 +131,7 @@ impl Wall {
         match self.direction {
             Direction::Free(_) => WallKind::Free,
             Direction::Snapped(_) => WallKind::Snapped,
-            Direction::Grid(_) => WallKind::Grid,
+            Direction::Grid(_) | Direction::NearGrid(..) => WallKind::Grid,
         }
     }
 
@@ -119,7 +140,7 @@ impl Wall {
         if self.rho == from {
             self.rho = to;
         }
-        if let Direction::Free(theta) | Direction::Snapped(theta) = &mut self.direction
+        if let Direction::Free(theta) | Direction::Snapped(theta) | Direction::NearGrid(theta, _) = &mut self.direction
             && *theta == from
         {
             *theta = to;

@@ -70,7 +70,7 @@ impl RealLog {
             rig: folder.join("rig.toml"),
             out: out.path().to_owned(),
             truth: None,
-            config: Config::default(),
+            config: Config::real_rooms(),
             trace: false,
         };
         Some(replay.run(|_| ()).unwrap_or_else(|error| panic!("{error}")))

@@ -27,7 +27,7 @@ pub struct Trial {
 
 impl Default for Trial {
     fn default() -> Self {
-        Self { config: Config::default(), cap_m: f32::INFINITY, noise: 1.0, from_s: 0.0, every: 1 }
+        Self { config: Config::real_rooms(), cap_m: f32::INFINITY, noise: 1.0, from_s: 0.0, every: 1 }
     }
 }
 

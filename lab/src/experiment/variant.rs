@@ -59,7 +59,7 @@ impl Variant {
         // The report's filter is a plain one.
         let slam = |walls: WallPolicy, calibrate: bool| {
             let linearisation = match walls {
-                WallPolicy::Grid => Linearisation::FirstEstimates,
+                WallPolicy::Grid | WallPolicy::NearGrid => Linearisation::FirstEstimates,
                 _ => Linearisation::Latest,
             };
             let config = Config {
@@ -113,10 +113,13 @@ impl Variant {
 fn read_walls(table: &Table<'_>) -> Result<WallPolicy, FileError> {
     match table.optional_text("walls")?.as_deref() {
         None | Some("grid") => Ok(WallPolicy::Grid),
+        Some("near-grid") => Ok(WallPolicy::NearGrid),
         Some("free") => Ok(WallPolicy::Free),
         Some("snapped") => Ok(WallPolicy::Snapped { theta_moves: false }),
         Some("snapped-moving") => Ok(WallPolicy::Snapped { theta_moves: true }),
-        Some(_) => Err(table.error("walls", "must be \"grid\", \"free\", \"snapped\" or \"snapped-moving\"")),
+        Some(_) => {
+            Err(table.error("walls", "must be \"grid\", \"near-grid\", \"free\", \"snapped\" or \"snapped-moving\""))
+        }
     }
 }
 

@@ -192,6 +192,7 @@ fn configuration(origin: &Origin) -> Value {
         WallPolicy::Snapped { theta_moves: false } => "snapped",
         WallPolicy::Snapped { theta_moves: true } => "snapped, theta moves",
         WallPolicy::Grid => "grid",
+        WallPolicy::NearGrid => "near-grid",
     };
     let clustering = match config.clustering {
         Clustering::BySensor => "by sensor",

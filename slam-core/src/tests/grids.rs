@@ -105,3 +105,26 @@ fn a_direction_is_on_the_grid_off_it_or_not_clear_yet() {
     assert!((1..30).contains(&unclear), "{unclear} tenths of a degree");
     assert_eq!(decide(10.0 * DEGREE, 400.0 * DEGREE * DEGREE), None);
 }
+
+#[test]
+fn built_walls_keep_a_deviation_of_their_own() {
+    let directions = [10.0, 100.5, -80.3, 55.0];
+    let (mut ekf, mut map) = home(&directions);
+    let (states, mut has_grid) = (ekf.len(), false);
+    for turn in 0..20 {
+        upkeep(&mut map, &mut ekf, &mut has_grid, WallPolicy::NearGrid, turn);
+    }
+    assert!(has_grid);
+    assert_eq!(ekf.len(), states);
+    let grid = GridDirection::of(&ekf);
+    for (wall, direction) in map.walls().iter().zip(directions).take(3) {
+        let Direction::NearGrid(theta, quarter) = wall.direction else { panic!("{direction}: {:?}", wall.direction) };
+        // Tied to half a degree, not to the spot: each stays nearer to where it was seen than the grid is.
+        let (own, of_grid) =
+            (wrap(ekf.mean(theta) - direction * DEGREE), wrap(grid.beta(quarter) - direction * DEGREE));
+        assert!(own.abs() <= of_grid.abs() + 1e-6, "{direction}: {own} and {of_grid}");
+        let relative = ekf.covariance(theta, theta) + ekf.covariance(ALPHA, ALPHA) - 2.0 * ekf.covariance(theta, ALPHA);
+        assert!(relative > 0.2 * 0.2 * DEGREE * DEGREE && relative < 0.6 * 0.6 * DEGREE * DEGREE, "{relative}");
+    }
+    assert!(matches!(map.walls()[3].direction, Direction::Free(_)));
+}

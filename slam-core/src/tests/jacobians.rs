@@ -83,7 +83,8 @@ fn slam(kind: Kind, mount: [f64; 3], state: &[f64; STATES], variances: &[f32; ST
         noise_m2_per_m: 1e-5,
     };
     let rig = Rig { drive, adc: None, sensors: [sensor, sensor].into_iter().collect() };
-    let config = Config { walls: kind.policy(), linearisation: Linearisation::Latest, ..Config::default() };
+    let config =
+        Config { walls: kind.policy(), linearisation: Linearisation::Latest, repeats: false, ..Config::default() };
     let mut slam = Small::new(rig, config).unwrap();
     slam.ekf = Ekf::EMPTY;
     for (mean, variance) in state.iter().zip(variances) {

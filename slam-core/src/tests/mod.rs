@@ -18,6 +18,7 @@ mod oracle;
 mod outliers;
 mod random;
 mod ranges;
+mod repeats;
 mod rigs;
 mod runs;
 mod walls;

@@ -157,7 +157,7 @@ fn observe(
         let (origin, phi) = beam([s[X], s[Y], s[THETA]], mount);
         let beta = match wall.direction {
             Direction::Grid(quarter) => s[ALPHA] + core::f64::consts::FRAC_PI_2 * f64::from(quarter),
-            Direction::Free(theta) => s[theta],
+            Direction::Free(theta) | Direction::NearGrid(theta, _) => s[theta],
             Direction::Snapped(theta) => {
                 let quarters = ((s[theta] - s[ALPHA]) / core::f64::consts::FRAC_PI_2).round();
                 s[ALPHA] + quarters * core::f64::consts::FRAC_PI_2
@@ -218,7 +218,8 @@ fn follow(
 
 fn run(policy: WallPolicy, linearisation: Linearisation, seed: u64, steps: u64) {
     let rig = rig();
-    let config = Config { walls: policy, linearisation, ..Config::default() };
+    // What repeats is learned from the readings, which the oracle does not do.
+    let config = Config { walls: policy, linearisation, repeats: false, ..Config::default() };
     let mut truth = Truth::new(seed);
     let mut first = [0.0; 3];
     let mut slam = RobotSlam::new(rig.clone(), config).unwrap();
@@ -279,4 +280,21 @@ fn a_run_on_free_walls_follows_the_oracle() {
 #[test]
 fn a_run_on_snapped_walls_follows_the_oracle() {
     run(WallPolicy::Snapped { theta_moves: false }, Linearisation::Latest, 3, 2000);
+}
+
+#[test]
+fn a_run_on_walls_near_the_grid_follows_the_oracle() {
+    run(WallPolicy::NearGrid, Linearisation::Latest, 4, 2000);
+}
+
+#[test]
+fn noise_that_is_new_each_time_is_found_to_be() {
+    let rig = rig();
+    let mut truth = Truth::new(5);
+    let mut slam = RobotSlam::new(rig.clone(), Config::default()).unwrap();
+    for number in 0..4000 {
+        slam.step(&truth.step(&rig, number));
+    }
+    let share = slam.repeats.share();
+    assert!(share < 0.08, "{share} of it is the surface's");
 }

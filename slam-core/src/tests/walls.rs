@@ -82,7 +82,9 @@ fn signature(map: &Map<CAPACITY>, ekf: &Filter) -> Vec<(u16, [u32; 6])> {
         .map(|wall| {
             let line = wall.line(ekf, &grid);
             let theta = match wall.direction {
-                Direction::Free(theta) | Direction::Snapped(theta) => ekf.covariance(theta, wall.rho),
+                Direction::Free(theta) | Direction::Snapped(theta) | Direction::NearGrid(theta, _) => {
+                    ekf.covariance(theta, wall.rho)
+                }
                 Direction::Grid(quarter) => f32::from(quarter),
             };
             let (own, with_pose) = (ekf.covariance(wall.rho, wall.rho), ekf.covariance(wall.rho, 1));

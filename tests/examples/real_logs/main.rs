@@ -82,7 +82,7 @@ fn main() {
     } else {
         wanted.iter().filter(|name| *name != DEFAULT).map(part).collect()
     };
-    let defaults = LOGS.map(|case| (case.replay(Config::default()), case));
+    let defaults = LOGS.map(|case| (case.replay(Config::real_rooms()), case));
     let mut text = String::new();
     write_all(&mut text, &defaults, &parts).expect("a String takes it all");
     if !wanted.is_empty() {
@@ -119,7 +119,7 @@ fn table(text: &mut String, case: &Case, default: &[Recording], parts: &[&Part])
     writeln!(text, "| odometry | {} |", cells::of_odometry(&default[0]).join(" | "))?;
     let mut idle = Vec::new();
     for part in parts {
-        let cells = cells::of(&case.figures(part.off(Config::default())));
+        let cells = cells::of(&case.figures(part.off(Config::real_rooms())));
         if cells == cells::of(&default) {
             idle.push(part.name);
         } else {
@@ -139,7 +139,7 @@ fn variations(text: &mut String) -> std::fmt::Result {
         cells::header("log")
     )?;
     for case in VARIATIONS {
-        let runs = case.figures(Config::default());
+        let runs = case.figures(Config::real_rooms());
         writeln!(text, "| {} | {} |", case.title, cells::of(&runs).join(" | "))?;
         if runs[0].odometry.is_some() {
             writeln!(text, "| its odometry | {} |", cells::of_odometry(&runs[0]).join(" | "))?;

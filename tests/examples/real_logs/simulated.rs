@@ -27,8 +27,9 @@ pub fn write(text: &mut String, parts: &[&Part]) -> std::fmt::Result {
     )?;
     let drives: Vec<Vec<Vec<Row>>> =
         PLANS.iter().map(|plan| SEEDS.map(|seed| rows(plan, MINUTES, seed)).collect()).collect();
-    let variants = parts.iter().map(|part| (format!("without {}", part.name), part.off(Config::default())));
-    for (name, config) in std::iter::once(("default".to_owned(), Config::default())).chain(variants) {
+    let variants = parts.iter().map(|part| (format!("without {}", part.name), part.off(Config::real_rooms())));
+    let whole = [("as on the robot", Config::default()), ("default", Config::real_rooms())];
+    for (name, config) in whole.map(|(name, config)| (name.to_owned(), config)).into_iter().chain(variants) {
         let cells: Vec<String> = drives.iter().map(|drives| cells(drives, config)).collect();
         writeln!(text, "| {name} | {} |", cells.join(" | "))?;
     }
