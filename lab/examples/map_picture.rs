@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p lab --example map_picture -- docs/map.svg [PLAN] [MINUTES] [SEED]`
 
-use lab::{report, run::Run};
+use lab::{report, run::Run, variant::Settings};
 use slam_core::Config;
 use std::{env, error::Error, fs, path::PathBuf};
 
@@ -13,7 +13,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     let minutes = arguments.next().map_or(Ok(10.0), |text| text.parse())?;
     let seed = arguments.next().map_or(Ok(1), |text| text.parse())?;
     let out = env::temp_dir().join(format!("map-picture-{}", std::process::id()));
-    let run = Run { plan, minutes, seed, rig: None, out: out.clone(), config: Config::default(), trace: false };
+    let run = Run {
+        plan,
+        minutes,
+        seed,
+        rig: None,
+        out: out.clone(),
+        settings: Settings::Exactly(Config::default()),
+        trace: false,
+    };
     let drawn = run.run(|_| ()).map(|recording| report::map_svg(&recording));
     fs::remove_dir_all(&out)?;
     fs::write(&file, drawn?)?;

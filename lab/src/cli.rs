@@ -7,7 +7,6 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
-use slam_core::Config;
 
 use crate::compare::Compare;
 use crate::doctor::Doctor;
@@ -18,7 +17,7 @@ use crate::output::closing;
 use crate::recording::Recording;
 use crate::replay::{Replay, Replayed};
 use crate::run::Run;
-use crate::variant::VariantArgs;
+use crate::variant::{Settings, VariantArgs};
 
 /// The workbench: a simulated cleaning robot maps a flat, or a recorded log is replayed through the same estimator.
 ///
@@ -158,7 +157,7 @@ pub fn main() -> ExitCode {
 fn run(args: RunArgs) -> Result<(), Box<dyn Error>> {
     let RunArgs { plan, minutes, seed, rig, out, trace, variant } = args;
     let bar = ProgressBar::new(1000).with_style(style("driving {wide_bar} {percent} %, {eta} to go"));
-    let run = Run { plan, minutes, seed, rig, out, config: variant.config(Config::default()), trace };
+    let run = Run { plan, minutes, seed, rig, out, settings: Settings::ForRig(variant), trace };
     let recording = run.run(|share| bar.set_position((1000.0 * share) as u64));
     bar.finish_and_clear();
     say(&recording?, &run.out);
@@ -168,7 +167,7 @@ fn run(args: RunArgs) -> Result<(), Box<dyn Error>> {
 fn replay(args: ReplayArgs) -> Result<(), Box<dyn Error>> {
     let ReplayArgs { log, rig, out, truth, trace, variant } = args;
     let bar = ProgressBar::new_spinner().with_style(style("{spinner} {pos} rows, {elapsed}"));
-    let replay = Replay { log, rig, out, truth, config: variant.config(Config::real_rooms()), trace };
+    let replay = Replay { log, rig, out, truth, settings: Settings::ForRig(variant), trace };
     let replayed = replay.run(|rows| bar.set_position(rows as u64));
     bar.finish_and_clear();
     let Replayed { recording, notes, error } = replayed?;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::json;
-use slam_core::{Config, RigError};
+use slam_core::RigError;
 
 use crate::error::FileError;
 use crate::log::truth::{self, Truth};
@@ -16,6 +16,7 @@ use crate::recording::Recording;
 use crate::rig_file::Robot;
 use crate::score;
 use crate::session::Session;
+use crate::variant::Settings;
 
 /// What to replay.
 #[derive(Clone, Debug)]
@@ -29,7 +30,7 @@ pub struct Replay {
     /// True poses; `truth.csv` beside the log when not given.
     pub truth: Option<PathBuf>,
     /// The estimator's settings.
-    pub config: Config,
+    pub settings: Settings,
     /// Whether to write what became of every reading.
     pub trace: bool,
 }
@@ -55,8 +56,8 @@ impl Replay {
         let mut robot = Robot::parse(&self.rig, &rig_toml)?;
         let mut rows = log::open(&self.log, &mut robot)?;
         let truth = self.read_truth()?;
-        let mut session =
-            Session::new(&robot, self.config, title_of(&self.log)).map_err(|e| rig_error(&self.rig, &e))?;
+        let config = self.settings.config(&robot.rig);
+        let mut session = Session::new(&robot, config, title_of(&self.log)).map_err(|e| rig_error(&self.rig, &e))?;
         let folder = Folder::prepare(&self.out, &NAMES)?;
         let mut streams = Streams::create(&folder)?;
         let mut times_s = Vec::new();
@@ -74,7 +75,7 @@ impl Replay {
                 ("truth", json!(self.truth)),
             ],
             rig_toml,
-            config: self.config,
+            config,
             trace: self.trace,
             error: error.as_ref().map(ToString::to_string),
         };

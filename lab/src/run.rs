@@ -18,6 +18,7 @@ use crate::recording::Recording;
 use crate::replay::{read_text, rig_error};
 use crate::rig_file::Robot;
 use crate::session::Session;
+use crate::variant::Settings;
 
 /// Names of the built-in robot's sensors, in their order.
 const BUILT_IN_NAMES: [&str; 8] =
@@ -37,7 +38,7 @@ pub struct Run {
     /// The output folder.
     pub out: PathBuf,
     /// The estimator's settings.
-    pub config: Config,
+    pub settings: Settings,
     /// Whether to write what became of every reading.
     pub trace: bool,
 }
@@ -96,8 +97,9 @@ impl Run {
         let rig_name = self.rig.clone().unwrap_or_else(|| PathBuf::from("built-in rig"));
         let mut drive = Drive::new(&plan, &robot, SimOptions::default(), self.seed)
             .map_err(|error| self.simulation_error(&rig_name, &error))?;
+        let config = self.settings.config(&robot.rig);
         let mut session =
-            Session::new(&robot, self.config, plan.name.clone()).map_err(|error| rig_error(&rig_name, &error))?;
+            Session::new(&robot, config, plan.name.clone()).map_err(|error| rig_error(&rig_name, &error))?;
         let names: Vec<&str> = NAMES.iter().copied().chain(["log.csv", "rig.toml"]).collect();
         let folder = Folder::prepare(&self.out, &names)?;
         folder.write("rig.toml", &rig_toml)?;
@@ -114,7 +116,7 @@ impl Run {
         streams.close()?;
         let mut recording = drive.finish(session);
         recording.seed = Some(self.seed);
-        output::finish(&folder, &recording, &self.origin(rig_toml))?;
+        output::finish(&folder, &recording, &self.origin(rig_toml, config))?;
         Ok(recording)
     }
 
@@ -124,7 +126,7 @@ impl Run {
         FileError::new(if matches!(error, SimError::StartBlocked(..)) { plan } else { rig }, error.to_string())
     }
 
-    fn origin(&self, rig_toml: String) -> Origin {
+    fn origin(&self, rig_toml: String, config: Config) -> Origin {
         Origin {
             arguments: vec![
                 ("command", json!("run")),
@@ -136,7 +138,7 @@ impl Run {
                 ("rig", json!(self.rig)),
             ],
             rig_toml,
-            config: self.config,
+            config,
             trace: self.trace,
             error: None,
         }

@@ -1,7 +1,7 @@
 //! Estimator settings on the command line.
 
 use clap::{Args, ValueEnum};
-use slam_core::{Clustering, Config, Linearisation, WallPolicy};
+use slam_core::{Clustering, Config, Linearisation, Rig, WallPolicy};
 
 use crate::part::{self, Part};
 
@@ -9,7 +9,11 @@ use crate::part::{self, Part};
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Estimator (the defaults are the ones to use)")]
 pub struct VariantArgs {
-    #[arg(long, value_enum, help = "Which walls the map may have [default: grid; near-grid for replay]")]
+    #[arg(
+        long,
+        value_enum,
+        help = "Which walls the map may have [default: near-grid where a sensor reports metres, else grid]"
+    )]
     walls: Option<Walls>,
     /// How unexplained readings are grouped into new walls.
     #[arg(long, value_enum, default_value_t = Groups::Sensor)]
@@ -64,9 +68,29 @@ enum Jacobians {
     Latest,
 }
 
+/// The estimator's settings.
+#[derive(Clone, Debug)]
+pub enum Settings {
+    /// These.
+    Exactly(Config),
+    /// What suits the rig, changed by what the command line says.
+    ForRig(VariantArgs),
+}
+
+impl Settings {
+    /// The settings for a rig.
+    pub fn config<const S: usize>(&self, rig: &Rig<S>) -> Config {
+        match self {
+            Self::Exactly(config) => *config,
+            Self::ForRig(variant) => variant.config(rig),
+        }
+    }
+}
+
 impl VariantArgs {
-    /// The settings, where `base` has those that nothing is said about.
-    pub fn config(&self, base: Config) -> Config {
+    /// The settings for a rig.
+    fn config<const S: usize>(&self, rig: &Rig<S>) -> Config {
+        let base = Config::for_rig(rig);
         let calibrate = !self.no_calibration;
         let config = Config {
             walls: match self.walls {

@@ -1,5 +1,7 @@
 //! How the estimator works: one type whose defaults work.
 
+use crate::{RangeModel, Rig};
+
 /// Which kinds of wall the map may have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -65,9 +67,16 @@ pub struct Config {
 }
 
 impl Config {
-    /// For rooms as they are built and furnished, where there is room for two states a wall.
+    /// For rooms as they are built, where there is room for two states a wall.
     pub fn real_rooms() -> Self {
         Self { walls: WallPolicy::NearGrid, ..Self::default() }
+    }
+
+    /// What suits the sensors: those that report metres see how walls stand off the grid, which the noise of an analogue
+    /// one hides.
+    pub fn for_rig<const S: usize>(rig: &Rig<S>) -> Self {
+        let sees_it = rig.sensors.iter().any(|sensor| matches!(sensor.model, RangeModel::Metric { .. }));
+        if sees_it { Self::real_rooms() } else { Self::default() }
     }
 }
 

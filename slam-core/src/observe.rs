@@ -1,6 +1,6 @@
 //! One scalar update for every reading: association, gate, Jacobian (report 3.1 and 3.2).
 
-use crate::angle::{sin_cos, wrap};
+use crate::angle::sin_cos;
 use crate::association::{Candidate, first_met};
 use crate::beam::{Beam, FixedMount, Prediction};
 use crate::config::WallPolicy;
@@ -165,7 +165,6 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
                 }
                 let noise_m2 = met.noise_m2 * self.repeated(sensor, reading, &met);
                 self.ekf.update(met.innovation_m, &met.jacobian, noise_m2).map_err(|_| Refusal::Degenerate)?;
-                self.ekf.set_mean(THETA, wrap(self.ekf.mean(THETA)));
                 self.counters.updates = self.counters.updates.saturating_add(1);
                 self.map.met(met.candidate.index, met.candidate.along_m, self.odometry.path_m);
                 return Ok(met.updated());

@@ -1,6 +1,6 @@
 //! The whole pipeline, in the order of the report's section 3: predict, observe, extend the map.
 
-use crate::angle::sin_cos;
+use crate::angle::{sin_cos, wrap};
 use crate::beam::FixedMount;
 use crate::buffer::OutlierBuffer;
 use crate::ekf::{Ekf, Jacobian};
@@ -158,6 +158,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         self.predict(sample);
         self.observe(sample, &mut report);
         self.extend_map(&mut report);
+        self.ekf.set_mean(THETA, wrap(self.ekf.mean(THETA)));
         self.place_hits(&mut report);
         report
     }

@@ -4,6 +4,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use lab::replay::{Replay, Replayed};
+use lab::variant::Settings;
 use slam_core::Config;
 
 /// A log of a real robot.
@@ -70,7 +71,7 @@ impl RealLog {
             rig: folder.join("rig.toml"),
             out: out.path().to_owned(),
             truth: None,
-            config: Config::real_rooms(),
+            settings: Settings::Exactly(Config::real_rooms()),
             trace: false,
         };
         Some(replay.run(|_| ()).unwrap_or_else(|error| panic!("{error}")))

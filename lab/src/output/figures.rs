@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 use slam_core::{Clustering, Config, Linearisation, Refusal, WallPolicy};
 
-use crate::part::PARTS;
+use crate::part::{PARTS, Part};
 use crate::recording::{Consistency, MapScore, PathScore, Recording, SeenWall, SurfelScore};
 
 /// What was run, for `summary.json`.
@@ -183,6 +183,12 @@ pub fn refusal_name(refusal: Refusal) -> &'static str {
     }
 }
 
+/// The parts that are switched off. What the default has not either is no part of it: `walls` tells.
+fn without(config: &Config) -> Vec<&'static str> {
+    let is_off = |part: &&Part| part.is_off(config) && !part.is_off(&Config::default());
+    PARTS.iter().filter(is_off).map(|part| part.name).collect()
+}
+
 fn configuration(origin: &Origin) -> Value {
     let arguments: Map<String, Value> =
         origin.arguments.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect();
@@ -212,7 +218,7 @@ fn configuration(origin: &Origin) -> Value {
             "calibrate_track": config.calibrate_track,
             "gate": config.gate,
             "jacobians": jacobians,
-            "without": PARTS.iter().filter(|part| part.is_off(config)).map(|part| part.name).collect::<Vec<_>>(),
+            "without": without(config),
         },
         "rig_toml": origin.rig_toml,
     })
