@@ -48,14 +48,14 @@ impl<const NB: usize> Vector<NB> {
     /// Entry `i`; zero past the end.
     #[inline]
     pub fn get(&self, i: usize) -> f32 {
-        self.0.get(i / LANES).map_or(0.0, |block| block[i % LANES])
+        self.0.as_flattened().get(i).copied().unwrap_or(0.0)
     }
 
     /// Sets entry `i`; nothing past the end.
     #[inline]
     pub fn set(&mut self, i: usize, value: f32) {
-        if let Some(block) = self.0.get_mut(i / LANES) {
-            block[i % LANES] = value;
+        if let Some(entry) = self.0.as_flattened_mut().get_mut(i) {
+            *entry = value;
         }
     }
 
@@ -125,42 +125,38 @@ impl<const NB: usize, const BLOCKS: usize> Covariance<NB, BLOCKS> {
         self.0.as_chunks_mut().0
     }
 
-    /// Block and lane of an entry.
+    /// Place of an entry; past the end for one outside.
     #[inline]
-    const fn locate(i: usize, j: usize) -> (usize, usize) {
+    const fn locate(i: usize, j: usize) -> usize {
         let (i, j) = if i <= j { (i, j) } else { (j, i) };
         if j >= LANES * NB {
-            return (BLOCKS, 0);
+            return usize::MAX;
         }
-        (2 * (tile_start(j / TILE) + i) + j / LANES % 2, j % LANES)
+        TILE * (tile_start(j / TILE) + i) + j % TILE
     }
 
     /// Entry (i, j); zero outside.
     #[inline]
     pub fn get(&self, i: usize, j: usize) -> f32 {
-        let (block, lane) = Self::locate(i, j);
-        self.0.get(block).map_or(0.0, |b| b[lane])
+        self.0.as_flattened().get(Self::locate(i, j)).copied().unwrap_or(0.0)
     }
 
     /// Sets entries (i, j) and (j, i); nothing outside.
     #[inline]
     pub fn set(&mut self, i: usize, j: usize, value: f32) {
-        let (block, lane) = Self::locate(i, j);
-        if let Some(b) = self.0.get_mut(block) {
-            b[lane] = value;
+        if let Some(entry) = self.0.as_flattened_mut().get_mut(Self::locate(i, j)) {
+            *entry = value;
         }
     }
 
     /// J P J^T for a sparse row J, given by its entries of the first states and the others. O(entries^2).
     pub fn quadratic(&self, head: &[f32; HEAD], others: &[(usize, f32)]) -> f32 {
-        let mut half = 0.0;
-        for (i, hi) in head.iter().enumerate() {
-            let mut row = 0.5 * hi * self.get(i, i);
-            for (j, hj) in head.iter().enumerate().skip(i + 1) {
-                row += hj * self.get(i, j);
-            }
-            half += hi * row;
-        }
+        let Some([[p, _], [q, _], [r, _], [s, _]]) = self.pairs().first_chunk() else { return 0.0 };
+        let [e, f, g, h] = *head;
+        let mut half = e * (0.5 * e * p[0] + f * p[1] + g * p[2] + h * p[3]);
+        half += f * (0.5 * f * q[1] + g * q[2] + h * q[3]);
+        half += g * (0.5 * g * r[2] + h * r[3]);
+        half += h * (0.5 * h * s[3]);
         for (a, &(i, hi)) in others.iter().enumerate() {
             let mut row = 0.5 * hi * self.get(i, i);
             for (p, hj) in self.head_of(i).iter().zip(head) {

@@ -152,10 +152,11 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         let mut outcome = Outcome::Unexplained;
         let mut beyond_m = 0.0;
         for _ in 0..MAX_CANDIDATES {
-            let Some(met) = self.hypothesis(sensor, reading, &beam, heading, beyond_m) else { break };
+            let met = self.hypothesis(sensor, reading, &beam, heading, beyond_m);
+            let Some(met) = &met else { break };
             beyond_m = met.beyond_m();
             if met.explains {
-                check_limits(&limits, min_cos, &met)?;
+                check_limits(&limits, min_cos, met)?;
                 // Past a wall's end the beam may have gone on: then the reading must not fit what stands there, too.
                 if met.at_end {
                     let next = self.hypothesis(sensor, reading, &beam, heading, beyond_m);
@@ -173,7 +174,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
                 outcome = met.gated();
             }
             if met.candidate.inside_m > 0.0 {
-                self.judge_pass(&met);
+                self.judge_pass(met);
                 break;
             }
         }
