@@ -104,7 +104,7 @@ fn fit_members<const B: usize>(buffer: &OutlierBuffer<B>, members: &Members<B>) 
     for point in points.clone() {
         moments.add(point);
     }
-    Some(fit(points, &moments.scatter()))
+    Some(fit::<B>(points, &moments.scatter()))
 }
 
 /// Adds every point, of whichever sensor, that lies on the line within its noise and the line's, close enough to what

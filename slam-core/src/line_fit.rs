@@ -3,6 +3,7 @@
 use crate::angle::sin_cos;
 use crate::buffer::Outlier;
 use crate::range::SURFACE_M;
+use heapless::Vec;
 
 /// Weighted first and second moments of points, about a reference point (so that f32 suffices).
 #[derive(Clone, Copy, Debug)]
@@ -129,8 +130,16 @@ fn across_variance(point: &Outlier, normal: [f32; 2]) -> f32 {
     range * range + sweep * sweep + SURFACE_M * SURFACE_M
 }
 
-/// Least squares across the line, with each point's noise along its own beam; one Gauss-Newton step from `scatter`.
-pub fn fit<'a>(points: impl Iterator<Item = &'a Outlier> + Clone, scatter: &Scatter) -> FittedLine {
+/// A point in the line's own axes, about the points' centroid: along it, across it, metres, and its weight, 1/m^2.
+struct Local {
+    t: f32,
+    n: f32,
+    weight: f32,
+}
+
+/// Least squares across the line, with each point's noise along its own beam; one Gauss-Newton step from `scatter`. At most
+/// `B` points.
+pub fn fit<'a, const B: usize>(points: impl Iterator<Item = &'a Outlier> + Clone, scatter: &Scatter) -> FittedLine {
     let (s, c) = sin_cos(scatter.normal_rad);
     // Beams run into the wall: the normal points away from the robot.
     let facing: f32 = points.clone().map(|p| p.direction[0] * c + p.direction[1] * s).sum();
@@ -138,67 +147,84 @@ pub fn fit<'a>(points: impl Iterator<Item = &'a Outlier> + Clone, scatter: &Scat
     let normal = [sign * c, sign * s];
     let tangent = [-normal[1], normal[0]];
     let reference = scatter.centroid_m;
-    let local = |p: &Outlier| {
+    let mut locals: Vec<Local, B> = Vec::new();
+    let (mut weight_sum, mut st, mut sn) = (0.0f32, 0.0f32, 0.0f32);
+    let (mut position, mut heading) = (0.0f32, 0.0f32);
+    for p in points {
         let d = [p.hit_m[0] - reference[0], p.hit_m[1] - reference[1]];
-        (d[0] * tangent[0] + d[1] * tangent[1], d[0] * normal[0] + d[1] * normal[1])
-    };
-    let (mut weight, mut st, mut sn) = (0.0f32, 0.0f32, 0.0f32);
-    for p in points.clone() {
-        let (t, n) = local(p);
-        let w = 1.0 / across_variance(p, normal);
-        weight += w;
-        st += w * t;
-        sn += w * n;
-    }
-    let inverse = 1.0 / weight.max(1e-8);
-    let (t0, n0) = (st * inverse, sn * inverse);
-    let (mut stt, mut stn) = (0.0f32, 0.0f32);
-    let (mut lo_m, mut hi_m) = (f32::MAX, f32::MIN);
-    let (mut count, mut position, mut heading) = (0u32, 0.0f32, 0.0f32);
-    let mut sttt = 0.0f32;
-    for p in points.clone() {
-        let (t, n) = local(p);
-        let w = 1.0 / across_variance(p, normal);
-        let (t, n) = (t - t0, n - n0);
-        sttt += w * t * t * t;
-        stt += w * t * t;
-        stn += w * t * n;
-        lo_m = lo_m.min(t);
-        hi_m = hi_m.max(t);
-        count += 1;
+        let (t, n) = (d[0] * tangent[0] + d[1] * tangent[1], d[0] * normal[0] + d[1] * normal[1]);
+        let weight = 1.0 / across_variance(p, normal);
+        weight_sum += weight;
+        st += weight * t;
+        sn += weight * n;
         position += p.position_variance;
         heading += p.heading_variance;
+        let _ = locals.push(Local { t, n, weight });
     }
-    let slope = stn / stt.max(1e-8);
-    // The part of t^2 that no straight line explains, against the residuals: a corner within the points bends them.
-    let (mut projection, mut norm, mut chi_square) = (0.0f32, 0.0f32, 0.0f32);
-    for p in points {
-        let (t, n) = local(p);
-        let w = 1.0 / across_variance(p, normal);
-        let (t, n) = (t - t0, n - n0);
-        let residual = n - slope * t;
-        chi_square += w * residual * residual;
-        let square = t * t - stt * inverse - t * sttt / stt.max(1e-8);
-        projection += w * square * residual;
-        norm += w * square * square;
+    let inverse = 1.0 / weight_sum.max(1e-8);
+    let (t0, n0) = (st * inverse, sn * inverse);
+    for local in &mut locals {
+        local.t -= t0;
+        local.n -= n0;
     }
-    let normal_rad = scatter.normal_rad + if sign < 0.0 { core::f32::consts::PI } else { 0.0 } - slope;
+    let shape = Shape::of(&locals, inverse);
+    let normal_rad = scatter.normal_rad + if sign < 0.0 { core::f32::consts::PI } else { 0.0 } - shape.slope;
     let (s, c) = sin_cos(normal_rad);
+    let count = locals.len() as u32;
     let each = 1.0 / count.max(1) as f32;
     FittedLine {
         centroid_m: [reference[0] + t0 * tangent[0] + n0 * normal[0], reference[1] + t0 * tangent[1] + n0 * normal[1]],
         normal_rad,
         normal: [c, s],
         variance_m2: inverse,
-        direction_variance: 1.0 / stt.max(1e-8),
+        direction_variance: 1.0 / shape.spread,
         count,
         cos_incidence: facing.abs() * each,
-        chi_square,
-        bend: projection.abs() / libm::sqrtf(norm.max(1e-8)),
-        lo_m,
-        hi_m,
+        chi_square: shape.chi_square,
+        bend: shape.bend,
+        lo_m: shape.lo_m,
+        hi_m: shape.hi_m,
         position_variance: position * each,
         heading_variance: heading * each,
+    }
+}
+
+/// What the points about their centroid say of the line.
+struct Shape {
+    /// Of the line against its first direction.
+    slope: f32,
+    /// Sum of the weighted squares along the line, never zero.
+    spread: f32,
+    chi_square: f32,
+    bend: f32,
+    lo_m: f32,
+    hi_m: f32,
+}
+
+impl Shape {
+    fn of(points: &[Local], inverse: f32) -> Self {
+        let (mut stt, mut stn, mut sttt) = (0.0f32, 0.0f32, 0.0f32);
+        let (mut lo_m, mut hi_m) = (f32::MAX, f32::MIN);
+        for &Local { t, n, weight } in points {
+            sttt += weight * t * t * t;
+            stt += weight * t * t;
+            stn += weight * t * n;
+            lo_m = if t < lo_m { t } else { lo_m };
+            hi_m = if t > hi_m { t } else { hi_m };
+        }
+        let spread = stt.max(1e-8);
+        let slope = stn / spread;
+        // The part of t^2 that no straight line explains, against the residuals: a corner within the points bends them.
+        let (mut projection, mut norm, mut chi_square) = (0.0f32, 0.0f32, 0.0f32);
+        for &Local { t, n, weight } in points {
+            let residual = n - slope * t;
+            chi_square += weight * residual * residual;
+            let square = t * t - stt * inverse - t * sttt / spread;
+            projection += weight * square * residual;
+            norm += weight * square * square;
+        }
+        let bend = projection.abs() / libm::sqrtf(norm.max(1e-8));
+        Self { slope, spread, chi_square, bend, lo_m, hi_m }
     }
 }
 

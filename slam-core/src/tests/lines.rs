@@ -41,7 +41,7 @@ fn scatter(points: &[Outlier]) -> Scatter {
 }
 
 fn fitted(points: &[Outlier]) -> FittedLine {
-    fit(points.iter(), &scatter(points))
+    fit::<128>(points.iter(), &scatter(points))
 }
 
 fn off(line: &FittedLine, normal_rad: f64) -> f64 {
