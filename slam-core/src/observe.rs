@@ -164,7 +164,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
                         return Err(Refusal::Ambiguous);
                     }
                 }
-                let noise_m2 = met.noise_m2 * self.repeated(sensor, reading, &met);
+                let noise_m2 = met.noise_m2 * self.repeated(sensor, reading, met);
                 self.ekf.update(met.innovation_m, &met.jacobian, noise_m2).map_err(|_| Refusal::Degenerate)?;
                 self.counters.updates = self.counters.updates.saturating_add(1);
                 self.map.met(met.candidate.index, met.candidate.along_m, self.odometry.path_m);
