@@ -12,7 +12,7 @@ const HEADER: &str = "case,compiler,instructions";
 const GROWTH: f64 = 1.05;
 /// The same where only another compiler's figure is committed.
 const OTHER_COMPILER_GROWTH: f64 = 1.25;
-/// Assumed for shares of the core: what an update takes by the core's documented timings (`docs/cost.md`); other code has
+/// Assumed for cycles and shares of the core: what an update takes by the core's documented timings (`docs/cost.md`); other code has
 /// fewer loads. The flash's prefetch is taken to hide its wait states. Not measured on silicon.
 pub const CYCLES_PER_INSTRUCTION: f64 = 1.9;
 /// Counts that must not be exceeded, by whatever compiler.
@@ -70,7 +70,10 @@ pub fn share_percent(instructions: u32) -> f64 {
 /// Prints a table and lists what is wrong.
 fn compare(measured: &BTreeMap<String, u32>, committed: &Figures, compiler: &str, bars: &[(&str, u32)]) -> Result {
     let mut wrong = Vec::new();
-    println!("{:<24} {:>14} {:>14} {:>9} {:>14}", "case", "instructions", "committed", "change", "bar");
+    println!(
+        "{:<24} {:>14} {:>14} {:>9} {:>9} {:>15}",
+        "case", "instructions", "committed", "change", "bar", "cycles (about)"
+    );
     for (case, &count) in measured {
         let figures = committed.get(case);
         let (figure, allowed) = match figures.and_then(|by| by.get(compiler)) {
@@ -78,13 +81,14 @@ fn compare(measured: &BTreeMap<String, u32>, committed: &Figures, compiler: &str
             None => (figures.and_then(|by| by.values().copied().max()), OTHER_COMPILER_GROWTH),
         };
         let bar = bars.iter().find(|(name, _)| name == case).map_or("-".to_owned(), |(_, bar)| bar.to_string());
+        let cycles = f64::from(count) * CYCLES_PER_INSTRUCTION;
         let Some(figure) = figure else {
-            println!("{case:<24} {count:>14} {:>14} {:>9} {bar:>14}", "-", "-");
+            println!("{case:<24} {count:>14} {:>14} {:>9} {bar:>9} {cycles:>15.0}", "-", "-");
             wrong.push(format!("{case} has no figure in {FILE}"));
             continue;
         };
         let change = f64::from(count) / f64::from(figure.max(1));
-        println!("{case:<24} {count:>14} {figure:>14} {:>8.1}% {bar:>14}", (change - 1.0) * 100.0);
+        println!("{case:<24} {count:>14} {figure:>14} {:>8.1}% {bar:>9} {cycles:>15.0}", (change - 1.0) * 100.0);
         if change > allowed {
             wrong.push(format!("{case} grew from {figure} to {count} (at most {:.0} %)", (allowed - 1.0) * 100.0));
         }

@@ -15,7 +15,7 @@ const DOWN_STEPS: u32 = 200;
 /// Steps in which every sensor sees things that are no walls: they fill the outlier buffer.
 const CLUTTER: Range<u32> = 1_000..1_040;
 
-static ESTIMATOR: ConstStaticCell<Option<RobotSlam>> = ConstStaticCell::new(None);
+static ESTIMATOR: ConstStaticCell<RobotSlam> = ConstStaticCell::new(RobotSlam::IDLE);
 
 /// The costliest steps of each kind.
 #[derive(Default)]
@@ -32,21 +32,21 @@ struct Worst {
 
 /// One drive for each clustering.
 pub fn run(bench: &Bench) {
-    let slot = ESTIMATOR.take();
-    let by_sensor = drive(bench, slot, Clustering::BySensor);
+    let slam = ESTIMATOR.take();
+    let by_sensor = drive(bench, slam, Clustering::BySensor);
     bench.print("step_n79_8_updates", by_sensor.full);
     bench.print("step_birth", by_sensor.birth);
     bench.print("step_clutter", by_sensor.clutter);
     bench.print("step_worst", by_sensor.any);
-    let dbscan = drive(bench, slot, Clustering::Dbscan);
+    let dbscan = drive(bench, slam, Clustering::Dbscan);
     bench.print("step_birth_dbscan", dbscan.birth);
     bench.print("step_clutter_dbscan", dbscan.clutter);
     bench.print("step_worst_dbscan", dbscan.any);
 }
 
-fn drive(bench: &Bench, slot: &mut Option<RobotSlam>, clustering: Clustering) -> Worst {
+fn drive(bench: &Bench, slam: &mut RobotSlam, clustering: Clustering) -> Worst {
     let config = Config { clustering, ..Config::default() };
-    let slam = slot.insert(RobotSlam::new(rig(), config).expect("the rig is a valid one"));
+    slam.start(rig(), config).expect("the rig is a valid one");
     let mut worst = Worst::default();
     let mut home = Drive::new();
     let mut down_from = None;
