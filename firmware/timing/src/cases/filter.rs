@@ -4,19 +4,31 @@ use crate::bench::Bench;
 use core::hint::black_box;
 use slam_core::covariance::blocks;
 use slam_core::ekf::{Ekf, Jacobian, LEADING, MotionJacobian};
+use static_cell::ConstStaticCell;
+
+/// The longest state whose covariance fits the chip's RAM beside the rest of this program.
+static LONGEST: ConstStaticCell<Ekf<26, { blocks(26) }>> = ConstStaticCell::new(Ekf::EMPTY);
 
 /// Every state length that is measured.
 pub fn run(bench: &Bench) {
     one_length::<3, { blocks(3) }>(bench, ["update_n20", "predict_n20"], 20);
+    one_length::<4, { blocks(4) }>(bench, ["update_n31", "predict_n31"], 31);
     one_length::<5, { blocks(5) }>(bench, ["update_n36", "predict_n36"], 36);
+    one_length::<6, { blocks(6) }>(bench, ["update_n47", "predict_n47"], 47);
     one_length::<9, { blocks(9) }>(bench, ["update_n68", "predict_n68"], 68);
     one_length::<10, { blocks(10) }>(bench, ["update_n79", "predict_n79"], 79);
     one_length::<17, { blocks(17) }>(bench, ["update_n132", "predict_n132"], 132);
+    one_length::<18, { blocks(18) }>(bench, ["update_n143", "predict_n143"], 143);
+    measure(bench, ["update_n207", "predict_n207"], 207, LONGEST.take());
 }
 
 #[inline(never)]
 fn one_length<const NB: usize, const BLOCKS: usize>(bench: &Bench, names: [&str; 2], n: usize) {
     let mut ekf: Ekf<NB, BLOCKS> = Ekf::EMPTY;
+    measure(bench, names, n, &mut ekf);
+}
+
+fn measure<const NB: usize, const BLOCKS: usize>(bench: &Bench, names: [&str; 2], n: usize, ekf: &mut Ekf<NB, BLOCKS>) {
     for i in 0..n {
         // Every state depends a little on the first, so that no covariance is zero.
         let jacobian: Jacobian = (i > 0).then_some((0, 0.1)).into_iter().collect();
