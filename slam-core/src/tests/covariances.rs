@@ -6,7 +6,8 @@ use std::vec::Vec;
 use super::random::Random;
 use crate::covariance::{Covariance, HEAD, LANES, Vector, blocks};
 
-const NB: usize = 4;
+/// Two whole tiles and half a one.
+const NB: usize = 5;
 const CAPACITY: usize = LANES * NB;
 type Packed = Covariance<NB, { blocks(NB) }>;
 
