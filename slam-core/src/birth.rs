@@ -3,7 +3,7 @@
 use crate::angle::wrap;
 use crate::config::WallPolicy;
 use crate::ekf::{Ekf, Jacobian};
-use crate::grid::{self, GridDirection, decide};
+use crate::grid::{self, GRID_SHARE, GridDirection, SHORT_SHARE, decide};
 use crate::layout::{ALPHA, THETA, X, Y};
 use crate::wall::Direction;
 
@@ -13,6 +13,13 @@ const DIRECTION_SIGMA: f32 = 0.035;
 /// Shortest free wall, metres: a few points from around a corner turn a line of half the length by ten degrees, and no
 /// grid is there to tell.
 const FREE_LENGTH_M: f32 = 0.5;
+
+/// Shortest free wall where there is an exact grid, metres: what is shorter may be two sides of a thing, or a side and a
+/// chair leg, and turns the heading.
+const ASKEW_LENGTH_M: f32 = 1.0;
+
+/// A shorter one may be furniture, metres.
+const SHORT_M: f32 = 0.75;
 
 /// Fewest points of a free wall.
 const FREE_POINTS: u32 = 8;
@@ -58,8 +65,11 @@ pub fn judge<const NB: usize, const BLOCKS: usize>(
     grid: Option<&GridDirection>,
     line: &LocalLine,
 ) -> Verdict {
+    // A wall near the grid keeps a direction of its own: nothing is turned by taking one for it.
+    let is_exact = grid.is_some() && policy != WallPolicy::NearGrid;
+    let shortest_m = if is_exact { ASKEW_LENGTH_M } else { FREE_LENGTH_M };
     let determined = line.direction_variance < DIRECTION_SIGMA * DIRECTION_SIGMA
-        && line.length_m >= FREE_LENGTH_M
+        && line.length_m >= shortest_m
         && line.count >= FREE_POINTS;
     let free = if determined { Verdict::Free } else { Verdict::Wait };
     let Some(grid) = grid.filter(|_| policy != WallPolicy::Free) else { return free };
@@ -68,7 +78,8 @@ pub fn judge<const NB: usize, const BLOCKS: usize>(
     let off = wrap(theta - grid.beta(quarter));
     let relative = ekf.covariance(THETA, THETA) + ekf.covariance(ALPHA, ALPHA) - 2.0 * ekf.covariance(THETA, ALPHA);
     let variance = line.direction_variance + relative.max(0.0) + grid::deviation(policy);
-    match (decide(off, variance), policy) {
+    let share = if is_exact && line.length_m < SHORT_M { SHORT_SHARE } else { GRID_SHARE };
+    match (decide(off, variance, share), policy) {
         (Some(true), WallPolicy::Snapped { .. }) => Verdict::Snapped,
         (Some(true), WallPolicy::NearGrid) => Verdict::NearGrid(quarter),
         (Some(true), _) => Verdict::OnGrid(quarter),

@@ -13,7 +13,11 @@ use crate::wall::{Direction, Wall};
 use core::f32::consts::{FRAC_2_PI, FRAC_PI_2, PI};
 
 /// Share of a home's walls that stand on its grid, before any is seen: "mostly parallel or orthogonal".
-const GRID_SHARE: f32 = 0.9;
+pub const GRID_SHARE: f32 = 0.9;
+
+/// The same for what is too short to be told from furniture: its direction must be known to a few degrees, or one of the
+/// many trials, one with every point, takes a chest that stands askew for a wall.
+pub const SHORT_SHARE: f32 = 0.8;
 
 /// Posterior probability at which a wall is called on or off the grid.
 const DECISION: f32 = 0.95;
@@ -72,10 +76,10 @@ impl GridDirection {
 }
 
 /// Logarithm of the odds that a wall `off_rad` from the nearest grid direction, with that variance, stands on the grid:
-/// normal density on it, uniform over a quarter turn off it.
-fn log_odds(off_rad: f32, variance: f32) -> f32 {
+/// normal density on it, uniform over a quarter turn off it; `share` of such walls do.
+fn log_odds(off_rad: f32, variance: f32, share: f32) -> f32 {
     let log_grid = -0.5 * off_rad * off_rad / variance - 0.5 * libm::logf(2.0 * PI * variance);
-    log_grid - libm::logf(FRAC_2_PI) + libm::logf(GRID_SHARE / (1.0 - GRID_SHARE))
+    log_grid - libm::logf(FRAC_2_PI) + libm::logf(share / (1.0 - share))
 }
 
 /// Variance of a wall's direction about the grid's, rad^2, beyond what walls of a perfect grid have.
@@ -87,8 +91,8 @@ pub fn deviation(policy: WallPolicy) -> f32 {
 }
 
 /// On the grid (true), off it (false), or not clear yet.
-pub fn decide(off_rad: f32, variance: f32) -> Option<bool> {
-    let odds = log_odds(off_rad, variance + GRID_TOLERANCE * GRID_TOLERANCE);
+pub fn decide(off_rad: f32, variance: f32, share: f32) -> Option<bool> {
+    let odds = log_odds(off_rad, variance + GRID_TOLERANCE * GRID_TOLERANCE, share);
     let sure = libm::logf(DECISION / (1.0 - DECISION));
     if odds > sure {
         Some(true)
@@ -152,7 +156,7 @@ fn founder<const NB: usize, const BLOCKS: usize>(
             }
             let variance = relative_variance(ekf, theta, other_theta);
             let off = off_quarter(ekf.mean(theta), ekf.mean(other_theta));
-            let agrees = decide(off, variance + deviation(policy)) == Some(true);
+            let agrees = decide(off, variance + deviation(policy), GRID_SHARE) == Some(true);
             if variance < FOUNDING_SIGMA * FOUNDING_SIGMA && agrees {
                 support_m += other.length_m();
                 others += 1;
@@ -181,7 +185,8 @@ fn take_in<const W: usize, const NB: usize, const BLOCKS: usize>(
     let quarter = grid.quarter(ekf.mean(theta));
     let off = wrap(ekf.mean(theta) - grid.beta(quarter));
     let variance = relative_variance(ekf, theta, ALPHA);
-    if variance > FOUNDING_SIGMA * FOUNDING_SIGMA || decide(off, variance + deviation(policy)) != Some(true) {
+    let on_grid = decide(off, variance + deviation(policy), GRID_SHARE);
+    if variance > FOUNDING_SIGMA * FOUNDING_SIGMA || on_grid != Some(true) {
         return;
     }
     // A tie that is numerically impossible leaves the wall free.

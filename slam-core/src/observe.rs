@@ -25,11 +25,15 @@ const END_M: f32 = 0.1;
 /// A wall nearer than this share of a sensor's maximum range is seen, if it is there.
 const ABSENCE_SHARE: f32 = 0.7;
 
-/// And if the beam meets it this far from its ends, metres.
-const ABSENCE_M: f32 = 0.15;
+/// And if the beam meets it this far from its ends, metres: a beam that finds nothing tells less than one that goes on.
+const ABSENCE_M: f32 = 0.08;
 
 /// Gate near a wall's ends: 95 % of a chi-square distribution with one degree of freedom.
 const END_GATE: f32 = 3.84;
+
+/// A beam that passes this far inside a wall's extent went through it: an extent is known to that, metres. A row of two
+/// chair legs is half a metre long, and beams go through most of it.
+const PASS_M: f32 = 0.05;
 
 /// "This reading came from that wall."
 struct Hypothesis {
@@ -49,6 +53,8 @@ struct Hypothesis {
     at_end: bool,
     /// Inside the gate.
     explains: bool,
+    /// Outside the gate, but so near to the wall's end, and to the wall, that it may be its own.
+    nearly: bool,
 }
 
 impl Hypothesis {
@@ -151,6 +157,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         };
         let mut outcome = Outcome::Unexplained;
         let mut beyond_m = 0.0;
+        let mut nearly = false;
         for _ in 0..MAX_CANDIDATES {
             let met = self.hypothesis(sensor, reading, &beam, heading, beyond_m);
             let Some(met) = &met else { break };
@@ -170,6 +177,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
                 self.map.met(met.candidate.index, met.candidate.along_m, self.odometry.path_m);
                 return Ok(met.updated());
             }
+            nearly |= met.nearly;
             if outcome == Outcome::Unexplained {
                 outcome = met.gated();
             }
@@ -178,7 +186,8 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
                 break;
             }
         }
-        Ok(outcome)
+        // At an end it is in doubt whose reading this is: as a new wall's it would turn that one.
+        if nearly { Err(Refusal::Ambiguous) } else { Ok(outcome) }
     }
 
     /// The next wall along the beam, and how the reading would fit it.
@@ -202,11 +211,16 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         let white_m2 = innovation.noise_m2 + SURFACE_M * SURFACE_M + self.timing_variance(sensor, &prediction, heading);
         let stride_m = self.last_step.path_m + (self.last_step.increment.turn_rad * candidate.range_m).abs();
         let at_end = candidate.inside_m < END_M.max(stride_m);
-        // Where two surfaces are possible, the reading says half as much.
+        // Where two surfaces are possible, the reading says half as much. But it must fit by its own noise, where that is
+        // known: an analogue sensor's is electric, while one that reports metres has errors of the surface, too.
         let noise_m2 = if at_end { 4.0 * white_m2 } else { white_m2 };
+        let is_analogue = matches!(reading.noise, Noise::Volts { .. });
+        let own_m2 = if is_analogue { white_m2 } else { noise_m2 };
         let gate = if at_end { self.config.gate.min(END_GATE) } else { self.config.gate };
-        let variance_m2 = self.ekf.variance(&jacobian) + noise_m2;
+        let known_m2 = self.ekf.variance(&jacobian);
+        let variance_m2 = known_m2 + noise_m2;
         let innovation_m = innovation.value_m;
+        let square_m2 = innovation_m * innovation_m;
         Some(Hypothesis {
             wall: wall.id,
             candidate,
@@ -217,7 +231,8 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             noise_m2,
             variance_m2,
             at_end,
-            explains: innovation_m * innovation_m <= gate * variance_m2,
+            explains: square_m2 <= gate * (known_m2 + own_m2),
+            nearly: at_end && is_analogue && square_m2 <= self.config.gate * variance_m2,
         })
     }
 
@@ -237,7 +252,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
     /// A reading well beyond a wall, well inside its extent, went through it.
     fn judge_pass(&mut self, met: &Hypothesis) {
         let margin_m = 0.1 + 3.0 * libm::sqrtf(met.variance_m2);
-        if met.innovation_m > margin_m && met.candidate.inside_m > margin_m {
+        if met.innovation_m > margin_m && met.candidate.inside_m > PASS_M {
             self.map.passed_through(met.candidate.index);
         }
     }

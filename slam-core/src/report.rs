@@ -18,7 +18,7 @@ pub enum Refusal {
     FoldBack,
     /// Meets a wall at an angle the sensor does not support.
     Incidence,
-    /// Two walls explain it equally well.
+    /// Two walls explain it equally well, or it is near a wall's end and neither fits nor is clear of it.
     Ambiguous,
     /// The innovation variance is not a positive number.
     Degenerate,

@@ -86,8 +86,11 @@ pub enum Activity {
     TurningAway,
 }
 
-/// Backing off ends after this long at the latest, microseconds.
-const BACK_OFF_US: u64 = 1_200_000;
+/// Backing off ends after this long at the latest, microseconds: a round robot needs no more than a few centimetres to
+/// turn away, and what stands behind it may be a chair leg that no beam meets.
+const BACK_OFF_US: u64 = 320_000;
+/// Turning away ends after this long, microseconds.
+const TURN_AWAY_US: u64 = 1_200_000;
 /// A route is looked for this often, microseconds.
 const ROUTE_US: u64 = 250_000;
 /// Held up by something ahead for this long, the pilot takes the place to be blocked, microseconds.
@@ -206,7 +209,7 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
                 (-0.5 * self.config.speed_mps, 0.0)
             }
             Activity::TurningAway => {
-                if elapsed_us > BACK_OFF_US {
+                if elapsed_us > TURN_AWAY_US {
                     self.begin(Activity::Wandering, senses);
                     self.next_route_us = 0;
                 }

@@ -6,7 +6,7 @@ use crate::angle::wrap;
 use crate::config::WallPolicy;
 use crate::covariance::blocks;
 use crate::ekf::{Ekf, Jacobian};
-use crate::grid::{GridDirection, decide, upkeep};
+use crate::grid::{GRID_SHARE, GridDirection, decide, upkeep};
 use crate::layout::{ALPHA, THETA};
 use crate::map::Map;
 use crate::wall::{Direction, WallKind};
@@ -96,14 +96,17 @@ fn snapped_walls_keep_their_direction_state_and_free_ones_know_no_grid() {
 #[test]
 fn a_direction_is_on_the_grid_off_it_or_not_clear_yet() {
     let sigma = 0.5 * DEGREE;
-    assert_eq!(decide(0.0, sigma * sigma), Some(true));
-    assert_eq!(decide(0.3 * DEGREE, sigma * sigma), Some(true));
-    assert_eq!(decide(10.0 * DEGREE, sigma * sigma), Some(false));
-    assert_eq!(decide(-FRAC_PI_2 / 2.0, sigma * sigma), Some(false));
+    assert_eq!(decide(0.0, sigma * sigma, GRID_SHARE), Some(true));
+    assert_eq!(decide(0.3 * DEGREE, sigma * sigma, GRID_SHARE), Some(true));
+    assert_eq!(decide(10.0 * DEGREE, sigma * sigma, GRID_SHARE), Some(false));
+    assert_eq!(decide(-FRAC_PI_2 / 2.0, sigma * sigma, GRID_SHARE), Some(false));
     // Between the two, and where next to nothing is known.
-    let unclear = (0..100).map(|i| 0.1 * i as f32 * DEGREE).filter(|off| decide(*off, sigma * sigma).is_none()).count();
+    let unclear = (0..100)
+        .map(|i| 0.1 * i as f32 * DEGREE)
+        .filter(|off| decide(*off, sigma * sigma, GRID_SHARE).is_none())
+        .count();
     assert!((1..30).contains(&unclear), "{unclear} tenths of a degree");
-    assert_eq!(decide(10.0 * DEGREE, 400.0 * DEGREE * DEGREE), None);
+    assert_eq!(decide(10.0 * DEGREE, 400.0 * DEGREE * DEGREE, GRID_SHARE), None);
 }
 
 #[test]
