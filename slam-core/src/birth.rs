@@ -3,26 +3,10 @@
 use crate::angle::wrap;
 use crate::config::WallPolicy;
 use crate::ekf::{Ekf, Jacobian};
-use crate::grid::{self, GRID_SHARE, GridDirection, SHORT_SHARE, decide};
+use crate::grid::{self, GridDirection};
 use crate::layout::{ALPHA, THETA, X, Y};
+use crate::verdict::Verdict;
 use crate::wall::Direction;
-
-/// Largest direction sigma of a free line, radians: two degrees.
-const DIRECTION_SIGMA: f32 = 0.035;
-
-/// Shortest free wall, metres: a few points from around a corner turn a line of half the length by ten degrees, and no
-/// grid is there to tell.
-const FREE_LENGTH_M: f32 = 0.5;
-
-/// Shortest free wall where there is an exact grid, metres: what is shorter may be two sides of a thing, or a side and a
-/// chair leg, and turns the heading.
-const ASKEW_LENGTH_M: f32 = 1.0;
-
-/// A shorter one may be furniture, metres.
-const SHORT_M: f32 = 0.75;
-
-/// Fewest points of a free wall.
-const FREE_POINTS: u32 = 8;
 
 /// The line in the robot's present frame, with its derivatives by the calibration.
 #[derive(Clone, Debug)]
@@ -39,53 +23,12 @@ pub struct LocalLine {
     pub length_m: f32,
     /// Number of points.
     pub count: u32,
+    /// Centroid in the frame of dead reckoning, metres.
+    pub seen_m: [f32; 2],
+    /// Path length when it was found, metres.
+    pub path_m: f32,
     /// (calibration state, d centroid, d direction): three of the drive and up to 16 gains.
     pub by_calibration: heapless::Vec<(usize, f32, f32), 19>,
-}
-
-/// What a line is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Verdict {
-    /// Not yet clear; more points will tell.
-    Wait,
-    /// On the grid, this many quarter turns from alpha.
-    OnGrid(u8),
-    /// On the grid but for a deviation of its own.
-    NearGrid(u8),
-    /// Off the grid, or there is none in this policy.
-    Free,
-    /// The report's snapped wall.
-    Snapped,
-}
-
-/// Maximum likelihood between the grid's directions and a free line (report 3.3).
-pub fn judge<const NB: usize, const BLOCKS: usize>(
-    ekf: &Ekf<NB, BLOCKS>,
-    policy: WallPolicy,
-    grid: Option<&GridDirection>,
-    line: &LocalLine,
-) -> Verdict {
-    // A wall near the grid keeps a direction of its own: nothing is turned by taking one for it.
-    let is_exact = grid.is_some() && policy != WallPolicy::NearGrid;
-    let shortest_m = if is_exact { ASKEW_LENGTH_M } else { FREE_LENGTH_M };
-    let determined = line.direction_variance < DIRECTION_SIGMA * DIRECTION_SIGMA
-        && line.length_m >= shortest_m
-        && line.count >= FREE_POINTS;
-    let free = if determined { Verdict::Free } else { Verdict::Wait };
-    let Some(grid) = grid.filter(|_| policy != WallPolicy::Free) else { return free };
-    let theta = ekf.mean(THETA) + line.normal_rad;
-    let quarter = grid.quarter(theta);
-    let off = wrap(theta - grid.beta(quarter));
-    let relative = ekf.covariance(THETA, THETA) + ekf.covariance(ALPHA, ALPHA) - 2.0 * ekf.covariance(THETA, ALPHA);
-    let variance = line.direction_variance + relative.max(0.0) + grid::deviation(policy);
-    let share = if is_exact && line.length_m < SHORT_M { SHORT_SHARE } else { GRID_SHARE };
-    match (decide(off, variance, share), policy) {
-        (Some(true), WallPolicy::Snapped { .. }) => Verdict::Snapped,
-        (Some(true), WallPolicy::NearGrid) => Verdict::NearGrid(quarter),
-        (Some(true), _) => Verdict::OnGrid(quarter),
-        (Some(false), _) => free,
-        (None, _) => Verdict::Wait,
-    }
 }
 
 /// Adds the states of a wall. None, and nothing changed, where the state is full.

@@ -1,13 +1,14 @@
 //! Extending the map: the outlier buffer, births, and the map's upkeep (report 3.3).
 
 use crate::angle::sin_cos;
-use crate::birth::{self, LocalLine, Verdict};
+use crate::birth::{self, LocalLine};
 use crate::buffer::Outlier;
 use crate::cluster::{Members, newest_line};
 use crate::ekf::Ekf;
 use crate::grid::{self, GridDirection};
 use crate::line_fit::{FittedLine, Influence};
 use crate::range::Reading;
+use crate::verdict::{self, Verdict};
 use crate::wall::Wall;
 use crate::{Slam, StepReport};
 
@@ -69,6 +70,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
 
     /// Finds new walls among the outliers (report 3.3), and keeps the map tidy.
     pub(crate) fn extend_map(&mut self, report: &mut StepReport<S>) {
+        let prunes_before = self.counters.prunes;
         // Clustering is the longest work of a step: one sensor's a step at 25 Hz, more where there is more time.
         let turns = (libm::ceilf(self.dt_s * CLUSTERINGS_PER_S) as usize).clamp(1, S.max(1));
         for _ in 0..turns {
@@ -88,9 +90,10 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         let turn = self.counters.steps as usize % self.map.walls().len().max(1);
         self.merge(turn, false, report);
         if self.map.prune(&mut self.ekf, self.odometry.path_m) {
-            report.prunes += 1;
             self.counters.prunes = self.counters.prunes.saturating_add(1);
         }
+        // Those that made room for a birth are among them.
+        report.prunes = (self.counters.prunes - prunes_before) as u8;
     }
 
     fn merge(&mut self, wall: usize, newborn: bool, report: &mut StepReport<S>) {
@@ -124,7 +127,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
     fn give_birth(&mut self, members: &Members<B>, line: &FittedLine) -> bool {
         let local = self.in_robot_frame(members, line);
         let grid = self.has_grid.then(|| GridDirection::of(&self.ekf));
-        let verdict = birth::judge(&self.ekf, self.config.walls, grid.as_ref(), &local);
+        let verdict = verdict::judge(&self.ekf, self.config.walls, grid.as_ref(), &local, &mut self.doubts);
         if verdict == Verdict::Wait {
             return false;
         }
@@ -190,6 +193,8 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             direction_variance: line.direction_variance + heading,
             length_m: line.length_m(),
             count: line.count,
+            seen_m: line.centroid_m,
+            path_m: self.odometry.path_m,
             by_calibration,
         }
     }

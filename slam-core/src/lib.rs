@@ -12,7 +12,7 @@
 //! | motion, range | checked travel and readings, with their noise; what cannot be is refused here and counted |
 //! | beam, association, repeats, linearise, observe | which wall a reading came from, and what it should have been |
 //! | [`ekf`], [`covariance`] | the state: predict, update, add, remove; knows nothing of robots and walls |
-//! | buffer, cluster, line fit, birth | new walls from the readings that fit none |
+//! | buffer, cluster, line fit, verdict, birth | new walls from the readings that fit none |
 //! | grid, map | the home's directions; walls merged and removed |
 //! | [`report`], [`WallView`] | what became of each reading, and what is known |
 //!
@@ -60,6 +60,7 @@ pub mod sample;
 mod slam;
 #[cfg(test)]
 mod tests;
+mod verdict;
 mod view;
 mod wall;
 

@@ -12,6 +12,7 @@ use crate::odometry::Odometry;
 use crate::range::FrontEnd;
 use crate::repeats::Repeats;
 use crate::report::ReadingReport;
+use crate::verdict::Doubts;
 use crate::{
     Clustering, Config, Counters, DriveModel, Linearisation, Pose, Rig, RigError, Sample, StepReport, WallPolicy,
 };
@@ -49,6 +50,7 @@ pub struct Slam<const S: usize, const W: usize, const B: usize, const NB: usize,
     pub(crate) last_clustered: usize,
     pub(crate) counters: Counters,
     pub(crate) repeats: Repeats<S>,
+    pub(crate) doubts: Doubts,
     pub(crate) first: First,
 }
 
@@ -94,6 +96,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         last_clustered: 0,
         counters: Counters::ZERO,
         repeats: Repeats::NEW,
+        doubts: Doubts::NONE,
         first: First::START,
     };
 
@@ -143,6 +146,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         self.last_clustered = 0;
         self.counters = Counters::ZERO;
         self.repeats = Repeats::NEW;
+        self.doubts = Doubts::NONE;
         self.first = First::START;
         Ok(())
     }

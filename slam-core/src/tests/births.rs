@@ -6,10 +6,11 @@ use std::vec::Vec;
 use super::numeric::derivative;
 use super::oracle::{Matrix, Oracle, multiply, sandwich, transpose};
 use super::random::Random;
-use crate::birth::{LocalLine, Verdict, add_states};
+use crate::birth::{LocalLine, add_states};
 use crate::covariance::blocks;
 use crate::ekf::{Ekf, Jacobian};
 use crate::layout::{ALPHA, THETA, X, Y};
+use crate::verdict::Verdict;
 use crate::wall::Direction;
 
 type Filter = Ekf<3, { blocks(3) }>;
@@ -47,6 +48,8 @@ fn line(random: &mut Random) -> LocalLine {
         direction_variance: 2e-4,
         length_m: 0.8,
         count: 20,
+        seen_m: [0.0; 2],
+        path_m: 0.0,
         by_calibration,
     }
 }

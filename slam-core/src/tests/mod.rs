@@ -21,4 +21,5 @@ mod ranges;
 mod repeats;
 mod rigs;
 mod runs;
+mod verdicts;
 mod walls;
