@@ -25,15 +25,16 @@ fn along_a_wall(share: f64, sensors: usize) -> Repeats<2> {
 
 #[test]
 fn the_surfaces_share_is_learned() {
-    for share in [0.0, 0.3, 0.7, 1.0] {
+    for share in [0.0, 0.25, 0.4] {
         let found = f64::from(along_a_wall(share, 1).share());
-        assert!((found - share).abs() < 0.2, "{found} for {share}");
+        assert!((found - share).abs() < 0.15, "{found} for {share}");
     }
+    assert_eq!(along_a_wall(1.0, 1).share(), 0.5, "half of it is the sensor's own");
 }
 
 #[test]
-fn before_any_reading_all_of_it_is_the_surfaces() {
-    assert_eq!(Repeats::<1>::NEW.share(), 1.0);
+fn before_any_reading_half_of_it_is_the_surfaces() {
+    assert_eq!(Repeats::<1>::NEW.share(), 0.5);
     assert!(Repeats::<1>::NEW.count(0, WALL, 0.0, 1) > 1.0);
 }
 
@@ -43,11 +44,11 @@ fn independent_readings_count_as_one_each_and_repeated_ones_as_their_number() {
     let next_m = SPACING_M * (last + 1) as f32;
     let independent = along_a_wall(0.0, 1).count(0, WALL, next_m, last + 1);
     assert!(independent < 1.6, "{independent}");
-    // A quarter metre of wall holds five readings of one sensor, ten of two.
+    // A quarter metre of wall holds five readings of one sensor, ten of two; half of their error is their own.
     let (one, two) = (along_a_wall(1.0, 1), along_a_wall(1.0, 2));
     let (of_one, of_two) = (one.count(0, WALL, next_m, last + 1), two.count(0, WALL, next_m, last + 1));
-    assert!((4.5..7.0).contains(&of_one), "{of_one}");
-    assert!((8.5..12.0).contains(&of_two), "{of_two}");
+    assert!((3.0..4.0).contains(&of_one), "{of_one}");
+    assert!((5.0..7.0).contains(&of_two), "{of_two}");
     // Of another wall it is the first.
     assert!(one.count(0, WALL + 1, next_m, last + 1) < 2.1);
 }
@@ -56,5 +57,5 @@ fn independent_readings_count_as_one_each_and_repeated_ones_as_their_number() {
 fn a_robot_that_stands_learns_next_to_nothing() {
     let repeats = along_a_wall(1.0, 1);
     let standing = repeats.count(0, WALL, SPACING_M * 3999.0, 4000);
-    assert!(standing > 100.0 && standing.is_finite(), "{standing}");
+    assert!(standing > 50.0 && standing.is_finite(), "{standing}");
 }
