@@ -232,23 +232,7 @@ impl Tie {
         let mut differences = Vec::new();
         let mut refound = false;
         for along_m in points.into_iter().filter(|p| p.is_finite()) {
-            let point = [
-                line.rho_m * line.normal[0] - along_m * line.normal[1],
-                line.rho_m * line.normal[1] + along_m * line.normal[0],
-            ];
-            let difference_m = line.distance(point) - other_line.distance(point);
-            let mut jacobian = Jacobian::new();
-            let _ = jacobian.push((wall.rho, 1.0));
-            let _ = jacobian.push((other.rho, -1.0));
-            // The direction turns the line about the origin: d(distance)/dbeta = -along.
-            let (by_wall, by_other) = (-line.along(point), other_line.along(point));
-            match (direction_state(wall), direction_state(other)) {
-                (i, j) if i == j => {}
-                (i, j) => {
-                    let _ = jacobian.push((i, by_wall));
-                    let _ = jacobian.push((j, by_other));
-                }
-            }
+            let (difference_m, jacobian) = apart((wall, line), (other, &other_line), along_m);
             let variance = ekf.variance(&jacobian) + FLUSH_M * FLUSH_M;
             let square = difference_m * difference_m;
             if square > MERGE_GATE * variance {
@@ -266,6 +250,22 @@ impl Tie {
         }
         Some(Self { differences, updates: other.updates, refound })
     }
+}
+
+/// Distance of two lines from one another at a place along the first, metres, and its Jacobian.
+fn apart((wall, line): (&Wall, &Line), (other, other_line): (&Wall, &Line), along_m: f32) -> (f32, Jacobian) {
+    let [x, y] = line.normal;
+    let point = [line.rho_m * x - along_m * y, line.rho_m * y + along_m * x];
+    let mut jacobian = Jacobian::new();
+    let _ = jacobian.push((wall.rho, 1.0));
+    let _ = jacobian.push((other.rho, -1.0));
+    // The direction turns the line about the origin: d(distance)/dbeta = -along.
+    let (i, j) = (direction_state(wall), direction_state(other));
+    if i != j {
+        let _ = jacobian.push((i, -line.along(point)));
+        let _ = jacobian.push((j, other_line.along(point)));
+    }
+    (line.distance(point) - other_line.distance(point), jacobian)
 }
 
 fn direction_state(wall: &Wall) -> usize {
