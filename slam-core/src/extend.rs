@@ -10,11 +10,15 @@ use crate::line_fit::{FittedLine, Influence};
 use crate::range::Reading;
 use crate::verdict::{self, Verdict};
 use crate::wall::Wall;
-use crate::{Slam, StepReport};
+use crate::{Slam, StepReport, WallPolicy};
 
 /// A length that a wall must have to be told from a chair leg, metres; what the buffer's room per sensor is spread over
 /// twice.
 const SHORTEST_WALL_M: f32 = 0.25;
+
+/// A line up to this length that was seen with such a gap is a row of things, metres: chairs' legs stand 0.4 m apart.
+const ROW_M: f32 = 0.75;
+const ROW_GAP_M: f32 = 0.15;
 
 /// Clusterings per second, at most: one in each step of 25 Hz.
 const CLUSTERINGS_PER_S: f32 = 25.0;
@@ -78,6 +82,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             let found = newest_line(&self.buffer, sensor as u8, self.config.clustering, self.spacing_m());
             if let Some((members, line)) = found
                 && self.is_wall(sensor, &line)
+                && !self.is_row(&members, &line)
                 && self.give_birth(&members, &line)
             {
                 report.births = report.births.saturating_add(1);
@@ -122,6 +127,28 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         line.length_m() >= SHORTEST_WALL_M
             && self.min_cos.get(sensor).is_some_and(|min_cos| line.cos_incidence >= *min_cos)
             && line.is_straight()
+    }
+
+    /// A short row of things with room between them, as chair legs are. Where there is an exact grid it would turn the
+    /// heading; a wall near the grid turns nothing.
+    fn is_row(&self, members: &Members<B>, line: &FittedLine) -> bool {
+        let length_m = line.length_m();
+        if length_m > ROW_M || !self.has_grid || self.config.walls == WallPolicy::NearGrid {
+            return false;
+        }
+        const BINS: u32 = 32;
+        let mut seen = 0u32;
+        for (point, _) in self.buffer.iter().zip(members).filter(|(_, member)| **member) {
+            let share = (line.along(point.hit_m) - line.lo_m) / length_m.max(1e-3);
+            seen |= 1 << ((share * BINS as f32) as u32).min(BINS - 1);
+        }
+        let (mut run, mut longest) = (0u32, 0u32);
+        for bin in 0..BINS {
+            run = if seen >> bin & 1 == 0 { run + 1 } else { 0 };
+            longest = longest.max(run);
+        }
+        // Two steps apart, one reading may have been refused between two that were not.
+        longest as f32 * length_m / BINS as f32 > ROW_GAP_M.max(2.0 * self.last_step.path_m)
     }
 
     fn give_birth(&mut self, members: &Members<B>, line: &FittedLine) -> bool {
