@@ -28,5 +28,6 @@ pub mod rig_file;
 pub mod run;
 pub mod score;
 pub mod session;
+pub mod text_file;
 pub mod toml_table;
 pub mod variant;

@@ -16,6 +16,7 @@ use crate::recording::Recording;
 use crate::rig_file::Robot;
 use crate::score;
 use crate::session::Session;
+use crate::text_file;
 use crate::variant::Settings;
 
 /// What to replay.
@@ -52,7 +53,7 @@ impl Replay {
     /// # Errors
     /// What keeps the replay from starting, or an output from being written.
     pub fn run(&self, mut progress: impl FnMut(usize)) -> Result<Replayed, FileError> {
-        let rig_toml = read_text(&self.rig)?;
+        let rig_toml = text_file::read(&self.rig)?;
         let mut robot = Robot::parse(&self.rig, &rig_toml)?;
         let mut rows = log::open(&self.log, &mut robot)?;
         let truth = self.read_truth()?;
@@ -121,14 +122,6 @@ fn title_of(log: &Path) -> String {
         Some(folder) => format!("{}/{own}", folder.to_string_lossy()),
         None => own.into_owned(),
     }
-}
-
-/// A text file's content.
-///
-/// # Errors
-/// It cannot be read.
-pub fn read_text(file: &Path) -> Result<String, FileError> {
-    std::fs::read_to_string(file).map_err(|cause| FileError::system(file, "read", &cause))
 }
 
 /// A rig value that the estimator refuses, as an error in the rig file.

@@ -6,6 +6,7 @@ use std::path::Path;
 use slam_core::{Adc, DriveModel, Mount, RangeModel, RangeSensor, Rig};
 
 use crate::error::FileError;
+use crate::text_file;
 use crate::toml_table::{Allowed, Table, parse};
 
 /// Most range sensors that the workbench takes.
@@ -44,7 +45,7 @@ impl Robot {
     /// # Errors
     /// The file cannot be read, is not TOML, or a value is missing, unknown or impossible.
     pub fn read(file: &Path) -> Result<Self, FileError> {
-        let text = std::fs::read_to_string(file).map_err(|cause| FileError::system(file, "read", &cause))?;
+        let text = text_file::read(file)?;
         Self::parse(file, &text)
     }
 

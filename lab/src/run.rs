@@ -15,9 +15,10 @@ use crate::output::folder::Folder;
 use crate::output::streams::{LineFile, Streams};
 use crate::output::{self, NAMES};
 use crate::recording::Recording;
-use crate::replay::{read_text, rig_error};
+use crate::replay::rig_error;
 use crate::rig_file::Robot;
 use crate::session::Session;
+use crate::text_file;
 use crate::variant::Settings;
 
 /// Names of the built-in robot's sensors, in their order.
@@ -89,7 +90,7 @@ impl Run {
         let plan = hal_sim::plan_file::load(&self.plan).map_err(RunError::Plan)?;
         let (robot, rig_toml) = match &self.rig {
             Some(file) => {
-                let text = read_text(file)?;
+                let text = text_file::read(file)?;
                 (Robot::parse(file, &text)?, text)
             }
             None => built_in_robot()?,

@@ -6,6 +6,7 @@ use serde_json::{Map, Value};
 
 use crate::error::FileError;
 use crate::output::folder::PROGRAM;
+use crate::text_file;
 
 /// What a run or a replay left in its folder.
 #[derive(Clone, Debug)]
@@ -31,7 +32,7 @@ impl Summary {
         if !file.is_file() {
             return Err(error("holds no summary.json"));
         }
-        let text = std::fs::read_to_string(&file).map_err(|cause| FileError::system(&file, "read", &cause))?;
+        let text = text_file::read(&file)?;
         let what = format!("; it must be the summary.json of {PROGRAM}");
         let value: Value = serde_json::from_str(&text)
             .map_err(|cause| FileError::new(&file, format!("is not JSON ({cause}){what}")).at_line(cause.line()))?;

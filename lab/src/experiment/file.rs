@@ -7,6 +7,7 @@ use crate::experiment::bar::Bar;
 use crate::experiment::plan::DoorLeaf;
 use crate::experiment::setting::{Key, Setting};
 use crate::experiment::variant::{DEFAULT, NAMED, Variant};
+use crate::text_file;
 use crate::toml_table::{Allowed, Table, parse};
 
 /// Most seeds of an experiment.
@@ -56,7 +57,7 @@ impl Experiment {
     /// # Errors
     /// It cannot be read, is not TOML, or a value is missing, unknown or impossible.
     pub fn read(file: &Path) -> Result<Self, FileError> {
-        let text = std::fs::read_to_string(file).map_err(|cause| FileError::system(file, "read", &cause))?;
+        let text = text_file::read(file)?;
         Self::parse(file, &text)
     }
 

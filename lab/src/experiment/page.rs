@@ -9,6 +9,7 @@ use crate::experiment::figures::{self, Figure};
 use crate::experiment::file::Experiment;
 use crate::experiment::table::{self, Line};
 use crate::experiment::{figures::FOLDER, store};
+use crate::text_file;
 
 const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:1100px;margin:2rem auto;padding:0 1rem;\
 color:#24292f;background:#fff}table{border-collapse:collapse;font-size:13px;display:block;overflow-x:auto}\
@@ -58,11 +59,10 @@ fn series(folder: &Path) -> Result<Vec<Figure>, FileError> {
     let mut captions: Vec<_> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
     captions.retain(|path| path.extension().is_some_and(|extension| extension == "txt"));
     captions.sort();
-    let read = |path: &Path| std::fs::read_to_string(path).map_err(|cause| FileError::system(path, "read", &cause));
     let figure = |path: &std::path::PathBuf| {
         let file = path.with_extension("svg");
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        Ok(Figure { name, caption: read(path)?, svg: read(&file)? })
+        Ok(Figure { name, caption: text_file::read(path)?, svg: text_file::read(&file)? })
     };
     captions.iter().map(figure).collect()
 }

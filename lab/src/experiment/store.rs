@@ -9,6 +9,7 @@ use crate::error::FileError;
 use crate::experiment::file::Experiment;
 use crate::experiment::row::{RunKey, RunRow};
 use crate::experiment::samples::ErrorSample;
+use crate::text_file;
 
 /// The rows.
 pub const RUNS: &str = "runs.csv";
@@ -78,7 +79,7 @@ impl Store {
 /// # Errors
 /// The file cannot be read, or a line is no row.
 pub fn read(file: &Path) -> Result<Vec<RunRow>, FileError> {
-    let text = read_text(file)?;
+    let text = text_file::read(file)?;
     let mut lines = text.lines().enumerate();
     match lines.next() {
         Some((_, header)) if header == RunRow::header() => {}
@@ -97,7 +98,7 @@ pub fn read(file: &Path) -> Result<Vec<RunRow>, FileError> {
 /// # Errors
 /// The file cannot be read, or a line is no sample.
 pub fn read_samples(file: &Path) -> Result<Vec<ErrorSample>, FileError> {
-    let text = read_text(file)?;
+    let text = text_file::read(file)?;
     let mut samples = Vec::new();
     for (i, line) in text.lines().enumerate().skip(1) {
         let sample = ErrorSample::parse(line)
@@ -116,7 +117,7 @@ pub fn merge(folder: &Path, parts: &[PathBuf]) -> Result<Experiment, FileError> 
         return Err(FileError::new(folder, "nothing to merge; name the folders that --shard wrote"));
     };
     let experiment = Experiment::read(&first.join(EXPERIMENT))?;
-    let first_build = read_text(&first.join(BUILD))?;
+    let first_build = text_file::read(&first.join(BUILD))?;
     std::fs::create_dir_all(folder).map_err(|cause| FileError::system(folder, "create", &cause))?;
     keep_same(&folder.join(EXPERIMENT), &experiment.text, "rows of another experiment")?;
     keep_same(&folder.join(BUILD), &first_build, "rows that another build of this program made")?;
@@ -142,10 +143,6 @@ pub fn merge(folder: &Path, parts: &[PathBuf]) -> Result<Experiment, FileError> 
 fn unique<T, K: std::hash::Hash + Eq>(all: Vec<T>, key: impl Fn(&T) -> K) -> Vec<T> {
     let mut seen = HashSet::new();
     all.into_iter().filter(|one| seen.insert(key(one))).collect()
-}
-
-fn read_text(file: &Path) -> Result<String, FileError> {
-    std::fs::read_to_string(file).map_err(|cause| FileError::system(file, "read", &cause))
 }
 
 fn write(file: &mut File, text: &str, path: &Path) -> Result<(), FileError> {
