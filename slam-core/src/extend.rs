@@ -8,7 +8,7 @@ use crate::ekf::Ekf;
 use crate::grid::{self, GridDirection};
 use crate::line_fit::{FittedLine, Influence};
 use crate::range::Reading;
-use crate::verdict::{self, Verdict};
+use crate::verdict::{self, SHORT_M, Verdict};
 use crate::wall::Wall;
 use crate::{Slam, StepReport, WallPolicy};
 
@@ -16,8 +16,7 @@ use crate::{Slam, StepReport, WallPolicy};
 /// twice.
 const SHORTEST_WALL_M: f32 = 0.25;
 
-/// A line up to this length that was seen with such a gap is a row of things, metres: chairs' legs stand 0.4 m apart.
-const ROW_M: f32 = 0.75;
+/// A short line that was seen with such a gap is a row of things, metres: chairs' legs stand 0.4 m apart.
 const ROW_GAP_M: f32 = 0.15;
 
 /// Clusterings per second, at most: one in each step of 25 Hz.
@@ -133,7 +132,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
     /// heading; a wall near the grid turns nothing.
     fn is_row(&self, members: &Members<B>, line: &FittedLine) -> bool {
         let length_m = line.length_m();
-        if length_m > ROW_M || !self.has_grid || self.config.walls == WallPolicy::NearGrid {
+        if length_m > SHORT_M || !self.has_grid || self.config.walls == WallPolicy::NearGrid {
             return false;
         }
         const BINS: u32 = 32;

@@ -169,7 +169,8 @@ fn founder<const NB: usize, const BLOCKS: usize>(
     best.filter(|(support_m, _)| *support_m > 0.5 * total_m).map(|(_, theta)| theta)
 }
 
-fn relative_variance<const NB: usize, const BLOCKS: usize>(ekf: &Ekf<NB, BLOCKS>, i: usize, j: usize) -> f32 {
+/// Variance of the angle between the directions that two states are, rad^2.
+pub fn relative_variance<const NB: usize, const BLOCKS: usize>(ekf: &Ekf<NB, BLOCKS>, i: usize, j: usize) -> f32 {
     (ekf.covariance(i, i) + ekf.covariance(j, j) - 2.0 * ekf.covariance(i, j)).max(0.0)
 }
 

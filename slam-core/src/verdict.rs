@@ -18,8 +18,8 @@ const FREE_LENGTH_M: f32 = 0.5;
 /// chair leg, and turns the heading.
 const ASKEW_LENGTH_M: f32 = 1.0;
 
-/// A shorter one may be furniture, metres.
-const SHORT_M: f32 = 0.75;
+/// A shorter one may be furniture or a row of things, metres.
+pub const SHORT_M: f32 = 0.75;
 
 /// Fewest points of a free wall.
 const FREE_POINTS: u32 = 8;
@@ -112,8 +112,8 @@ pub fn judge<const NB: usize, const BLOCKS: usize>(
     let theta = ekf.mean(THETA) + line.normal_rad;
     let quarter = grid.quarter(theta);
     let off = wrap(theta - grid.beta(quarter));
-    let relative = ekf.covariance(THETA, THETA) + ekf.covariance(ALPHA, ALPHA) - 2.0 * ekf.covariance(THETA, ALPHA);
-    let variance = line.direction_variance + relative.max(0.0) + grid::deviation(policy);
+    let relative = grid::relative_variance(ekf, THETA, ALPHA);
+    let variance = line.direction_variance + relative + grid::deviation(policy);
     let share = if is_exact && line.length_m < SHORT_M { SHORT_SHARE } else { GRID_SHARE };
     let lean =
         Lean { off_rad: off, variance: line.direction_variance, quarter, seen_m: line.seen_m, path_m: line.path_m };
