@@ -14,12 +14,12 @@ use embedded_hal_async::digital::Wait;
 use embedded_io_async::{ErrorKind, ErrorType as IoErrorType, Read, Write};
 use firmware::tasks::{self, Platform};
 use firmware::{Pilot, SENSORS, Shared};
-use hal_sim::{Board, SimOptions, Simulation, default_rig, plan_file};
+use hal_sim::{Board, SimOptions, Simulation, TruePose, default_rig, plan_file};
 use robot::{ContactPins, PilotConfig, RangeSensorBank, WheelControl, WheelControlConfig};
 use slam_core::{Config, RangeInput, RobotSlam};
 use std::cell::RefCell;
 use std::collections::VecDeque;
-use wire::{Command, Decoder, Frame, encode};
+use wire::{Command, Decoder, Estimate, Frame, encode};
 
 /// The simulated bank with the robot's number of sensors.
 struct Ranges(hal_sim::board::SimRanges);
@@ -149,6 +149,22 @@ fn frames(line: &RefCell<VecDeque<u8>>) -> Vec<Frame> {
     line.borrow_mut().drain(..).filter_map(|byte| decoder.push(byte)).map(|frame| frame.expect("undamaged")).collect()
 }
 
+fn estimates(said: &[Frame]) -> impl DoubleEndedIterator<Item = &Estimate> {
+    said.iter().filter_map(|frame| if let Frame::Estimate(estimate) = frame { Some(estimate) } else { None })
+}
+
+/// A minute's frames: where the robot is, the room's walls, and every kind of frame beside.
+fn assert_mapped(said: &[Frame], truth: TruePose) {
+    let last = estimates(said).next_back().expect("estimates are told");
+    let error_m = (f64::from(last.pose[0]) - truth.x_m).hypot(f64::from(last.pose[1]) - truth.y_m);
+    assert!(error_m < 0.1, "estimate {:?}, truth {truth:?}", last.pose);
+    assert!(last.walls >= 4, "{} walls", last.walls);
+    assert!((1500..=1560).contains(&estimates(said).count()), "25 estimates a second");
+    for kind in ["Sample", "Wall", "Calibration", "Faults"] {
+        assert!(said.iter().any(|frame| format!("{frame:?}").starts_with(kind)), "no {kind} frame");
+    }
+}
+
 #[test]
 fn the_tasks_map_a_simulated_room() {
     let plan = plan_file::load("room").unwrap();
@@ -189,17 +205,7 @@ fn the_tasks_map_a_simulated_room() {
 
     down.borrow_mut().extend(encode(&Frame::Command(Command::Start)).unwrap());
     drive(&mut all, &board, 60.0);
-    let truth = board.with_simulation(|simulation| simulation.pose());
-    let said = frames(&up);
-    let estimates = said.iter().filter_map(|f| if let Frame::Estimate(estimate) = f { Some(estimate) } else { None });
-    let last = estimates.clone().next_back().expect("estimates are told");
-    let error_m = (f64::from(last.pose[0]) - truth.x_m).hypot(f64::from(last.pose[1]) - truth.y_m);
-    assert!(error_m < 0.1, "estimate {:?}, truth {truth:?}", last.pose);
-    assert!(last.walls >= 4, "{} walls", last.walls);
-    assert!((1500..=1560).contains(&estimates.count()), "25 estimates a second");
-    for kind in ["Sample", "Wall", "Calibration", "Faults"] {
-        assert!(said.iter().any(|frame| format!("{frame:?}").starts_with(kind)), "no {kind} frame");
-    }
+    assert_mapped(&frames(&up), board.with_simulation(|simulation| simulation.pose()));
     let faults = shared.faults.get();
     assert_eq!((faults.samples_dropped, faults.frames_dropped, faults.late_tasks), (0, 0, 0));
 
@@ -207,7 +213,7 @@ fn the_tasks_map_a_simulated_room() {
     down.borrow_mut().extend(encode(&Frame::Command(Command::ResetMap)).unwrap());
     drive(&mut all, &board, 2.0);
     let said = frames(&up);
-    let Some(Frame::Estimate(last)) = said.iter().rfind(|frame| matches!(frame, Frame::Estimate(_))) else { panic!() };
+    let last = estimates(&said).next_back().expect("estimates are told");
     assert!(last.pose[0].hypot(last.pose[1]) < 0.05, "where it stands is the new origin: {:?}", last.pose);
 
     down.borrow_mut().extend([7; 300]);
