@@ -3,7 +3,7 @@
 //! This is the one list of them: `--without` on the command line, `without` in experiment files, the ablations of real
 //! logs and `without` in `summary.json` all follow it.
 
-use slam_core::{Config, Linearisation, WallPolicy};
+use slam_core::{Config, Linearisation, MapFrame, WallPolicy};
 
 /// A part that can be switched off.
 #[derive(Clone, Copy, Debug)]
@@ -16,7 +16,7 @@ pub struct Part {
 }
 
 /// Every part.
-pub const PARTS: [Part; 7] = [
+pub const PARTS: [Part; 9] = [
     Part::new("grid", "every wall has a direction of its own", |config| config.walls = WallPolicy::Free),
     Part::new("gains", "the range sensors' gains are taken for exact", |config| config.calibrate_gains = false),
     Part::new("scales", "the drive's scales are taken for exact", |config| config.calibrate_scales = false),
@@ -30,6 +30,8 @@ pub const PARTS: [Part; 7] = [
         }
     }),
     Part::new("repeats", "each reading of a wall is a new one, however near the last", |config| config.repeats = false),
+    Part::new("relief", "the surfaces of walls are planes", |config| config.relief_m = 0.0),
+    Part::new("frame", "the start pose holds the map frame", |config| config.frame = MapFrame::Start),
 ];
 
 impl Part {

@@ -107,7 +107,9 @@ pub struct Step {
     pub t_s: f64,
     /// Estimated pose.
     pub pose: Pose2,
-    /// Covariance of (x, y, theta): m^2, m rad, rad^2.
+    /// Where the robot started, in the map frame.
+    pub start: Pose2,
+    /// Covariance of (x, y, theta) in the frame of the start pose: m^2, m rad, rad^2.
     pub covariance: [[f32; 3]; 3],
     /// Direction of the wall grid and its 1-sigma, radians; none before there is a grid.
     pub alpha: Option<(f32, f32)>,
@@ -123,6 +125,23 @@ pub struct Step {
     pub merges: u8,
     /// Walls removed in this step.
     pub prunes: u8,
+}
+
+impl Step {
+    /// Estimated pose in the frame of the start pose.
+    pub fn pose_from_start(&self) -> Pose2 {
+        self.start.relative(&self.pose)
+    }
+
+    /// Estimate minus truth in the frame of the start pose, where the truth is known.
+    pub fn error(&self) -> Option<Pose2> {
+        let (pose, truth) = (self.pose_from_start(), self.truth?);
+        Some(Pose2 {
+            x_m: pose.x_m - truth.x_m,
+            y_m: pose.y_m - truth.y_m,
+            theta_rad: wrap(pose.theta_rad - truth.theta_rad),
+        })
+    }
 }
 
 /// The map after one step.
@@ -182,6 +201,8 @@ pub struct Figures {
     pub nis_before_gate: Option<f64>,
     /// Median of these (0.45 is ideal): what the few that are far off do not move.
     pub median_nis_before_gate: Option<f64>,
+    /// The same of those that came from their wall, see [`crate::score::nis`].
+    pub nis_associated: Option<f64>,
     /// Share of the readings that met a wall and fell outside its gate.
     pub outside_gate: Option<f64>,
     /// The estimate against the truth.
@@ -319,5 +340,32 @@ pub fn nis(outcome: &Outcome) -> Option<f64> {
             Some(f64::from(innovation_m) * f64::from(innovation_m) / f64::from(variance_m2))
         }
         Outcome::Missing | Outcome::Refused(_) | Outcome::Unexplained => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_heading_error_is_the_short_way_round() {
+        let pose = |theta_rad| Pose2 { theta_rad, ..Pose2::default() };
+        let step = Step { pose: pose(3.1), truth: Some(pose(-3.1)), ..Step::default() };
+        let found = step.error().map(|e| e.theta_rad).unwrap_or_default();
+        assert!((found - (6.2 - TAU)).abs() < 1e-12, "{found}");
+        assert_eq!(Step { truth: None, ..step }.error(), None);
+    }
+
+    #[test]
+    fn an_error_is_seen_from_the_start_pose() {
+        // The walls turned the start pose by a quarter: what is 1 m to the left on the map is 1 m ahead of it.
+        let start = Pose2::new(0.5, 0.0, PI / 2.0);
+        let step =
+            Step { start, pose: Pose2::new(0.5, 1.0, PI / 2.0), truth: Some(Pose2::default()), ..Step::default() };
+        let error = step.error().expect("there is a truth");
+        assert!(
+            (error.x_m - 1.0).abs() < 1e-12 && error.y_m.abs() < 1e-12 && error.theta_rad.abs() < 1e-12,
+            "{error:?}"
+        );
     }
 }

@@ -5,8 +5,9 @@ use std::time::{Duration, Instant};
 use slam_core::{Config, DriveModel, HostSlam, Outcome, Parameter, RigError, Sample, StepReport};
 
 use crate::log::Row;
-use crate::recording::{CalibrationSnapshot, MapSnapshot, ParameterInfo, Pose2, Recording, SensorInfo, Step, nis};
+use crate::recording::{CalibrationSnapshot, MapSnapshot, ParameterInfo, Pose2, Recording, SensorInfo, Step};
 use crate::rig_file::{MAX_SENSORS, Robot};
+use crate::score::nis;
 
 /// How often map and calibration are recorded where nothing else asks for it, seconds of the log.
 const SNAPSHOT_EVERY_S: f64 = 1.0;
@@ -61,6 +62,7 @@ impl Session {
             t_text: row.t_text.clone(),
             t_s: row.t_s - *self.first_s.get_or_insert(row.t_s),
             pose: self.slam.pose().into(),
+            start: self.slam.start_pose().into(),
             covariance: self.slam.pose_covariance(),
             alpha: self.slam.alpha(),
             dead_reckoning: self.slam.dead_reckoning().into(),
@@ -105,8 +107,11 @@ impl Session {
         figures.walls = recording.steps.last().map_or(0, |step| step.walls);
         let (mut used, mut all) = (Vec::new(), Vec::new());
         let mut outliers = 0;
-        for reading in &recording.readings {
-            let finite = nis(&reading.outcome).filter(|value| value.is_finite());
+        let mut innovations = Vec::new();
+        let sensors = recording.sensors.iter().cycle();
+        for (reading, sensor) in recording.readings.iter().zip(sensors) {
+            innovations.extend(innovation(&reading.outcome, sensor));
+            let finite = crate::recording::nis(&reading.outcome).filter(|value| value.is_finite());
             all.extend(finite);
             match reading.outcome {
                 Outcome::Updated { .. } => used.push(finite.unwrap_or(0.0)),
@@ -120,6 +125,7 @@ impl Session {
         figures.nis_before_gate = mean(&all);
         figures.outside_gate = (!all.is_empty()).then(|| 1.0 - used.len() as f64 / all.len() as f64);
         figures.median_nis_before_gate = median(all);
+        figures.nis_associated = nis::of_associated(&innovations);
         self.recording
     }
 
@@ -138,6 +144,18 @@ impl Session {
         let values = self.parameters.iter().map(value).collect();
         self.recording.calibration.push(CalibrationSnapshot { step, values });
     }
+}
+
+/// The innovation of a reading that met a wall.
+fn innovation(outcome: &Outcome, sensor: &SensorInfo) -> Option<nis::Innovation> {
+    let (Outcome::Updated { innovation_m, variance_m2, .. } | Outcome::Gated { innovation_m, variance_m2, .. }) =
+        *outcome
+    else {
+        return None;
+    };
+    let possible = innovation_m.is_finite() && variance_m2.is_finite() && variance_m2 > 0.0;
+    let span_m = sensor.span_m[1] - sensor.span_m[0];
+    possible.then(|| nis::Innovation { value_m: innovation_m.into(), variance_m2: variance_m2.into(), span_m })
 }
 
 fn sensor_info((sensor, name): (&slam_core::RangeSensor, &String)) -> SensorInfo {

@@ -85,5 +85,6 @@ fn maps_are_scored_without_a_truth() {
     let reasons: f64 = shares.iter().skip(4).filter_map(|(_, share)| share.as_f64()).sum();
     assert!((reasons - parts[3]).abs() < 1e-9, "{shares:?}");
     assert!(summary["nis_before_gate"].as_f64() > summary["mean_nis"].as_f64(), "{summary}");
+    assert!(summary["nis_associated"].as_f64().is_some_and(|nis| (0.3..1.3).contains(&nis)), "{summary}");
     assert!(summary["median_nis_before_gate"].as_f64().is_some_and(|median| (0.1..0.6).contains(&median)), "{summary}");
 }

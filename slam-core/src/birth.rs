@@ -5,6 +5,7 @@ use crate::config::WallPolicy;
 use crate::ekf::{Ekf, Jacobian};
 use crate::grid::{self, GridDirection};
 use crate::layout::{ALPHA, THETA, X, Y};
+use crate::repeats;
 use crate::verdict::Verdict;
 use crate::wall::Direction;
 
@@ -29,6 +30,18 @@ pub struct LocalLine {
     pub path_m: f32,
     /// (calibration state, d centroid, d direction): three of the drive and up to 16 gains.
     pub by_calibration: heapless::Vec<(usize, f32, f32), 19>,
+}
+
+impl LocalLine {
+    /// The plane of a wall whose surface has this relief, metres, is known less well than the line through its points: as
+    /// many of them as there are relief's lengths in the line have errors of their own.
+    pub fn add_relief(&mut self, relief_m: f32) {
+        let stretches = 1.0 + self.length_m * (1.0 / repeats::LENGTH_M);
+        let variance_m2 = relief_m * relief_m / stretches;
+        self.variance_m2 += variance_m2;
+        // Points spread evenly over a length have a variance of a twelfth of its square.
+        self.direction_variance += 12.0 * variance_m2 / (self.length_m * self.length_m).max(1e-4);
+    }
 }
 
 /// Adds the states of a wall. None, and nothing changed, where the state is full.

@@ -151,12 +151,13 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
     }
 
     fn give_birth(&mut self, members: &Members<B>, line: &FittedLine) -> bool {
-        let local = self.in_robot_frame(members, line);
+        let mut local = self.in_robot_frame(members, line);
         let grid = self.has_grid.then(|| GridDirection::of(&self.ekf));
         let verdict = verdict::judge(&self.ekf, self.config.walls, grid.as_ref(), &local, &mut self.doubts);
         if verdict == Verdict::Wait {
             return false;
         }
+        local.add_relief(self.config.relief_m);
         let full = self.map.is_full() || self.ekf.len() + 2 > Ekf::<NB, BLOCKS>::CAPACITY;
         if full && self.map.evict(&mut self.ekf, line.count, self.odometry.path_m) {
             self.counters.prunes = self.counters.prunes.saturating_add(1);
@@ -168,7 +169,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         };
         let grid = GridDirection::of(&self.ekf);
         let wall = Wall { rho, direction, ..Wall::NEW };
-        let centroid = self.pose().transform(local.centroid_m);
+        let centroid = self.pose_from_start().transform(local.centroid_m);
         let along_m = wall.line(&self.ekf, &grid).along(centroid);
         let extent = (along_m + line.lo_m, along_m + line.hi_m);
         self.map.add(rho, direction, extent, line.count, self.odometry.path_m);

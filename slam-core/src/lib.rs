@@ -42,6 +42,7 @@ pub mod covariance;
 pub mod dbscan;
 pub mod ekf;
 mod extend;
+mod frame;
 mod grid;
 mod jacobian;
 mod layout;
@@ -64,7 +65,7 @@ mod verdict;
 mod view;
 mod wall;
 
-pub use config::{Clustering, Config, Linearisation, WallPolicy};
+pub use config::{Clustering, Config, Linearisation, MapFrame, WallPolicy};
 pub use pose::Pose;
 pub use report::{Counters, Outcome, ReadingReport, Refusal, StepReport};
 pub use rig::{Adc, DriveModel, Mount, RangeModel, RangeSensor, Rig, RigError};

@@ -208,7 +208,10 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         let predicted_m = gain * prediction.range_m;
         let innovation = reading.innovation(predicted_m);
         let jacobian = self.jacobian(sensor, gain, wall, &self.linearise(wall, &candidate.line, &prediction));
-        let white_m2 = innovation.noise_m2 + SURFACE_M * SURFACE_M + self.timing_variance(sensor, &prediction, heading);
+        // What stands out of a wall's plane is met so much earlier along a slanting beam.
+        let relief_m = self.config.relief_m / candidate.cos_incidence;
+        let surface_m2 = SURFACE_M * SURFACE_M + relief_m * relief_m;
+        let white_m2 = innovation.noise_m2 + surface_m2 + self.timing_variance(sensor, &prediction, heading);
         let stride_m = self.last_step.path_m + (self.last_step.increment.turn_rad * candidate.range_m).abs();
         let at_end = candidate.inside_m < END_M.max(stride_m);
         // Where two surfaces are possible, the reading says half as much. But it must fit by its own noise, where that is
@@ -324,7 +327,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         let heading = sin_cos(self.ekf.mean(THETA));
         for (i, reading) in report.readings.iter_mut().enumerate() {
             let beam: Beam = self.mount_then(i).beam(self.position(), heading);
-            reading.hit_m = reading.range_m.map(|range_m| beam.at(range_m));
+            reading.hit_m = reading.range_m.map(|range_m| self.point_in_map(beam.at(range_m)));
         }
     }
 }

@@ -8,7 +8,7 @@
 
 /// Over this distance along a wall its surface departs from the plane in the same way, metres: the width of a door frame, a
 /// pilaster or a panel.
-const LENGTH_M: f32 = 0.25;
+pub const LENGTH_M: f32 = 0.25;
 
 /// A sensor is on a wall if it met it within so many steps.
 const RECENT: u32 = 10;

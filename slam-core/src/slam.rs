@@ -14,7 +14,8 @@ use crate::repeats::Repeats;
 use crate::report::ReadingReport;
 use crate::verdict::Doubts;
 use crate::{
-    Clustering, Config, Counters, DriveModel, Linearisation, Pose, Rig, RigError, Sample, StepReport, WallPolicy,
+    Clustering, Config, Counters, DriveModel, Linearisation, MapFrame, Pose, Rig, RigError, Sample, StepReport,
+    WallPolicy,
 };
 use heapless::Vec;
 
@@ -52,6 +53,8 @@ pub struct Slam<const S: usize, const W: usize, const B: usize, const NB: usize,
     pub(crate) repeats: Repeats<S>,
     pub(crate) doubts: Doubts,
     pub(crate) first: First,
+    /// Where the robot started, in the map frame.
+    pub(crate) start: Pose,
 }
 
 impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOCKS: usize> Slam<S, W, B, NB, BLOCKS> {
@@ -77,6 +80,8 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             gate: 0.0,
             linearisation: Linearisation::Latest,
             repeats: false,
+            relief_m: 0.0,
+            frame: MapFrame::Start,
         },
         layout: Layout { first_scale: None, second_scale: None, track: None, gains: [None; S] },
         mounts: [FixedMount::NONE; S],
@@ -98,6 +103,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         repeats: Repeats::NEW,
         doubts: Doubts::NONE,
         first: First::START,
+        start: Pose::ORIGIN,
     };
 
     /// An estimator at the map frame's origin with an empty map.
@@ -148,6 +154,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         self.repeats = Repeats::NEW;
         self.doubts = Doubts::NONE;
         self.first = First::START;
+        self.start = Pose::ORIGIN;
         Ok(())
     }
 
@@ -163,6 +170,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         self.observe(sample, &mut report);
         self.extend_map(&mut report);
         self.ekf.set_mean(THETA, wrap(self.ekf.mean(THETA)));
+        self.hold_frame();
         self.place_hits(&mut report);
         report
     }
@@ -188,7 +196,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         };
         let heading = sin_cos(self.ekf.mean(THETA));
         let (mut jacobian, noise) = step.in_map(heading, &factors);
-        let pose = step.applied_to(&self.pose());
+        let pose = step.applied_to(&self.pose_from_start());
         self.linearise_motion(&mut jacobian, pose);
         self.ekf.predict([pose.x_m, pose.y_m, pose.theta_rad], &jacobian, &noise);
         self.odometry.advance(&step);

@@ -5,7 +5,7 @@ use crate::layout::{ALPHA, THETA, X, Y};
 use crate::wall::WallKind;
 use nalgebra::Matrix3;
 
-use crate::{Counters, DriveModel, Pose, Rig, Slam};
+use crate::{Counters, DriveModel, MapFrame, Pose, Rig, Slam};
 
 /// A calibration state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,10 +55,21 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
 
     /// The estimated pose in the map frame.
     pub fn pose(&self) -> Pose {
+        let pose = self.pose_from_start();
+        if self.config.frame == MapFrame::Start { pose } else { self.start.compose(&pose) }
+    }
+
+    /// Where the robot started, in the map frame: its origin, until walls hold that.
+    pub fn start_pose(&self) -> Pose {
+        self.start
+    }
+
+    /// The estimated pose in the frame of the start pose.
+    pub(crate) fn pose_from_start(&self) -> Pose {
         Pose { x_m: self.ekf.mean(X), y_m: self.ekf.mean(Y), theta_rad: self.ekf.mean(THETA) }
     }
 
-    /// Covariance of (x, y, theta): m^2, m rad, rad^2.
+    /// Covariance of the pose (x, y, theta) in the frame of the start pose: m^2, m rad, rad^2.
     pub fn pose_covariance(&self) -> [[f32; 3]; 3] {
         [X, Y, THETA].map(|i| [X, Y, THETA].map(|j| self.ekf.covariance(i, j)))
     }
@@ -75,7 +86,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
 
     /// Direction of the wall grid and its 1-sigma, radians; none before the first grid wall.
     pub fn alpha(&self) -> Option<(f32, f32)> {
-        self.has_grid.then(|| (self.ekf.mean(ALPHA), self.sigma(ALPHA)))
+        self.has_grid.then(|| (self.ekf.mean(ALPHA) + self.start.theta_rad, self.sigma(ALPHA)))
     }
 
     fn sigma(&self, i: usize) -> f32 {
@@ -86,14 +97,14 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
     pub fn walls(&self) -> impl Iterator<Item = WallView> + '_ {
         let grid = GridDirection::of(&self.ekf);
         self.map.walls().iter().map(move |wall| {
-            let line = wall.line(&self.ekf, &grid);
+            let (line, origin_m) = self.in_map(&wall.line(&self.ekf, &grid));
             WallView {
                 id: wall.id,
                 kind: wall.kind(),
                 rho_m: line.rho_m,
                 beta_rad: line.beta_rad,
-                lo_m: wall.lo_m,
-                hi_m: wall.hi_m,
+                lo_m: wall.lo_m + origin_m,
+                hi_m: wall.hi_m + origin_m,
                 sigma_rho_m: self.sigma(wall.rho),
                 updates: wall.updates,
             }

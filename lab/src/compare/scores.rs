@@ -56,7 +56,7 @@ const READINGS: &str = "readings";
 
 type Score = (&'static str, &'static str, &'static str, Unit, Better);
 
-const SCORES: [Score; 37] = [
+const SCORES: [Score; 38] = [
     ("log", "rows", "/rows", Unit::Count, Better::Neither),
     ("log", "path by dead reckoning", "/path_m", Unit::Metres, Better::Neither),
     (TRUTH, "position, best alignment (RMSE)", "/ate_m", Unit::Metres, Better::Less),
@@ -73,6 +73,7 @@ const SCORES: [Score; 37] = [
     ("innovations", "NIS of readings used (1 is ideal)", "/mean_nis", Unit::Plain, Better::Near(1.0)),
     ("innovations", "NIS before the gate (1 is ideal)", "/nis_before_gate", Unit::Plain, Better::Near(1.0)),
     ("innovations", "  its median (0.45 is ideal)", "/median_nis_before_gate", Unit::Plain, Better::Near(0.455)),
+    ("innovations", "  of their wall's own (1 is ideal)", "/nis_associated", Unit::Plain, Better::Near(1.0)),
     (CONSISTENCY, "map entropy", "/consistency/entropy_nats", Unit::Nats, Better::Less),
     (CONSISTENCY, "  odometry's", "/consistency/odometry_entropy_nats", Unit::Nats, Better::Neither),
     (CONSISTENCY, "  below odometry's", BELOW_ODOMETRY, Unit::Nats, Better::More),

@@ -1,7 +1,7 @@
 //! A run's errors at a few times: what figures over many runs are made from.
 
 use crate::experiment::row::{RunKey, RunRow};
-use crate::recording::{Step, wrap};
+use crate::recording::Step;
 use crate::score::path::nees;
 
 /// Times of a run that are kept.
@@ -32,9 +32,8 @@ impl ErrorSample {
     }
 
     fn of_step(key: &RunKey, step: &Step) -> Option<Self> {
-        let truth = step.truth?;
-        let errors =
-            [step.pose.x_m - truth.x_m, step.pose.y_m - truth.y_m, wrap(step.pose.theta_rad - truth.theta_rad)];
+        let error = step.error()?;
+        let errors = [error.x_m, error.y_m, error.theta_rad];
         let variances = [0, 1, 2].map(|i| f64::from(step.covariance[i][i]));
         Some(Self {
             key: key.clone(),

@@ -60,6 +60,7 @@ impl<const B: usize> Tracker<B> {
         self.track.steps.push(Step {
             t_s,
             pose: self.slam.pose().into(),
+            start: self.slam.start_pose().into(),
             covariance: self.slam.pose_covariance(),
             dead_reckoning: self.slam.dead_reckoning().into(),
             walls: self.slam.walls().count(),

@@ -45,8 +45,8 @@ fn write_filter(text: &mut String, recording: &Recording) -> std::fmt::Result {
     let figures = &recording.figures;
     if let Some(nis) = figures.mean_nis {
         write!(text, "  {:<34}{nis:>12.2}   1 is ideal", "innovations NIS (mean)")?;
-        if let (Some(all), Some(share)) = (figures.nis_before_gate, figures.outside_gate) {
-            write!(text, "; {all:.2} before the gate, {:.1} % outside it", 100.0 * share)?;
+        if let (Some(associated), Some(share)) = (figures.nis_associated, figures.outside_gate) {
+            write!(text, "; {associated:.2} before the gate, {:.1} % outside it", 100.0 * share)?;
         }
         writeln!(text)?;
     }

@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 use slam_core::{Clustering, Config, Linearisation, Refusal, WallPolicy};
 
 use crate::part::{PARTS, Part};
-use crate::recording::{Consistency, MapScore, PathScore, Recording, SeenWall, SurfelScore};
+use crate::recording::{Consistency, MapScore, PathScore, Pose2, Recording, SeenWall, SurfelScore};
 
 /// What was run, for `summary.json`.
 #[derive(Clone, Debug)]
@@ -36,11 +36,14 @@ pub fn summary(recording: &Recording, origin: &Origin) -> Value {
     put("duration_s", json!(figures.duration_s));
     put("estimator_s", json!(figures.estimator_s));
     put("walls", json!(figures.walls));
+    let start = recording.steps.last().map_or_else(Pose2::default, |step| step.start);
+    put("start", json!([start.x_m, start.y_m, start.theta_rad]));
     put("updates", json!(figures.updates));
     put("outliers", json!(figures.outliers));
     put("mean_nis", json!(figures.mean_nis));
     put("nis_before_gate", json!(figures.nis_before_gate));
     put("median_nis_before_gate", json!(figures.median_nis_before_gate));
+    put("nis_associated", json!(figures.nis_associated));
     put("readings", readings(recording));
     if let Some(score) = &figures.estimate {
         for (key, value) in path(score) {

@@ -98,9 +98,9 @@ fn steps(recording: &Recording, shown: &[usize]) -> Value {
     };
     let error = known.then(|| {
         json!({
-            "x": latest(&|step| series::error(step).map(|e| e.x_m), TENTH_MM),
-            "y": latest(&|step| series::error(step).map(|e| e.y_m), TENTH_MM),
-            "theta": latest(&|step| series::error(step).map(|e| e.theta_rad), TEN_URAD),
+            "x": latest(&|step| step.error().map(|e| e.x_m), TENTH_MM),
+            "y": latest(&|step| step.error().map(|e| e.y_m), TENTH_MM),
+            "theta": latest(&|step| step.error().map(|e| e.theta_rad), TEN_URAD),
         })
     });
     let (nis_used, nis_all) = series::running_nis(recording);

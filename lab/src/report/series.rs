@@ -1,21 +1,11 @@
 //! Series over the steps of a run that the page shows but cannot compute from its reduced data.
 
-use crate::recording::{Pose2, Recording, Step, nis, wrap};
+use crate::recording::{Recording, nis};
 use slam_core::Outcome;
 use std::collections::VecDeque;
 
 /// Span of the running mean of NIS, seconds.
 const NIS_WINDOW_S: f64 = 30.0;
-
-/// Estimate minus truth in the start frame, where the truth is known.
-pub fn error(step: &Step) -> Option<Pose2> {
-    let truth = step.truth?;
-    Some(Pose2 {
-        x_m: step.pose.x_m - truth.x_m,
-        y_m: step.pose.y_m - truth.y_m,
-        theta_rad: wrap(step.pose.theta_rad - truth.theta_rad),
-    })
-}
 
 /// Mean NIS of the last 30 seconds at each step: of the readings used, and of those outside the gate too.
 pub fn running_nis(recording: &Recording) -> (Vec<Option<f64>>, Vec<Option<f64>>) {
@@ -62,15 +52,6 @@ impl RunningMean {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_heading_error_is_the_short_way_round() {
-        let pose = |theta_rad| Pose2 { theta_rad, ..Pose2::default() };
-        let step = Step { pose: pose(3.1), truth: Some(pose(-3.1)), ..Step::default() };
-        let found = error(&step).map(|e| e.theta_rad).unwrap_or_default();
-        assert!((found - (6.2 - 2.0 * std::f64::consts::PI)).abs() < 1e-12, "{found}");
-        assert_eq!(error(&Step { truth: None, ..step }), None);
-    }
 
     #[test]
     fn the_running_mean_forgets() {

@@ -52,9 +52,8 @@ pub fn mean_nees(steps: &[Step]) -> Option<f64> {
 
 /// Normalised estimation error squared of one step's pose.
 pub fn nees(step: &Step) -> Option<f64> {
-    let truth = step.truth?;
-    let error = [step.pose.x_m - truth.x_m, step.pose.y_m - truth.y_m, wrap(step.pose.theta_rad - truth.theta_rad)];
-    squared_by_covariance(error, &step.covariance.map(|row| row.map(f64::from)))
+    let error = step.error()?;
+    squared_by_covariance([error.x_m, error.y_m, error.theta_rad], &step.covariance.map(|row| row.map(f64::from)))
 }
 
 /// Smallest share of a variance that may be left once the other axes are known. In the first steps of two wheels the

@@ -164,3 +164,20 @@ fn walls_seen_from_one_pose_are_correlated_through_it() {
     assert!((ekf.variance(&difference) - 2.0 * 4e-5).abs() < 1e-8);
     assert!((ekf.covariance(walls[0], walls[0]) - 0.010_04).abs() < 1e-8);
 }
+
+#[test]
+fn a_plane_is_known_less_well_than_the_line_of_a_surface_with_relief() {
+    let mut random = Random::new(11);
+    let fitted = line(&mut random);
+    let with_relief = |length_m: f32, relief_m: f32| {
+        let mut line = LocalLine { length_m, ..fitted.clone() };
+        line.add_relief(relief_m);
+        [line.variance_m2 - fitted.variance_m2, line.direction_variance - fitted.direction_variance]
+    };
+    assert_eq!(with_relief(1.0, 0.0), [0.0, 0.0]);
+    // A metre has five stretches, each 2 cm off by itself.
+    let [across_m2, direction] = with_relief(1.0, 0.02);
+    assert!((across_m2 - 0.0004 / 5.0).abs() < 1e-6 && (direction - 12.0 * 0.0004 / 5.0).abs() < 1e-5);
+    let longer = with_relief(2.0, 0.02);
+    assert!(longer[0] < across_m2 && longer[1] < 0.2 * direction, "{longer:?}");
+}

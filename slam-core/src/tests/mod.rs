@@ -8,6 +8,7 @@ mod buffers;
 mod clusters;
 mod covariances;
 mod filter;
+mod frames;
 mod grids;
 mod jacobians;
 mod lines;

@@ -6,7 +6,7 @@ use super::{FOLDER, Figure, WIDTH, density_panel, slug, write};
 use crate::error::FileError;
 use crate::experiment::chart::{Axis, Panel, svg};
 use crate::experiment::unit::Outcome;
-use crate::recording::{Step, wrap};
+use crate::recording::Step;
 
 /// Most points of a curve.
 const POINTS: usize = 600;
@@ -17,11 +17,11 @@ type Errors = Vec<(f64, f64, f64)>;
 fn errors(steps: &[Step], axis: usize) -> Errors {
     let stride = steps.len().div_ceil(POINTS).max(1);
     let error = |step: &Step| {
-        let truth = step.truth?;
+        let error = step.error()?;
         let (error, factor) = match axis {
-            0 => (step.pose.x_m - truth.x_m, 100.0),
-            1 => (step.pose.y_m - truth.y_m, 100.0),
-            _ => (wrap(step.pose.theta_rad - truth.theta_rad), 1f64.to_degrees()),
+            0 => (error.x_m, 100.0),
+            1 => (error.y_m, 100.0),
+            _ => (error.theta_rad, 1f64.to_degrees()),
         };
         Some((step.t_s, factor * error, 2.0 * factor * f64::from(step.covariance[axis][axis]).max(0.0).sqrt()))
     };

@@ -1,0 +1,115 @@
+//! The map frame, and what holds it.
+//!
+//! The filter's states are in the frame of the start pose. How the map as a whole lies in that frame is what is known
+//! least: the first turns, made before there was a wall, have an error that no reading tells, until a loop or a scale does.
+//! Then the map turns about the start pose, with the robot in it, and what was drawn before lies askew. Nobody needs to
+//! know where the robot started to a degree; where it is in its map is what a map is for. So walls can hold the frame:
+//! after every step it follows the motion that most walls have in common, and the start pose is what moves.
+
+use crate::angle::sin_cos;
+use crate::grid::GridDirection;
+use crate::layout::{X, Y};
+use crate::wall::Line;
+use crate::{MapFrame, Pose, Slam};
+
+/// Walls that move less than this in one step stay, metres; those that move more have the less weight for it, as least
+/// absolute deviations give them: the few that a closing loop moves do not take the frame along.
+const STAY_M: f32 = 0.002;
+
+/// What the frame weighs itself: as much as an end of a wall that moved a decimetre. It holds the directions that no wall
+/// does; on real logs anything from a tenth to ten times that does as well.
+const INERTIA: f32 = 10.0;
+
+/// The common motion of walls, by weighted least squares: normal equations of (turn, dx, dy) about a pivot.
+pub struct CommonMotion {
+    pivot: [f32; 2],
+    /// Matrix and right-hand side.
+    rows: [[f32; 4]; 3],
+}
+
+impl CommonMotion {
+    /// None yet, about a point.
+    pub fn about(pivot: [f32; 2]) -> Self {
+        let mut rows = [[0.0; 4]; 3];
+        for (i, row) in rows.iter_mut().enumerate() {
+            row[i] = INERTIA;
+        }
+        Self { pivot, rows }
+    }
+
+    /// A point of a wall's former line must lie on its line of now.
+    pub fn add(&mut self, was: &Line, now: &Line, along_m: f32) {
+        let [nx, ny] = was.normal;
+        let point = [was.rho_m * nx - along_m * ny, was.rho_m * ny + along_m * nx];
+        let off_m = now.distance(point);
+        let arm = [point[0] - self.pivot[0], point[1] - self.pivot[1]];
+        let derivatives = [now.normal[1] * arm[0] - now.normal[0] * arm[1], now.normal[0], now.normal[1]];
+        let weight = 1.0 / (off_m.abs() + STAY_M);
+        for (row, a) in self.rows.iter_mut().zip(derivatives) {
+            for (entry, b) in row.iter_mut().zip(derivatives.into_iter().chain([off_m])) {
+                *entry += weight * a * b;
+            }
+        }
+    }
+
+    /// The motion; none where it is not a number.
+    pub fn solve(mut self) -> Option<Pose> {
+        // Gauss and Jordan: the matrix is positive definite, the diagonal is pivot enough.
+        for i in 0..3 {
+            let inverse = 1.0 / self.rows[i][i];
+            let row = self.rows[i].map(|entry| entry * inverse);
+            self.rows[i] = row;
+            for (_, other) in self.rows.iter_mut().enumerate().filter(|(j, _)| *j != i) {
+                let factor = other[i];
+                for (entry, pivot) in other.iter_mut().zip(row) {
+                    *entry -= factor * pivot;
+                }
+            }
+        }
+        let [turn, dx, dy] = self.rows.map(|row| row[3]);
+        let (s, c) = sin_cos(turn);
+        let [x, y] = self.pivot;
+        let motion = Pose { x_m: x + dx - (c * x - s * y), y_m: y + dy - (s * x + c * y), theta_rad: turn };
+        (motion.x_m.is_finite() && motion.y_m.is_finite() && turn.is_finite()).then_some(motion)
+    }
+}
+
+impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOCKS: usize> Slam<S, W, B, NB, BLOCKS> {
+    /// Moves the start pose by what the walls have moved in the frame of it, so that they stay.
+    pub(crate) fn hold_frame(&mut self) {
+        if self.config.frame == MapFrame::Start {
+            return;
+        }
+        let grid = GridDirection::of(&self.ekf);
+        let mut motion = CommonMotion::about([self.ekf.mean(X), self.ekf.mean(Y)]);
+        for wall in self.map.walls_mut() {
+            let now = wall.line(&self.ekf, &grid);
+            if let Some(was) = wall.was.replace(now) {
+                motion.add(&was, &now, wall.lo_m);
+                motion.add(&was, &now, wall.hi_m);
+            }
+        }
+        if let Some(motion) = motion.solve() {
+            self.start = self.start.compose(&motion.inverse());
+        }
+    }
+
+    /// A line of the start pose's frame in the map frame, and how much its coordinates along it grow.
+    pub(crate) fn in_map(&self, line: &Line) -> (Line, f32) {
+        if self.config.frame == MapFrame::Start {
+            return (*line, 0.0);
+        }
+        let Pose { x_m, y_m, theta_rad } = self.start;
+        let (s, c) = sin_cos(theta_rad);
+        let [nx, ny] = line.normal;
+        let normal = [c * nx - s * ny, s * nx + c * ny];
+        let rho_m = line.rho_m + x_m * normal[0] + y_m * normal[1];
+        let beta_rad = crate::angle::wrap(line.beta_rad + theta_rad);
+        (Line { rho_m, beta_rad, normal }, y_m * normal[0] - x_m * normal[1])
+    }
+
+    /// A point of the start pose's frame in the map frame.
+    pub(crate) fn point_in_map(&self, point: [f32; 2]) -> [f32; 2] {
+        if self.config.frame == MapFrame::Start { point } else { self.start.transform(point) }
+    }
+}
