@@ -107,6 +107,7 @@ fn steps(recording: &Recording, shown: &[usize]) -> Value {
     json!({
         "t": col(&|i| Some(all[i].t_s), 1e3),
         "estimate": pose(&|i| all[i].pose),
+        "start": all.iter().any(|step| step.start != Pose2::default()).then(|| pose(&|i| all[i].start)),
         "odometry": pose(&|i| all[i].dead_reckoning),
         "error": error,
         "sigma_x": col(&sigma(0), TENTH_MM),

@@ -122,15 +122,17 @@ pub fn map_svg(recording: &Recording) -> String {
     layer("True plan", PLAN, 8.0, "stroke-opacity=\"0.4\"", plan.collect());
     layer("Hits", HITS, HIT, "stroke-linecap=\"square\" stroke-opacity=\"0.8\"", hits(recording, &frame));
     let steps = &recording.steps;
+    // What is told from the start pose is drawn from where that ended up in the map.
+    let start = steps.last().map_or_else(Pose2::default, |step| step.start);
     layer(
         "Dead reckoning",
         ODOMETRY,
         1.0,
         "stroke-opacity=\"0.8\"",
-        frame.trace(steps.iter().map(|s| Some(s.dead_reckoning))),
+        frame.trace(steps.iter().map(|s| Some(start.compose(&s.dead_reckoning)))),
     );
     layer("Estimated path", ESTIMATE, 1.8, "", frame.trace(steps.iter().map(|s| Some(s.pose))));
-    let truth = frame.trace(steps.iter().map(|s| s.truth));
+    let truth = frame.trace(steps.iter().map(|s| Some(start.compose(&s.truth?))));
     layer("True path", TRUTH, 1.2, "stroke-dasharray=\"5 4\"", truth);
     let walls = |free: bool| {
         let kind = move |kind| (kind == WallKind::Free) == free;

@@ -24,7 +24,19 @@ function poses(raw) {
   return { x: column(raw.x, MM), y: column(raw.y, MM), theta: column(raw.theta, TENTH_MRAD) };
 }
 
-// True poses are stored as the estimate's error, which is small and stays precise.
+// The estimate in the frame of the start pose, which walls may have moved in the map.
+function fromStart(estimate, start) {
+  if (!start) return estimate;
+  const out = { x: estimate.x.slice(), y: estimate.y.slice(), theta: estimate.theta.map((t, i) => t - start.theta[i]) };
+  for (let i = 0; i < out.x.length; i++) {
+    const [c, s] = [Math.cos(start.theta[i]), Math.sin(start.theta[i])];
+    const [dx, dy] = [estimate.x[i] - start.x[i], estimate.y[i] - start.y[i]];
+    [out.x[i], out.y[i]] = [c * dx + s * dy, c * dy - s * dx];
+  }
+  return out;
+}
+
+// True poses are stored as the estimate's error from the start pose, which is small and stays precise.
 function truthFrom(raw, estimate) {
   if (!raw) return null;
   const error = { x: column(raw.x, TENTH_MM), y: column(raw.y, TENTH_MM), theta: column(raw.theta, TEN_URAD) };
@@ -100,6 +112,8 @@ function wallTracks(raw) {
 function decode(raw) {
   const s = raw.steps;
   const estimate = poses(s.estimate);
+  const start = s.start ? poses(s.start) : null;
+  const last = s.t.length - 1;
   const run = {
     title: raw.title,
     seed: raw.seed,
@@ -112,7 +126,8 @@ function decode(raw) {
     t: column(s.t, 1e-3),
     estimate,
     odometry: poses(s.odometry),
-    truth: truthFrom(s.error, estimate),
+    truth: truthFrom(s.error, fromStart(estimate, start)),
+    start: start ? { x: start.x[last], y: start.y[last], theta: start.theta[last] } : { x: 0, y: 0, theta: 0 },
     sigma: { x: column(s.sigma_x, TENTH_MM), y: column(s.sigma_y, TENTH_MM), theta: column(s.sigma_theta, TEN_URAD) },
     correlation: column(s.correlation, 0.01),
     alpha: column(s.alpha, TENTH_MRAD),

@@ -48,7 +48,7 @@ function movedPlan(plan, move) {
 // `truths` holds the true path and plan in both ways to compare: from the common start, and in the best rigid fit.
 function displayRun(run) {
   const turn = { x: 0, y: 0, theta: uprightTurn(run) };
-  const inStart = { truth: run.truth, plan: run.plan };
+  const inStart = { truth: movedPath(run.truth, run.start), plan: movedPlan(run.plan, run.start) };
   const alignment = run.figures.estimate?.alignment;
   const fit = alignment && inverseMove(alignment);
   const inFit = fit && { truth: movedPath(run.truth, fit), plan: movedPlan(run.plan, fit) };
@@ -57,7 +57,7 @@ function displayRun(run) {
     ...run,
     turn: turn.theta,
     estimate: movedPath(run.estimate, turn),
-    odometry: movedPath(run.odometry, turn),
+    odometry: movedPath(movedPath(run.odometry, run.start), turn),
     walls: run.walls.map((wall) => movedWall(wall, turn)),
     truths: { start: turned(inStart), fit: inFit ? turned(inFit) : null },
     ...turned(inStart),
