@@ -3,8 +3,10 @@
 //! The filter's states are in the frame of the start pose. How the map as a whole lies in that frame is what is known
 //! least: the first turns, made before there was a wall, have an error that no reading tells, until a loop or a scale does.
 //! Then the map turns about the start pose, with the robot in it, and what was drawn before lies askew. Nobody needs to
-//! know where the robot started to a degree; where it is in its map is what a map is for. So walls can hold the frame:
-//! after every step it follows the motion that most walls have in common, and the start pose is what moves.
+//! know where the robot started to a degree; where it is in its map is what a map is for. So walls can hold the frame: a
+//! wall that is known well enough to be drawn stays, in the frame, where it was first drawn; the walls in view more than the
+//! others, since it is there that the robot is. What is left of their disagreement is the least absolute deviation's, so
+//! that a few that a closing loop moves do not take the frame along. The start pose is what moves.
 
 use crate::angle::sin_cos;
 use crate::grid::GridDirection;
@@ -12,13 +14,21 @@ use crate::layout::{X, Y};
 use crate::wall::Line;
 use crate::{MapFrame, Pose, Slam};
 
-/// Walls that move less than this in one step stay, metres; those that move more have the less weight for it, as least
-/// absolute deviations give them: the few that a closing loop moves do not take the frame along.
+/// Walls that are off by less than this stay, metres; those that are off by more have the less weight for it.
 const STAY_M: f32 = 0.002;
 
-/// What the frame weighs itself: as much as an end of a wall that moved a decimetre. It holds the directions that no wall
+/// What the frame weighs itself: as much as an end of a wall that is a decimetre off. It holds the directions that no wall
 /// does; on real logs anything from a tenth to ten times that does as well.
 const INERTIA: f32 = 10.0;
+
+/// A wall is drawn once so many readings have met it.
+const DRAWN_AFTER: u32 = 20;
+
+/// A wall met within this length of path is in view, metres: about the range of the sensors.
+const IN_VIEW_M: f32 = 3.0;
+
+/// Weight of the others.
+const OUT_OF_VIEW: f32 = 0.1;
 
 /// The common motion of walls, by weighted least squares: normal equations of (turn, dx, dy) about a pivot.
 pub struct CommonMotion {
@@ -37,14 +47,14 @@ impl CommonMotion {
         Self { pivot, rows }
     }
 
-    /// A point of a wall's former line must lie on its line of now.
-    pub fn add(&mut self, was: &Line, now: &Line, along_m: f32) {
-        let [nx, ny] = was.normal;
-        let point = [was.rho_m * nx - along_m * ny, was.rho_m * ny + along_m * nx];
-        let off_m = now.distance(point);
+    /// A point of a wall's line must come to lie on another one; of so much importance.
+    pub fn add(&mut self, from: &Line, to: &Line, along_m: f32, importance: f32) {
+        let [nx, ny] = from.normal;
+        let point = [from.rho_m * nx - along_m * ny, from.rho_m * ny + along_m * nx];
+        let off_m = to.distance(point);
         let arm = [point[0] - self.pivot[0], point[1] - self.pivot[1]];
-        let derivatives = [now.normal[1] * arm[0] - now.normal[0] * arm[1], now.normal[0], now.normal[1]];
-        let weight = 1.0 / (off_m.abs() + STAY_M);
+        let derivatives = [to.normal[1] * arm[0] - to.normal[0] * arm[1], to.normal[0], to.normal[1]];
+        let weight = importance / (off_m.abs() + STAY_M);
         for (row, a) in self.rows.iter_mut().zip(derivatives) {
             for (entry, b) in row.iter_mut().zip(derivatives.into_iter().chain([off_m])) {
                 *entry += weight * a * b;
@@ -75,22 +85,27 @@ impl CommonMotion {
 }
 
 impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOCKS: usize> Slam<S, W, B, NB, BLOCKS> {
-    /// Moves the start pose by what the walls have moved in the frame of it, so that they stay.
+    /// Moves the start pose so that walls stay where they were first drawn.
     pub(crate) fn hold_frame(&mut self) {
         if self.config.frame == MapFrame::Start {
             return;
         }
         let grid = GridDirection::of(&self.ekf);
-        let mut motion = CommonMotion::about([self.ekf.mean(X), self.ekf.mean(Y)]);
-        for wall in self.map.walls_mut() {
-            let now = wall.line(&self.ekf, &grid);
-            if let Some(was) = wall.was.replace(now) {
-                motion.add(&was, &now, wall.lo_m);
-                motion.add(&was, &now, wall.hi_m);
+        let mut motion = CommonMotion::about(self.point_in_map([self.ekf.mean(X), self.ekf.mean(Y)]));
+        for index in 0..self.map.walls().len() {
+            let Some(wall) = self.map.walls().get(index) else { break };
+            let (line, origin_m) = self.in_map(&wall.line(&self.ekf, &grid));
+            let is_in_view = self.odometry.path_m - wall.seen_at_m < IN_VIEW_M;
+            let importance = if is_in_view { 1.0 } else { OUT_OF_VIEW };
+            if let Some(drawn) = &wall.drawn {
+                motion.add(&line, drawn, wall.lo_m + origin_m, importance);
+                motion.add(&line, drawn, wall.hi_m + origin_m, importance);
+            } else if wall.updates >= DRAWN_AFTER {
+                self.map.draw(index, line);
             }
         }
         if let Some(motion) = motion.solve() {
-            self.start = self.start.compose(&motion.inverse());
+            self.start = motion.compose(&self.start);
         }
     }
 

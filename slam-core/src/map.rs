@@ -56,9 +56,11 @@ impl<const W: usize> Map<W> {
         &self.walls
     }
 
-    /// The walls, for what is kept about them outside the filter.
-    pub fn walls_mut(&mut self) -> &mut [Wall] {
-        &mut self.walls
+    /// Wall `index` is drawn here, in the map frame, from now on.
+    pub fn draw(&mut self, index: usize, line: Line) {
+        if let Some(wall) = self.walls.get_mut(index) {
+            wall.drawn = Some(line);
+        }
     }
 
     /// True where no wall can be added.
@@ -70,7 +72,7 @@ impl<const W: usize> Map<W> {
     pub fn add(&mut self, rho: usize, direction: Direction, (lo_m, hi_m): (f32, f32), updates: u32, path_m: f32) {
         let id = self.next_id;
         self.next_id = self.next_id.wrapping_add(1);
-        let wall = Wall { id, rho, direction, lo_m, hi_m, updates, score: BIRTH_SCORE, seen_at_m: path_m, was: None };
+        let wall = Wall { id, rho, direction, lo_m, hi_m, updates, score: BIRTH_SCORE, seen_at_m: path_m, drawn: None };
         let _ = self.walls.push(wall);
     }
 

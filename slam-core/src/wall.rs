@@ -68,8 +68,8 @@ pub struct Wall {
     pub score: i8,
     /// Path length at which it was last seen, metres.
     pub seen_at_m: f32,
-    /// Its line after the last step, where walls hold the map frame.
-    pub was: Option<Line>,
+    /// Its line in the map frame when it was first drawn, where walls hold that frame.
+    pub drawn: Option<Line>,
 }
 
 /// A wall's line at the present estimate.
@@ -106,7 +106,7 @@ impl Wall {
         updates: 0,
         score: 0,
         seen_at_m: 0.0,
-        was: None,
+        drawn: None,
     };
 
     /// Its line at the filter's present estimate.

@@ -37,7 +37,7 @@ fn the_motion_that_all_walls_have_is_found() {
         let mut common = CommonMotion::about(pivot);
         for was in &room() {
             for along_m in [-1.0, 1.5] {
-                common.add(was, &moved(&motion, was), along_m);
+                common.add(was, &moved(&motion, was), along_m, 1.0);
             }
         }
         // But for what the frame weighs itself.
@@ -50,12 +50,12 @@ fn a_few_walls_that_a_loop_moves_do_not_take_the_frame_along() {
     let jump = Pose { x_m: 0.8, y_m: 0.0, theta_rad: 0.0 };
     let mut common = CommonMotion::about([0.0, 0.0]);
     for was in room().iter().cycle().take(12) {
-        common.add(was, was, -1.0);
-        common.add(was, was, 1.0);
+        common.add(was, was, -1.0, 1.0);
+        common.add(was, was, 1.0, 1.0);
     }
     let loose = line(-2.0, 0.0);
-    common.add(&loose, &moved(&jump, &loose), -1.0);
-    common.add(&loose, &moved(&jump, &loose), 1.0);
+    common.add(&loose, &moved(&jump, &loose), -1.0, 1.0);
+    common.add(&loose, &moved(&jump, &loose), 1.0, 1.0);
     assert_near(&common.solve().expect("a motion"), &Pose::ORIGIN, 1e-3);
 }
 
@@ -66,12 +66,12 @@ fn where_no_wall_holds_the_frame_it_stays() {
     let motion = Pose { x_m: 0.0, y_m: 0.005, theta_rad: 0.0 };
     let mut common = CommonMotion::about([0.0, 0.0]);
     for was in [line(1.0, FRAC_PI_2), line(1.0, -FRAC_PI_2)] {
-        common.add(&was, &moved(&motion, &was), -2.0);
-        common.add(&was, &moved(&motion, &was), 2.0);
+        common.add(&was, &moved(&motion, &was), -2.0, 1.0);
+        common.add(&was, &moved(&motion, &was), 2.0, 1.0);
     }
     assert_near(&common.solve().expect("a motion"), &motion, 2e-4);
     let mut broken = CommonMotion::about([0.0, 0.0]);
-    broken.add(&line(f32::NAN, 0.0), &line(1.0, 0.0), 0.0);
+    broken.add(&line(f32::NAN, 0.0), &line(1.0, 0.0), 0.0, 1.0);
     assert_eq!(broken.solve(), None);
 }
 
