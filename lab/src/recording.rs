@@ -327,6 +327,11 @@ impl Recording {
         self.readings.get(step * n..(step + 1) * n).unwrap_or(&[])
     }
 
+    /// Where the robot started, in the map frame as it is in the end.
+    pub fn start(&self) -> Pose2 {
+        self.steps.last().map_or_else(Pose2::default, |step| step.start)
+    }
+
     /// The final map.
     pub fn walls(&self) -> &[WallView] {
         self.maps.last().map_or(&[], |map| &map.walls)

@@ -5,10 +5,10 @@
 //! Then the map turns about the start pose, with the robot in it, and what was drawn before lies askew. Nobody needs to
 //! know where the robot started to a degree; where it is in its map is what a map is for. So walls can hold the frame: a
 //! wall that is known well enough to be drawn stays, in the frame, where it was first drawn; the walls in view more than the
-//! others, since it is there that the robot is. What is left of their disagreement is the least absolute deviation's, so
-//! that a few that a closing loop moves do not take the frame along. The start pose is what moves.
+//! others, since it is there that the robot is. Where they disagree, each weighs less the farther it is off, as least absolute
+//! deviations have it: a few that a closing loop moves do not take the frame along. The start pose is what moves.
 
-use crate::angle::sin_cos;
+use crate::angle::{sin_cos, wrap};
 use crate::grid::GridDirection;
 use crate::layout::{X, Y};
 use crate::wall::Line;
@@ -18,19 +18,20 @@ use crate::{MapFrame, Pose, Slam};
 const STAY_M: f32 = 0.002;
 
 /// What the frame weighs itself: as much as an end of a wall that is a decimetre off. It holds the directions that no wall
-/// does; on real logs anything from a tenth to ten times that does as well.
+/// does.
 const INERTIA: f32 = 10.0;
 
-/// A wall is drawn once so many readings have met it.
+/// A wall is drawn once so many readings have met it: twice those without which it would be forgotten as noise.
 const DRAWN_AFTER: u32 = 20;
 
 /// A wall met within this length of path is in view, metres: about the range of the sensors.
 const IN_VIEW_M: f32 = 3.0;
 
-/// Weight of the others.
+/// Weight of the others: there are many more of them than walls in view.
 const OUT_OF_VIEW: f32 = 0.1;
 
-/// The common motion of walls, by weighted least squares: normal equations of (turn, dx, dy) about a pivot.
+/// The motion that brings lines closest to others, by weighted least squares: normal equations of (turn, dx, dy) about a
+/// pivot.
 pub struct CommonMotion {
     pivot: [f32; 2],
     /// Matrix and right-hand side.
@@ -49,8 +50,7 @@ impl CommonMotion {
 
     /// A point of a wall's line must come to lie on another one; of so much importance.
     pub fn add(&mut self, from: &Line, to: &Line, along_m: f32, importance: f32) {
-        let [nx, ny] = from.normal;
-        let point = [from.rho_m * nx - along_m * ny, from.rho_m * ny + along_m * nx];
+        let point = from.at(along_m);
         let off_m = to.distance(point);
         let arm = [point[0] - self.pivot[0], point[1] - self.pivot[1]];
         let derivatives = [to.normal[1] * arm[0] - to.normal[0] * arm[1], to.normal[0], to.normal[1]];
@@ -119,7 +119,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         let [nx, ny] = line.normal;
         let normal = [c * nx - s * ny, s * nx + c * ny];
         let rho_m = line.rho_m + x_m * normal[0] + y_m * normal[1];
-        let beta_rad = crate::angle::wrap(line.beta_rad + theta_rad);
+        let beta_rad = wrap(line.beta_rad + theta_rad);
         (Line { rho_m, beta_rad, normal }, y_m * normal[0] - x_m * normal[1])
     }
 

@@ -261,8 +261,7 @@ impl Tie {
 
 /// Distance of two lines from one another at a place along the first, metres, and its Jacobian.
 fn apart((wall, line): (&Wall, &Line), (other, other_line): (&Wall, &Line), along_m: f32) -> (f32, Jacobian) {
-    let [x, y] = line.normal;
-    let point = [line.rho_m * x - along_m * y, line.rho_m * y + along_m * x];
+    let point = line.at(along_m);
     let mut jacobian = Jacobian::new();
     let _ = jacobian.push((wall.rho, 1.0));
     let _ = jacobian.push((other.rho, -1.0));

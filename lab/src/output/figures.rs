@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 use slam_core::{Clustering, Config, Linearisation, Refusal, WallPolicy};
 
 use crate::part::{PARTS, Part};
-use crate::recording::{Consistency, MapScore, PathScore, Pose2, Recording, SeenWall, SurfelScore};
+use crate::recording::{Consistency, MapScore, PathScore, Recording, SeenWall, SurfelScore};
 
 /// What was run, for `summary.json`.
 #[derive(Clone, Debug)]
@@ -36,7 +36,7 @@ pub fn summary(recording: &Recording, origin: &Origin) -> Value {
     put("duration_s", json!(figures.duration_s));
     put("estimator_s", json!(figures.estimator_s));
     put("walls", json!(figures.walls));
-    let start = recording.steps.last().map_or_else(Pose2::default, |step| step.start);
+    let start = recording.start();
     put("start", json!([start.x_m, start.y_m, start.theta_rad]));
     put("updates", json!(figures.updates));
     put("outliers", json!(figures.outliers));

@@ -123,7 +123,7 @@ pub fn map_svg(recording: &Recording) -> String {
     layer("Hits", HITS, HIT, "stroke-linecap=\"square\" stroke-opacity=\"0.8\"", hits(recording, &frame));
     let steps = &recording.steps;
     // What is told from the start pose is drawn from where that ended up in the map.
-    let start = steps.last().map_or_else(Pose2::default, |step| step.start);
+    let start = recording.start();
     layer(
         "Dead reckoning",
         ODOMETRY,

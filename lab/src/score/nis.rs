@@ -45,10 +45,10 @@ pub fn of_associated(innovations: &[Innovation]) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// Innovations of a wall with this factor, at the quantiles of a normal distribution, and as many others as said.
+    /// Innovations of a wall with this factor, nearly normal, and as many others as said.
     fn innovations(factor: f64, others: usize) -> Vec<Innovation> {
         let normal = |i: i32| {
-            // Quantiles by Newton's method would be longer than a sum of twelve uniform numbers.
+            // Twelve uniform numbers have a variance of one, and their sum nearly a normal distribution.
             let mut state = i as u64;
             let uniform = |_| {
                 state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

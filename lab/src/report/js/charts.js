@@ -33,7 +33,7 @@ function distanceChart(run) {
       { kind: "line", label: "Estimate", colour: "estimate", t, y: run.truth.error.x.map((x, i) => Math.hypot(x, truth.error.y[i])) },
       { kind: "line", label: "Dead reckoning", colour: "odometry", t, y: distances(run.odometry, truth) },
     ]
-    : [{ kind: "line", label: "Estimate from dead reckoning", colour: "odometry", t, y: distances(run.estimate, run.odometry) }];
+    : [{ kind: "line", label: "Estimate from dead reckoning", colour: "odometry", t, y: distances(run.estimateFromStart, run.odometry) }];
   return {
     id: "distance",
     title: truth ? "Distance from the truth" : "Distance from dead reckoning",

@@ -113,6 +113,7 @@ function decode(raw) {
   const s = raw.steps;
   const estimate = poses(s.estimate);
   const start = s.start ? poses(s.start) : null;
+  const estimateFromStart = fromStart(estimate, start);
   const last = s.t.length - 1;
   const run = {
     title: raw.title,
@@ -125,8 +126,9 @@ function decode(raw) {
     count: s.t.length,
     t: column(s.t, 1e-3),
     estimate,
+    estimateFromStart,
     odometry: poses(s.odometry),
-    truth: truthFrom(s.error, fromStart(estimate, start)),
+    truth: truthFrom(s.error, estimateFromStart),
     start: start ? { x: start.x[last], y: start.y[last], theta: start.theta[last] } : { x: 0, y: 0, theta: 0 },
     sigma: { x: column(s.sigma_x, TENTH_MM), y: column(s.sigma_y, TENTH_MM), theta: column(s.sigma_theta, TEN_URAD) },
     correlation: column(s.correlation, 0.01),
