@@ -16,7 +16,7 @@ pub struct Part {
 }
 
 /// Every part.
-pub const PARTS: [Part; 9] = [
+pub const PARTS: [Part; 12] = [
     Part::new("grid", "every wall has a direction of its own", |config| config.walls = WallPolicy::Free),
     Part::new("gains", "the range sensors' gains are taken for exact", |config| config.calibrate_gains = false),
     Part::new("scales", "the drive's scales are taken for exact", |config| config.calibrate_scales = false),
@@ -32,6 +32,9 @@ pub const PARTS: [Part; 9] = [
     Part::new("repeats", "each reading of a wall is a new one, however near the last", |config| config.repeats = false),
     Part::new("relief", "the surfaces of walls are planes", |config| config.relief_m = 0.0),
     Part::new("frame", "the start pose holds the map frame", |config| config.frame = MapFrame::Start),
+    Part::new("clutter", "a reading inside a wall's gate is the wall's", |config| config.clutter = false),
+    Part::new("latency", "readings that come in metres are of the moment", |config| config.calibrate_latency = false),
+    Part::new("slip", "the rig states all the noise of motion", |config| config.slip = false),
 ];
 
 impl Part {

@@ -203,6 +203,8 @@ pub struct Figures {
     pub median_nis_before_gate: Option<f64>,
     /// The same of those that came from their wall, see [`crate::score::nis`].
     pub nis_associated: Option<f64>,
+    /// How late the readings that come in metres are, and its 1-sigma, seconds; none where it is not estimated.
+    pub latency_s: Option<(f64, f64)>,
     /// Share of the readings that met a wall and fell outside its gate.
     pub outside_gate: Option<f64>,
     /// The estimate against the truth.

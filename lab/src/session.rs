@@ -126,6 +126,7 @@ impl Session {
         figures.outside_gate = (!all.is_empty()).then(|| 1.0 - used.len() as f64 / all.len() as f64);
         figures.median_nis_before_gate = median(all);
         figures.nis_associated = nis::of_associated(&innovations);
+        figures.latency_s = self.slam.latency().map(|(value, sigma)| (value.into(), sigma.into()));
         self.recording
     }
 

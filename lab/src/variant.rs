@@ -112,6 +112,7 @@ impl VariantArgs {
             calibrate_gains: calibrate,
             calibrate_scales: calibrate,
             calibrate_track: calibrate,
+            calibrate_latency: calibrate && base.calibrate_latency,
             ..base
         };
         self.without.iter().fold(config, |config, part| part.off(config))

@@ -28,8 +28,8 @@ pub struct LocalLine {
     pub seen_m: [f32; 2],
     /// Path length when it was found, metres.
     pub path_m: f32,
-    /// (calibration state, d centroid, d direction): three of the drive and up to 16 gains.
-    pub by_calibration: heapless::Vec<(usize, f32, f32), 19>,
+    /// (calibration state, d centroid, d direction): three of the drive, up to 16 gains, and the latency.
+    pub by_calibration: heapless::Vec<(usize, f32, f32), 20>,
 }
 
 impl LocalLine {
@@ -67,7 +67,7 @@ pub fn add_states<const NB: usize, const BLOCKS: usize>(
 
 fn direction_jacobian(line: &LocalLine) -> Jacobian {
     let mut jacobian = Jacobian::new();
-    // The capacity is that of the pose, the grid, the drive and 16 gains, and one more.
+    // The capacity is that of the pose, the grid, the drive, 16 gains and the latency.
     let _ = jacobian.push((THETA, 1.0));
     for &(state, _, direction) in &line.by_calibration {
         let _ = jacobian.push((state, direction));

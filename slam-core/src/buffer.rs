@@ -14,6 +14,8 @@ pub struct Outlier {
     pub direction: [f32; 2],
     /// Derivatives of the hit by the drive's calibration factors, metres.
     pub by_factor: ByFactor,
+    /// Derivative of the hit by the age of its reading, metres per second.
+    pub by_latency: [f32; 2],
     /// What the sensor reported, metres.
     pub range_m: f32,
     /// Standard deviation of that, metres.

@@ -29,6 +29,7 @@ pub fn newest_line<const B: usize>(
     sensor: u8,
     clustering: Clustering,
     spacing_m: f32,
+    relief_m: f32,
 ) -> Option<(Members<B>, FittedLine)> {
     let (anchor, newest) = buffer.newest_of(sensor)?;
     let mut cluster = [false; B];
@@ -53,9 +54,9 @@ pub fn newest_line<const B: usize>(
         }
     }
     let mut members = straight_part(buffer, &cluster, anchor)?;
-    let line = fit_members(buffer, &members)?;
-    grow(buffer, &mut members, &line);
-    let line = fit_members(buffer, &members)?;
+    let line = fit_members(buffer, &members, relief_m)?;
+    grow(buffer, &mut members, &line, relief_m);
+    let line = fit_members(buffer, &members, relief_m)?;
     Some((members, line))
 }
 
@@ -98,28 +99,29 @@ fn straight_part<const B: usize>(buffer: &OutlierBuffer<B>, cluster: &Members<B>
     (count >= MIN_POINTS).then_some(members)
 }
 
-fn fit_members<const B: usize>(buffer: &OutlierBuffer<B>, members: &Members<B>) -> Option<FittedLine> {
+fn fit_members<const B: usize>(buffer: &OutlierBuffer<B>, members: &Members<B>, relief_m: f32) -> Option<FittedLine> {
     let points = buffer.iter().zip(members).filter(|(_, m)| **m).map(|(p, _)| p);
     let mut moments = Moments::about(points.clone().next()?.hit_m);
     for point in points.clone() {
         moments.add(point);
     }
-    Some(fit::<B>(points, &moments.scatter()))
+    Some(fit::<B>(points, &moments.scatter(), relief_m))
 }
 
 /// Adds every point, of whichever sensor, that lies on the line within its noise and the line's, close enough to what
 /// the line has already.
-fn grow<const B: usize>(buffer: &OutlierBuffer<B>, members: &mut Members<B>, line: &FittedLine) {
+fn grow<const B: usize>(buffer: &OutlierBuffer<B>, members: &mut Members<B>, line: &FittedLine, relief_m: f32) {
     for (member, point) in members.iter_mut().zip(buffer.iter()) {
         let along = line.along(point.hit_m);
         let (residual, sigma) = line.residual(point.hit_m);
         let cos = point.direction[0] * line.normal[0] + point.direction[1] * line.normal[1];
-        let noise = point.sigma_m * cos;
+        let sensor_m = point.sigma_m * cos;
+        let noise_m2 = sensor_m * sensor_m + relief_m * relief_m;
         let near = along > line.lo_m - GAP_M && along < line.hi_m + GAP_M;
         // A line that does not know where it is going cannot tell its own points from those of a corner's other wall.
-        let known = sigma < noise;
+        let known = sigma * sigma < noise_m2;
         // 95 % of a chi-square distribution with one degree of freedom.
-        if near && cos > 0.0 && known && residual * residual < 3.84 * (noise * noise + sigma * sigma) {
+        if near && cos > 0.0 && known && residual * residual < 3.84 * (noise_m2 + sigma * sigma) {
             *member = true;
         }
     }

@@ -79,6 +79,12 @@ pub struct Config {
     pub relief_m: f32,
     /// What holds the map frame.
     pub frame: MapFrame,
+    /// A reading near a wall may be of something else: it counts by the odds that it is the wall's.
+    pub clutter: bool,
+    /// Estimate how late the readings of sensors that report metres are.
+    pub calibrate_latency: bool,
+    /// Dead reckoning that comes as a pose slips in runs and in turns, beyond the noise that the rig states.
+    pub slip: bool,
 }
 
 /// The relief of built walls, metres: door frames, skirting boards, panels. In the Freiburg offices a laser's readings lie
@@ -88,7 +94,15 @@ const BUILT_RELIEF_M: f32 = 0.015;
 impl Config {
     /// For rooms as they are built, where there is room for two states a wall.
     pub fn real_rooms() -> Self {
-        Self { walls: WallPolicy::NearGrid, relief_m: BUILT_RELIEF_M, frame: MapFrame::Walls, ..Self::default() }
+        Self {
+            walls: WallPolicy::NearGrid,
+            relief_m: BUILT_RELIEF_M,
+            frame: MapFrame::Walls,
+            clutter: true,
+            calibrate_latency: true,
+            slip: true,
+            ..Self::default()
+        }
     }
 
     /// What suits the sensors: those that report metres see how walls stand off the grid, which the noise of an analogue
@@ -113,6 +127,9 @@ impl Default for Config {
             repeats: true,
             relief_m: 0.0,
             frame: MapFrame::default(),
+            clutter: false,
+            calibrate_latency: false,
+            slip: false,
         }
     }
 }

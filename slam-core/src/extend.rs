@@ -42,6 +42,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             hit_m,
             direction: beam.direction,
             by_factor: self.odometry.by_factor(hit_m),
+            by_latency: self.by_latency(sensor, hit_m),
             range_m: reading.range_m,
             sigma_m: reading.sigma_m(),
             step: self.counters.steps as u16,
@@ -56,6 +57,21 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         if let Some(pending) = self.pending.get_mut(sensor) {
             *pending = true;
         }
+    }
+
+    /// Derivative of a hit in the odometry frame by the age of its reading, metres per second: the robot's motion, backwards.
+    fn by_latency(&self, sensor: usize, hit_m: [f32; 2]) -> [f32; 2] {
+        if self.latency_of(sensor).is_none() {
+            return [0.0; 2];
+        }
+        let (pose, i) = (self.odometry.pose, self.pace);
+        let (s, c) = sin_cos(pose.theta_rad);
+        let arm = [hit_m[0] - pose.x_m, hit_m[1] - pose.y_m];
+        let moved_m = [
+            c * i.forward_m - s * i.left_m - i.turn_rad * arm[1],
+            s * i.forward_m + c * i.left_m + i.turn_rad * arm[0],
+        ];
+        moved_m.map(|m| -m)
     }
 
     /// Standard deviation of a hit across its beam from not knowing when an analogue reading was made, metres.
@@ -78,7 +94,8 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         let turns = (libm::ceilf(self.dt_s * CLUSTERINGS_PER_S) as usize).clamp(1, S.max(1));
         for _ in 0..turns {
             let Some(sensor) = self.next_pending() else { break };
-            let found = newest_line(&self.buffer, sensor as u8, self.config.clustering, self.spacing_m());
+            let (clustering, relief_m) = (self.config.clustering, self.config.relief_m);
+            let found = newest_line(&self.buffer, sensor as u8, clustering, self.spacing_m(), relief_m);
             if let Some((members, line)) = found
                 && self.is_wall(sensor, &line)
                 && !self.is_row(&members, &line)
@@ -187,6 +204,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         let (s, c) = sin_cos(normal_rad);
         let lever_m = centroid_m[1] * c - centroid_m[0] * s;
         let (mut by_gain, mut by_drive) = ([Influence::default(); S], [Influence::default(); 3]);
+        let mut by_latency = Influence::default();
         let gains: [f32; S] = core::array::from_fn(|sensor| self.gain(sensor));
         let points = self.buffer.iter().zip(members).filter(|(_, member)| **member).map(|(point, _)| point);
         for p in points {
@@ -200,9 +218,11 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             for ((influence, then), now) in by_drive.iter_mut().zip(p.by_factor).zip(self.odometry.by_factor(p.hit_m)) {
                 line.add_shift(influence, weight, [then[0] - now[0], then[1] - now[1]]);
             }
+            line.add_shift(&mut by_latency, weight, p.by_latency);
         }
         let drive = [self.layout.first_scale, self.layout.second_scale, self.layout.track];
-        let states = self.layout.gains.iter().zip(&by_gain).chain(drive.iter().zip(&by_drive));
+        let latency = [(&self.layout.latency, &by_latency)];
+        let states = self.layout.gains.iter().zip(&by_gain).chain(drive.iter().zip(&by_drive)).chain(latency);
         let mut by_calibration = heapless::Vec::new();
         for (state, influence) in states {
             let (offset, direction) = line.by_parameter(influence);

@@ -10,7 +10,7 @@
 //! |---|---|
 //! | [`sample`], [`rig`] | what was sensed, and what by |
 //! | motion, range | checked travel and readings, with their noise; what cannot be is refused here and counted |
-//! | beam, association, repeats, linearise, observe | which wall a reading came from, and what it should have been |
+//! | beam, association, clutter, repeats, linearise, observe | which wall a reading came from, and what it should have been |
 //! | [`ekf`], [`covariance`] | the state: predict, update, add, remove; knows nothing of robots and walls |
 //! | buffer, cluster, line fit, verdict, birth | new walls from the readings that fit none |
 //! | grid, map | the home's directions; walls merged and removed |
@@ -37,6 +37,7 @@ mod beam;
 mod birth;
 mod buffer;
 mod cluster;
+mod clutter;
 pub mod config;
 pub mod covariance;
 pub mod dbscan;

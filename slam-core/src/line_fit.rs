@@ -120,14 +120,17 @@ pub struct FittedLine {
     pub position_variance: f32,
     /// Mean heading variance of the points, rad^2.
     pub heading_variance: f32,
+    /// Relief of the surface that the points' weights allow for, metres.
+    pub relief_m: f32,
 }
 
-/// Variance of a point along the line's normal, m^2: range noise acts along the beam, the sweep across it.
-fn across_variance(point: &Outlier, normal: [f32; 2]) -> f32 {
+/// Variance of a point along the line's normal, m^2: range noise acts along the beam, the sweep across it, and the surface's
+/// relief along the normal whatever the beam.
+fn across_variance(point: &Outlier, normal: [f32; 2], relief_m: f32) -> f32 {
     let cos = point.direction[0] * normal[0] + point.direction[1] * normal[1];
     let sin = point.direction[1] * normal[0] - point.direction[0] * normal[1];
     let (range, sweep) = (point.sigma_m * cos, point.sweep_m * sin);
-    range * range + sweep * sweep + SURFACE_M * SURFACE_M
+    range * range + sweep * sweep + SURFACE_M * SURFACE_M + relief_m * relief_m
 }
 
 /// A point in the line's own axes, about the points' centroid: along it, across it, metres, and its weight, 1/m^2.
@@ -139,7 +142,11 @@ struct Local {
 
 /// Least squares across the line, with each point's noise along its own beam; one Gauss-Newton step from `scatter`. At most
 /// `B` points.
-pub fn fit<'a, const B: usize>(points: impl Iterator<Item = &'a Outlier> + Clone, scatter: &Scatter) -> FittedLine {
+pub fn fit<'a, const B: usize>(
+    points: impl Iterator<Item = &'a Outlier> + Clone,
+    scatter: &Scatter,
+    relief_m: f32,
+) -> FittedLine {
     let (s, c) = sin_cos(scatter.normal_rad);
     // Beams run into the wall: the normal points away from the robot.
     let facing: f32 = points.clone().map(|p| p.direction[0] * c + p.direction[1] * s).sum();
@@ -153,7 +160,7 @@ pub fn fit<'a, const B: usize>(points: impl Iterator<Item = &'a Outlier> + Clone
     for p in points {
         let d = [p.hit_m[0] - reference[0], p.hit_m[1] - reference[1]];
         let (t, n) = (d[0] * tangent[0] + d[1] * tangent[1], d[0] * normal[0] + d[1] * normal[1]);
-        let weight = 1.0 / across_variance(p, normal);
+        let weight = 1.0 / across_variance(p, normal, relief_m);
         weight_sum += weight;
         st += weight * t;
         sn += weight * n;
@@ -186,6 +193,7 @@ pub fn fit<'a, const B: usize>(points: impl Iterator<Item = &'a Outlier> + Clone
         hi_m: shape.hi_m,
         position_variance: position * each,
         heading_variance: heading * each,
+        relief_m,
     }
 }
 
@@ -241,7 +249,7 @@ impl FittedLine {
 
     /// Weight of a point in the fit, and that times its coordinate along the line.
     pub fn weight(&self, point: &Outlier) -> (f32, f32) {
-        let weight = 1.0 / across_variance(point, self.normal);
+        let weight = 1.0 / across_variance(point, self.normal, self.relief_m);
         (weight, weight * self.along(point.hit_m))
     }
 

@@ -12,6 +12,9 @@ const FLUSH_M: f32 = 0.005;
 /// Merging gate: 99 % of a chi-square distribution with one degree of freedom.
 const MERGE_GATE: f32 = 6.63;
 
+/// The same for two places along them: 99 % of a chi-square distribution with two degrees of freedom.
+const JOINT_GATE: f32 = 9.21;
+
 /// Gate for a wall that is found again after a drift that the filter does not know of: five sigma, and less than
 /// [`REFIND_M`].
 const REFIND_GATE: f32 = 25.0;
@@ -201,7 +204,8 @@ impl<const W: usize> Map<W> {
 
 /// The statement that two walls are one, as scalar measurements of zero.
 struct Tie {
-    /// Distance of the two lines from one another at points they share, and its Jacobian.
+    /// Distance of the two lines from one another at points they share, the second as it is after the first was made zero,
+    /// and its Jacobian.
     differences: Vec<(f32, Jacobian), 2>,
     /// Readings that the other wall has.
     updates: u32,
@@ -236,7 +240,8 @@ impl Tie {
             (Direction::Grid(_) | Direction::Snapped(_), Direction::Grid(_) | Direction::Snapped(_))
         );
         let points = if same_direction { [0.5 * (a + b), f32::NAN] } else { [a, b] };
-        let mut differences = Vec::new();
+        let mut differences: Vec<(f32, Jacobian), 2> = Vec::new();
+        let mut variances: Vec<f32, 2> = Vec::new();
         let mut refound = false;
         for along_m in points.into_iter().filter(|p| p.is_finite()) {
             let (difference_m, jacobian) = apart((wall, line), (other, &other_line), along_m);
@@ -254,6 +259,22 @@ impl Tie {
                 return None;
             }
             let _ = differences.push((difference_m, jacobian));
+            let _ = variances.push(variance);
+        }
+        if let ([(first_m, _), (second_m, _)], &[first_m2, second_m2]) = (differences.as_mut_slice(), &variances[..]) {
+            // The difference halfway is the mean of both; its variance tells their covariance.
+            let (_, halfway) = apart((wall, line), (other, &other_line), 0.5 * (a + b));
+            let mean_m2 = ekf.variance(&halfway) + 0.5 * FLUSH_M * FLUSH_M;
+            let covariance_m2 = 2.0 * mean_m2 - 0.5 * (first_m2 + second_m2);
+            let gain = covariance_m2 / first_m2;
+            *second_m -= gain * *first_m;
+            let given_m2 = (second_m2 - gain * covariance_m2).max(FLUSH_M * FLUSH_M);
+            // Two walls askew to one another may differ little for what is known of them at either place, and yet not at
+            // both. Not a number, no merger.
+            let same = *first_m * *first_m / first_m2 + *second_m * *second_m / given_m2 <= JOINT_GATE;
+            if !same {
+                return None;
+            }
         }
         Some(Self { differences, updates: other.updates, refound })
     }

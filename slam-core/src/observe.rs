@@ -3,6 +3,7 @@
 use crate::angle::sin_cos;
 use crate::association::{Candidate, first_met};
 use crate::beam::{Beam, FixedMount, Prediction};
+use crate::clutter;
 use crate::config::WallPolicy;
 use crate::ekf::Jacobian;
 use crate::grid::GridDirection;
@@ -10,7 +11,7 @@ use crate::layout::{ALPHA, THETA, X, Y};
 use crate::range::{Noise, Reading, SHARP_HOLD_S, SURFACE_M};
 use crate::repeats::Hit;
 use crate::wall::{Direction, Wall};
-use crate::{Outcome, RangeInput, RangeModel, RangeSensor, Refusal, Sample, Slam, StepReport};
+use crate::{Increment, Outcome, RangeInput, RangeModel, RangeSensor, Refusal, Sample, Slam, StepReport};
 
 /// Walls that one beam is held against: beyond its end a wall may go on or not, and at a corner two may.
 const MAX_CANDIDATES: usize = 4;
@@ -72,6 +73,12 @@ impl Hypothesis {
     }
 }
 
+/// How much a motion in the robot's frame changes the range, metres.
+fn change_m(prediction: &Prediction, (sin, cos): (f32, f32), i: Increment) -> f32 {
+    let moved = [cos * i.forward_m - sin * i.left_m, sin * i.forward_m + cos * i.left_m];
+    prediction.by_position[0] * moved[0] + prediction.by_position[1] * moved[1] + prediction.by_heading * i.turn_rad
+}
+
 /// Whether the sensor can see the wall that it is said to have seen.
 fn check_limits(limits: &RangeSensor, min_cos: f32, met: &Hypothesis) -> Result<(), Refusal> {
     if met.candidate.cos_incidence < min_cos {
@@ -130,18 +137,27 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         Outcome::Refused(refusal)
     }
 
+    /// The state that is the age of this sensor's readings, if it reports metres and that is estimated.
+    pub(crate) fn latency_of(&self, sensor: usize) -> Option<usize> {
+        let reports_metres = matches!(self.rig.sensors.get(sensor)?.model, RangeModel::Metric { .. });
+        self.layout.latency.filter(|_| reports_metres)
+    }
+
     /// The mount as it was when the reading was made: an analogue sensor's is half a hold old when it comes out, and has
-    /// been held for half a sampling period, or hold, on average.
+    /// been held for half a sampling period, or hold, on average. How old one in metres is, is estimated.
     pub(crate) fn mount_then(&self, sensor: usize) -> FixedMount {
         let mount = self.mounts.get(sensor).copied().unwrap_or_else(|| FixedMount::new(&Default::default()));
+        let lagging =
+            |ratio: f32, i: Increment| mount.lagging([ratio * i.forward_m, ratio * i.left_m], ratio * i.turn_rad);
+        if let Some(latency) = self.latency_of(sensor) {
+            return lagging(self.ekf.mean(latency), self.pace);
+        }
         let holds = self.rig.sensors.get(sensor).is_some_and(|s| matches!(s.model, RangeModel::Sharp { .. }));
         if !holds || self.dt_s <= 0.0 {
             return mount;
         }
         let age_s = 0.5 * (SHARP_HOLD_S + self.dt_s.min(SHARP_HOLD_S));
-        let i = self.last_step.increment;
-        let ratio = age_s / self.dt_s;
-        mount.lagging([ratio * i.forward_m, ratio * i.left_m], ratio * i.turn_rad)
+        lagging(age_s / self.dt_s, self.last_step.increment)
     }
 
     fn position(&self) -> [f32; 2] {
@@ -199,7 +215,8 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         heading: (f32, f32),
         beyond_m: f32,
     ) -> Option<Hypothesis> {
-        let within_m = 1.5 * self.rig.sensors.get(sensor)?.max_m;
+        let limits = self.rig.sensors.get(sensor)?;
+        let within_m = 1.5 * limits.max_m;
         let grid = GridDirection::of(&self.ekf);
         let candidate = first_met(&self.ekf, &grid, self.map.walls(), beam, beyond_m, within_m)?;
         let wall = self.map.walls().get(candidate.index)?;
@@ -207,7 +224,11 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         let prediction = beam.predict(&candidate.line);
         let predicted_m = gain * prediction.range_m;
         let innovation = reading.innovation(predicted_m);
-        let jacobian = self.jacobian(sensor, gain, wall, &self.linearise(wall, &candidate.line, &prediction));
+        let mut jacobian = self.jacobian(sensor, gain, wall, &self.linearise(wall, &candidate.line, &prediction));
+        if let Some(latency) = self.latency_of(sensor) {
+            // What is older shows less of the change. The capacity is more than twice what a measurement has.
+            let _ = jacobian.push((latency, -gain * change_m(&prediction, heading, self.pace)));
+        }
         // What stands out of a wall's plane is met so much earlier along a slanting beam.
         let relief_m = self.config.relief_m / candidate.cos_incidence;
         let surface_m2 = SURFACE_M * SURFACE_M + relief_m * relief_m;
@@ -224,6 +245,14 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         let variance_m2 = known_m2 + noise_m2;
         let innovation_m = innovation.value_m;
         let square_m2 = innovation_m * innovation_m;
+        let fits_m2 = known_m2 + own_m2;
+        let span_m = limits.max_m - limits.min_m;
+        let (is_likelier, noise_m2) = if self.config.clutter {
+            let odds = clutter::odds(innovation_m, variance_m2, span_m);
+            (clutter::odds(innovation_m, fits_m2, span_m) >= 1.0, clutter::noise_m2(noise_m2, variance_m2, odds))
+        } else {
+            (true, noise_m2)
+        };
         Some(Hypothesis {
             wall: wall.id,
             candidate,
@@ -234,7 +263,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             noise_m2,
             variance_m2,
             at_end,
-            explains: square_m2 <= gate * (known_m2 + own_m2),
+            explains: is_likelier && square_m2 <= gate * fits_m2,
             nearly: at_end && is_analogue && square_m2 <= self.config.gate * variance_m2,
         })
     }
@@ -285,13 +314,8 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
     }
 
     /// Variance of a reading from not knowing when it was made, m^2.
-    fn timing_variance(&self, sensor: usize, prediction: &Prediction, (sin, cos): (f32, f32)) -> f32 {
-        let i = self.last_step.increment;
-        let moved = [cos * i.forward_m - sin * i.left_m, sin * i.forward_m + cos * i.left_m];
-        let change_m = prediction.by_position[0] * moved[0]
-            + prediction.by_position[1] * moved[1]
-            + prediction.by_heading * i.turn_rad;
-        let spread_m = change_m * self.timing_share(sensor);
+    fn timing_variance(&self, sensor: usize, prediction: &Prediction, heading: (f32, f32)) -> f32 {
+        let spread_m = change_m(prediction, heading, self.last_step.increment) * self.timing_share(sensor);
         spread_m * spread_m
     }
 

@@ -14,10 +14,13 @@ use crate::repeats::Repeats;
 use crate::report::ReadingReport;
 use crate::verdict::Doubts;
 use crate::{
-    Clustering, Config, Counters, DriveModel, Linearisation, MapFrame, Pose, Rig, RigError, Sample, StepReport,
-    WallPolicy,
+    Clustering, Config, Counters, DriveModel, Increment, Linearisation, MapFrame, Pose, Rig, RigError, Sample,
+    StepReport, WallPolicy,
 };
 use heapless::Vec;
+
+/// What a late reading saw of the robot's motion is an average over this time, seconds: as long as readings may be late.
+const PACE_S: f32 = 0.2;
 
 /// The estimator as it runs on the robot: 8 range sensors, 64 walls, 128 buffered outliers, 80 states.
 pub type RobotSlam = Slam<8, 64, 128, 10, 480>;
@@ -41,6 +44,8 @@ pub struct Slam<const S: usize, const W: usize, const B: usize, const NB: usize,
     pub(crate) time_us: Option<u64>,
     pub(crate) last_step: Step,
     pub(crate) dt_s: f32,
+    /// Motion in the robot's frame, per second, over the last [`PACE_S`].
+    pub(crate) pace: Increment,
     pub(crate) nominal: Pose,
     pub(crate) odometry: Odometry,
     pub(crate) map: Map<W>,
@@ -82,8 +87,11 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             repeats: false,
             relief_m: 0.0,
             frame: MapFrame::Start,
+            clutter: false,
+            calibrate_latency: false,
+            slip: false,
         },
-        layout: Layout { first_scale: None, second_scale: None, track: None, gains: [None; S] },
+        layout: Layout { first_scale: None, second_scale: None, track: None, gains: [None; S], latency: None },
         mounts: [FixedMount::NONE; S],
         min_cos: [0.0; S],
         front_ends: [FrontEnd::NEW; S],
@@ -93,6 +101,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         time_us: None,
         last_step: Step::STILL,
         dt_s: 0.0,
+        pace: Increment { forward_m: 0.0, left_m: 0.0, turn_rad: 0.0 },
         nominal: Pose::ORIGIN,
         odometry: Odometry::START,
         map: Map::EMPTY,
@@ -122,15 +131,15 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
     /// # Errors
     /// A value of the rig that cannot be; nothing is changed then.
     pub fn start(&mut self, rig: Rig<S>, config: Config) -> Result<(), RigError> {
-        const { assert!(S <= 16 && B <= 255 && 4 + 3 + S <= 8 * NB, "S <= 16, B <= 255, room for the calibration") };
+        const { assert!(S <= 16 && B <= 255 && 4 + 3 + S < 8 * NB, "S <= 16, B <= 255, room for the calibration") };
         rig.validate()?;
         self.ekf.clear();
         for variance in motion::start_variance(&rig.drive).into_iter().chain([0.0]) {
             self.ekf.augment(0.0, &Jacobian::new(), variance);
         }
         let ekf = &mut self.ekf;
-        self.layout = Layout::new(&rig, &config, |sigma| {
-            ekf.augment(1.0, &Jacobian::new(), sigma * sigma);
+        self.layout = Layout::new(&rig, &config, |mean, sigma| {
+            ekf.augment(mean, &Jacobian::new(), sigma * sigma);
         });
         for ((mount, min_cos), sensor) in self.mounts.iter_mut().zip(&mut self.min_cos).zip(&rig.sensors) {
             *mount = FixedMount::new(&sensor.mount);
@@ -144,6 +153,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         self.time_us = None;
         self.last_step = Step::STILL;
         self.dt_s = 0.0;
+        self.pace = Increment::default();
         self.nominal = Pose::ORIGIN;
         self.odometry = Odometry::START;
         self.map.clear();
@@ -188,7 +198,11 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         }
         let factors = self.factors();
         let step = match &travel {
-            Some(travel) => motion::step(&self.rig.drive, travel, &factors),
+            Some(travel) => {
+                let step = motion::step(&self.rig.drive, travel, &factors);
+                let slips = self.config.slip && matches!(self.rig.drive, DriveModel::Odometry { .. });
+                if slips { step.slipping() } else { step }
+            }
             None => {
                 self.counters.bad_motion = self.counters.bad_motion.saturating_add(1);
                 self.last_step.lost()
@@ -201,10 +215,24 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         self.ekf.predict([pose.x_m, pose.y_m, pose.theta_rad], &jacobian, &noise);
         self.odometry.advance(&step);
         self.last_step = step;
+        self.keep_pace();
         let Some(travel) = travel else { return };
         let known = Factor { value: 1.0, state: None };
         let nominal = motion::step(&self.rig.drive, &travel, &Factors { first: known, second: known, track: known });
         self.nominal = nominal.applied_to(&self.nominal);
+    }
+
+    /// The noise of one short step's odometry is a good part of the step: taken for motion that late readings should show,
+    /// and do not, it would make the filter sure that none is late.
+    fn keep_pace(&mut self) {
+        if self.dt_s <= 0.0 {
+            return;
+        }
+        let (weight, i) = ((self.dt_s / PACE_S).min(1.0), self.last_step.increment);
+        let follow = |pace: &mut f32, moved: f32| *pace += weight * (moved / self.dt_s - *pace);
+        follow(&mut self.pace.forward_m, i.forward_m);
+        follow(&mut self.pace.left_m, i.left_m);
+        follow(&mut self.pace.turn_rad, i.turn_rad);
     }
 
     fn factors(&self) -> Factors {

@@ -129,6 +129,11 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             .filter_map(|(parameter, state)| state.map(|i| (parameter, self.ekf.mean(i), self.sigma(i))))
     }
 
+    /// How late the readings that come in metres are, and its 1-sigma, seconds; none where it is not estimated.
+    pub fn latency(&self) -> Option<(f32, f32)> {
+        self.layout.latency.map(|i| (self.ekf.mean(i), self.sigma(i)))
+    }
+
     /// Counts of everything used and refused.
     pub fn counters(&self) -> &Counters {
         &self.counters

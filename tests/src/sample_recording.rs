@@ -256,6 +256,7 @@ fn figures(seconds: f64, walls: usize) -> Figures {
         nis_before_gate: Some(1.9),
         median_nis_before_gate: Some(0.47),
         nis_associated: Some(1.1),
+        latency_s: None,
         outside_gate: Some(0.03),
         estimate: Some(estimate),
         odometry: Some(odometry),

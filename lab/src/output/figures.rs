@@ -39,6 +39,7 @@ pub fn summary(recording: &Recording, origin: &Origin) -> Value {
     let start = recording.start();
     put("start", json!([start.x_m, start.y_m, start.theta_rad]));
     put("updates", json!(figures.updates));
+    put("latency_s", json!(figures.latency_s.map(|(value, sigma)| [value, sigma])));
     put("outliers", json!(figures.outliers));
     put("mean_nis", json!(figures.mean_nis));
     put("nis_before_gate", json!(figures.nis_before_gate));

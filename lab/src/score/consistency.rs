@@ -1,15 +1,15 @@
 //! How well a map agrees with itself: scores that need no truth.
 //!
-//! Every reading's end point is projected with the pose of one path, the estimate's or dead reckoning's. Where the path is
+//! Every reading's end point is taken as the estimator reports it, and as dead reckoning places it. Where the path is
 //! right, points of one wall fall on one line, however often the robot came by.
 
-use super::hits::project;
+use super::hits;
 use super::{entropy, passes, surfels};
 use crate::recording::{Consistency, Recording, SeenWall};
 
 /// Scores the record's map against itself; none where there are no readings.
 pub fn score(recording: &Recording) -> Option<Consistency> {
-    let (estimate, odometry) = (project(recording, |step| step.pose), project(recording, |step| step.dead_reckoning));
+    let (estimate, odometry) = (hits::by_estimate(recording), hits::by_dead_reckoning(recording));
     let (entropy_nats, odometry_entropy_nats) = (entropy::mean_nats(&estimate)?, entropy::mean_nats(&odometry)?);
     let walls = passes::walls_seen(recording);
     let seen_again = || walls.iter().filter(|wall| wall.gap_m.is_some());

@@ -1,6 +1,7 @@
 //! Where beams ended, by one path or another.
 
-use crate::recording::{Pose2, Recording, Step};
+use crate::recording::{Pose2, Recording, SensorInfo, Step};
+use slam_core::ReadingReport;
 
 /// One reading's end point.
 #[derive(Clone, Copy, Debug)]
@@ -13,15 +14,33 @@ pub struct Hit {
     pub direction: [f64; 2],
 }
 
-/// Every reading with a range, projected with the poses of `path`; the order is the same for every path.
-pub fn project(recording: &Recording, path: fn(&Step) -> Pose2) -> Vec<Hit> {
+/// Every reading with a range, where the estimator says that it ended: from where the robot was when it was made. In the
+/// order of [`by_dead_reckoning`].
+pub fn by_estimate(recording: &Recording) -> Vec<Hit> {
+    project(recording, |step| step.pose, |reading| reading.hit_m)
+}
+
+/// The same ranges, projected with the dead-reckoned poses of the moment they came in.
+pub fn by_dead_reckoning(recording: &Recording) -> Vec<Hit> {
+    project(recording, |step| step.dead_reckoning, |_| None)
+}
+
+/// Projected with the poses of `path`, where the reading itself does not say where it ended.
+fn project(
+    recording: &Recording,
+    path: fn(&Step) -> Pose2,
+    reported: fn(&ReadingReport) -> Option<[f32; 2]>,
+) -> Vec<Hit> {
+    let along = |pose: &Pose2, sensor: &SensorInfo, range_m: f64| {
+        let (s, c) = sensor.bearing_rad.sin_cos();
+        pose.transform([sensor.x_m + range_m * c, sensor.y_m + range_m * s])
+    };
     let mut hits = Vec::new();
     for (step, entry) in recording.steps.iter().enumerate() {
         let pose = path(entry);
         for (sensor, reading) in recording.sensors.iter().zip(recording.readings(step)) {
             let Some(range_m) = reading.range_m.map(f64::from) else { continue };
-            let (s, c) = sensor.bearing_rad.sin_cos();
-            let at_m = pose.transform([sensor.x_m + range_m * c, sensor.y_m + range_m * s]);
+            let at_m = reported(reading).map_or_else(|| along(&pose, sensor, range_m), |hit| hit.map(f64::from));
             let (s, c) = (pose.theta_rad + sensor.bearing_rad).sin_cos();
             hits.push(Hit { step, at_m, direction: [c, s] });
         }

@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 
 use slam_core::WallView;
 
-use super::hits::{Hit, project};
+use super::hits::{Hit, by_dead_reckoning, by_estimate};
 use super::map::segment_of;
 use crate::recording::{Pose2, Recording, SeenWall, Segment, Visit};
 
@@ -42,8 +42,7 @@ const VISIT_POINTS: usize = 5;
 
 /// Every wall of the final map that readings met, in the order of the map.
 pub fn walls_seen(recording: &Recording) -> Vec<SeenWall> {
-    let estimate = project(recording, |step| step.pose);
-    let odometry = project(recording, |step| step.dead_reckoning);
+    let (estimate, odometry) = (by_estimate(recording), by_dead_reckoning(recording));
     let faces: Vec<Face> = recording.walls().iter().filter_map(Face::of).collect();
     let points = points_of(&faces, &estimate);
     let judge = |(face, points): (&Face, Vec<Point>)| Judge { recording, face, odometry: &odometry }.judge(&points);

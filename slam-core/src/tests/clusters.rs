@@ -134,7 +134,7 @@ fn a_sensor_s_cluster_is_its_own_and_what_lies_on_its_line() {
             [(Clustering::BySensor, 0), (Clustering::BySensor, 1), (Clustering::Dbscan, 0), (Clustering::Dbscan, 1)]
         {
             // The newest points may by chance lie off a line: then a later one will tell.
-            let Some((members, line)) = newest_line(&buffer, sensor, clustering, 0.05) else { continue };
+            let Some((members, line)) = newest_line(&buffer, sensor, clustering, 0.05, 0.0) else { continue };
             let of: Vec<u8> = buffer.iter().zip(&members).filter(|(_, m)| **m).map(|(p, _)| p.sensor).collect();
             assert!(of.iter().all(|s| *s == sensor), "{clustering:?}");
             assert_eq!(line.count as usize, of.len());
@@ -173,7 +173,7 @@ fn a_cluster_around_a_corner_is_split_at_the_corner() {
         let (mut found, mut slanted) = (0, 0);
         for round in 0..660 {
             let buffer = corner(&mut random, 25, 8 + round % 22);
-            let Some((members, line)) = newest_line(&buffer, 0, clustering, 0.03) else { continue };
+            let Some((members, line)) = newest_line(&buffer, 0, clustering, 0.03, 0.0) else { continue };
             if !line.is_straight() || line.length_m() < 0.5 {
                 continue;
             }
@@ -199,7 +199,7 @@ fn scattered_points_are_no_line() {
             buffer.push(hit(0, [random.uniform(0.0, 1.0), random.uniform(0.0, 1.0)], UP));
         }
         for clustering in [Clustering::BySensor, Clustering::Dbscan] {
-            lines += usize::from(newest_line(&buffer, 0, clustering, 0.05).is_some());
+            lines += usize::from(newest_line(&buffer, 0, clustering, 0.05, 0.0).is_some());
         }
     }
     // Five points within the noise of a line, by chance.
@@ -212,8 +212,8 @@ fn too_few_points_and_unknown_sensors_are_no_line() {
     for i in 0..4 {
         buffer.push(hit(0, [0.05 * f64::from(i), 1.0], UP));
         for clustering in [Clustering::BySensor, Clustering::Dbscan] {
-            assert!(newest_line(&buffer, 0, clustering, 0.05).is_none());
-            assert!(newest_line(&buffer, 1, clustering, 0.05).is_none());
+            assert!(newest_line(&buffer, 0, clustering, 0.05, 0.0).is_none());
+            assert!(newest_line(&buffer, 1, clustering, 0.05, 0.0).is_none());
         }
     }
 }
@@ -224,7 +224,7 @@ fn a_sparse_run_without_a_miss_is_one_line() {
     for step in 0..12 {
         buffer.push(Outlier { step, ..hit(0, [0.5 * f64::from(step), 1.0], UP) });
     }
-    let (_, line) = newest_line(&buffer, 0, Clustering::BySensor, 0.04).unwrap();
+    let (_, line) = newest_line(&buffer, 0, Clustering::BySensor, 0.04, 0.0).unwrap();
     assert!((line.length_m() - 11.0 * 0.5).abs() < 1e-3);
 }
 
@@ -238,7 +238,7 @@ fn a_gap_as_wide_as_a_door_ends_a_line() {
         buffer.push(Outlier { step, ..hit(0, [0.04 * f64::from(i) + gap_m, 1.0], UP) });
     }
     for clustering in [Clustering::BySensor, Clustering::Dbscan] {
-        let (members, line) = newest_line(&buffer, 0, clustering, 0.04).unwrap();
+        let (members, line) = newest_line(&buffer, 0, clustering, 0.04, 0.0).unwrap();
         let first = members.iter().take(15).filter(|m| **m).count();
         assert_eq!(first, 0, "{clustering:?}");
         assert!((line.length_m() - 14.0 * 0.04).abs() < 1e-4);

@@ -6,6 +6,7 @@ mod beams;
 mod births;
 mod buffers;
 mod clusters;
+mod clutter;
 mod covariances;
 mod filter;
 mod frames;

@@ -4,7 +4,7 @@ use super::numeric::{arc, derivative};
 use super::oracle::{Matrix, sandwich};
 use super::random::Random;
 use crate::angle::sin_cos;
-use crate::motion::{Encoders, Factor, Factors, Travel, step};
+use crate::motion::{Encoders, Factor, Factors, Step, Travel, step};
 use crate::{DriveModel, Increment, Motion, Pose, Ticks};
 
 const TRACK_M: f64 = 0.235;
@@ -184,4 +184,20 @@ fn a_motion_of_the_wrong_kind_or_not_a_number_is_no_motion() {
         assert!(encoders.travel(&ODOMETRY, &increment(0.0, 0.0, bad), 0.04).is_none(), "turn {bad}");
     }
     assert!(encoders.travel(&ODOMETRY, &increment(0.1, -0.1, 0.3), 0.04).is_some());
+}
+
+#[test]
+fn a_slipping_robot_knows_less_of_its_place_and_as_much_of_its_heading() {
+    let known = Factor { value: 1.0, state: None };
+    let factors = Factors { first: known, second: known, track: known };
+    let travel = Travel::Body(Increment { forward_m: 0.03, left_m: 0.04, turn_rad: -0.2 });
+    let stated = step(&ODOMETRY, &travel, &factors);
+    let slipping = stated.slipping();
+    // Four times 4e-4 m^2 per metre, and 2e-3 m^2 per radian.
+    let expected = 4.0 * 4e-4 * 0.05 + 2e-3 * 0.2;
+    for axis in 0..2 {
+        assert!((slipping.noise[axis][axis] - expected).abs() < 1e-9, "{}", slipping.noise[axis][axis]);
+    }
+    assert_eq!((slipping.noise[2], slipping.noise[0][1]), (stated.noise[2], 0.0));
+    assert_eq!(Step::default().slipping().noise, [[0.0; 3]; 3], "who stands still slips nowhere");
 }

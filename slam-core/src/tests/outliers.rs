@@ -8,6 +8,7 @@ pub const OUTLIER: Outlier = Outlier {
     hit_m: [0.0; 2],
     direction: [1.0, 0.0],
     by_factor: [[0.0; 2]; 3],
+    by_latency: [0.0; 2],
     range_m: 1.0,
     sigma_m: 0.01,
     step: 0,

@@ -298,3 +298,30 @@ fn noise_that_is_new_each_time_is_found_to_be() {
     let share = slam.repeats.share();
     assert!(share < 0.08, "{share} of it is the surface's");
 }
+
+/// The latency that is found for readings of [`Truth`] that come in `steps` steps late, and its 1-sigma, seconds.
+fn found_latency(seed: u64, steps: usize) -> (f32, f32) {
+    let rig = rig();
+    let config = Config { calibrate_latency: true, ..Config::default() };
+    let mut truth = Truth::new(seed);
+    let mut slam = RobotSlam::new(rig.clone(), config).unwrap();
+    let mut late = vec![[RangeInput::Missing; 8]; steps + 1];
+    for number in 0..4000 {
+        let mut sample = truth.step(&rig, number);
+        late.rotate_right(1);
+        late[0] = sample.ranges;
+        sample.ranges = late[steps];
+        slam.step(&sample);
+    }
+    slam.latency().unwrap()
+}
+
+/// To 20 ms: half a step, in which this robot moves by 5 mm.
+#[test]
+fn the_age_of_readings_is_found() {
+    for (seed, steps) in [(6, 2), (7, 0), (8, 1)] {
+        let (latency_s, sigma_s) = found_latency(seed, steps);
+        assert!(sigma_s < 0.005, "{sigma_s} s");
+        assert!((latency_s - 0.04 * steps as f32).abs() < 0.02, "{latency_s} s, not {steps} steps of 40 ms");
+    }
+}

@@ -176,6 +176,37 @@ fn a_newborn_twin_only_prolongs_the_wall() {
     assert_eq!((ekf.mean(wall.rho), ekf.covariance(wall.rho, wall.rho)), (2.0, 1e-4));
 }
 
+/// Two free walls 2 m long whose places are known to 10 cm and whose directions to one degree.
+fn two_free_walls(ekf: &mut Filter, rho_m: f32, theta_rad: f32) -> Map<CAPACITY> {
+    let mut map = Map::<CAPACITY>::default();
+    for (rho_m, theta_rad) in [(2.0, 0.0), (rho_m, theta_rad)] {
+        let rho = ekf.augment(rho_m, &Jacobian::new(), 0.5e-2).unwrap();
+        let theta = ekf.augment(theta_rad, &Jacobian::new(), 1.5e-4).unwrap();
+        map.add(rho, Direction::Free(theta), (-1.0, 1.0), 20, 0.0);
+    }
+    map
+}
+
+/// At either end the two are 11 cm apart, hardly more than is known of their places. But to one side at one end and to the
+/// other at the other they cannot be.
+#[test]
+fn walls_askew_to_one_another_stay_two() {
+    let mut ekf = filter(&mut Random::new(8));
+    let mut map = two_free_walls(&mut ekf, 2.0, 0.11);
+    assert!(!map.merge(&mut ekf, 0, false) && !map.merge(&mut ekf, 1, false));
+}
+
+/// Once they are one at one end they are nearly so at the other: said twice, it would turn them.
+#[test]
+fn merging_walls_side_by_side_turns_neither() {
+    let mut ekf = filter(&mut Random::new(9));
+    let mut map = two_free_walls(&mut ekf, 2.2, 0.0);
+    assert!(map.merge(&mut ekf, 0, false));
+    let line = map.walls()[0].line(&ekf, &GridDirection::of(&ekf));
+    assert!(line.beta_rad.abs() < 1e-4, "turned by {} rad", line.beta_rad);
+    assert!((line.rho_m - 2.1).abs() < 2e-3, "moved to {} m", line.rho_m);
+}
+
 #[test]
 fn opposite_faces_of_a_partition_stay_two_walls() {
     let mut random = Random::new(5);

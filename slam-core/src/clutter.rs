@@ -1,0 +1,21 @@
+//! Whether a reading that fits a wall is the wall's.
+//!
+//! A filter that knows little of where it is would take anything for the wall: a gate of so many of its standard deviations
+//! is then as wide as a room, and one wrong reading makes it sure of a wrong pose. But the wider the gate, the likelier is
+//! it that something else stands in it. So what counts is which is likelier: that the wall was met, or anything else within
+//! the sensor's span, either as probable as the other beforehand. And a reading counts by the probability that it is the
+//! wall's (Bar-Shalom and Tse 1975, probabilistic data association with one reading).
+
+/// Odds that a reading is the wall's: the normal density of its innovation against the uniform one of what else may stand in
+/// the sensor's span.
+pub fn odds(innovation_m: f32, variance_m2: f32, span_m: f32) -> f32 {
+    const INVERSE_SQRT_TAU: f32 = 0.398_942_3; // 1 / sqrt(2 pi)
+    let square = innovation_m * innovation_m / variance_m2;
+    INVERSE_SQRT_TAU * span_m / libm::sqrtf(variance_m2) * libm::expf(-0.5 * square)
+}
+
+/// Noise with which an update with these odds has as much gain as its probability is worth, p = odds / (1 + odds):
+/// `known / (known + noise + variance / odds)` is `p known / variance` for `variance = known + noise`.
+pub fn noise_m2(noise_m2: f32, variance_m2: f32, odds: f32) -> f32 {
+    noise_m2 + variance_m2 / odds
+}
