@@ -50,6 +50,8 @@ struct Hypothesis {
     noise_m2: f32,
     /// Innovation variance, m^2.
     variance_m2: f32,
+    /// What else may be met, metres of the beam.
+    span_m: f32,
     /// So near the wall's end, or past it, that another surface is possible.
     at_end: bool,
     /// Inside the gate.
@@ -187,7 +189,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
                         return Err(Refusal::Ambiguous);
                     }
                 }
-                let noise_m2 = met.noise_m2 * self.repeated(sensor, reading, met);
+                let noise_m2 = self.weighed(met) * self.repeated(sensor, reading, met);
                 self.ekf.update(met.innovation_m, &met.jacobian, noise_m2).map_err(|_| Refusal::Degenerate)?;
                 self.counters.updates = self.counters.updates.saturating_add(1);
                 self.map.met(met.candidate.index, met.candidate.along_m, self.odometry.path_m);
@@ -247,12 +249,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         let square_m2 = innovation_m * innovation_m;
         let fits_m2 = known_m2 + own_m2;
         let span_m = limits.max_m - limits.min_m;
-        let (is_likelier, noise_m2) = if self.config.clutter {
-            let odds = clutter::odds(innovation_m, variance_m2, span_m);
-            (clutter::odds(innovation_m, fits_m2, span_m) >= 1.0, clutter::noise_m2(noise_m2, variance_m2, odds))
-        } else {
-            (true, noise_m2)
-        };
+        let likelier = !self.config.clutter || clutter::odds(innovation_m, fits_m2, span_m) >= 1.0;
         Some(Hypothesis {
             wall: wall.id,
             candidate,
@@ -262,10 +259,20 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             jacobian,
             noise_m2,
             variance_m2,
+            span_m,
             at_end,
-            explains: is_likelier && square_m2 <= gate * fits_m2,
+            explains: likelier && square_m2 <= gate * fits_m2,
             nearly: at_end && is_analogue && square_m2 <= self.config.gate * variance_m2,
         })
+    }
+
+    /// The noise of a reading that may yet be of something else.
+    fn weighed(&self, met: &Hypothesis) -> f32 {
+        if !self.config.clutter {
+            return met.noise_m2;
+        }
+        let odds = clutter::odds(met.innovation_m, met.variance_m2, met.span_m);
+        clutter::noise_m2(met.noise_m2, met.variance_m2, odds)
     }
 
     /// Of how many readings this is one that say the same; it is taken note of.

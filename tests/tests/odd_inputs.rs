@@ -111,6 +111,7 @@ fn config() -> impl Strategy<Value = Config> {
     let walls = [
         WallPolicy::Free,
         WallPolicy::Grid,
+        WallPolicy::NearGrid,
         WallPolicy::Snapped { theta_moves: false },
         WallPolicy::Snapped { theta_moves: true },
     ];
@@ -122,7 +123,8 @@ fn config() -> impl Strategy<Value = Config> {
             calibrate_gains: calibrate,
             calibrate_scales: calibrate,
             calibrate_track: !calibrate,
-            ..Config::default()
+            // What belongs to real rooms otherwise comes with walls near the grid.
+            ..if walls == WallPolicy::NearGrid { Config::real_rooms() } else { Config::default() }
         },
     )
 }

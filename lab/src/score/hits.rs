@@ -47,3 +47,22 @@ fn project(
     }
     hits
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_estimate_s_hits_are_where_it_says_and_dead_reckoning_s_where_the_beam_points() {
+        let reading = |hit_m| ReadingReport { range_m: Some(2.0), hit_m, ..ReadingReport::default() };
+        let recording = Recording {
+            sensors: vec![SensorInfo { x_m: 0.1, ..SensorInfo::default() }; 3],
+            steps: vec![Step { pose: Pose2 { x_m: 1.0, ..Pose2::default() }, ..Step::default() }],
+            readings: vec![reading(Some([3.0, 0.25])), ReadingReport::default(), reading(None)],
+            ..Recording::default()
+        };
+        let places = |hits: Vec<Hit>| hits.iter().map(|hit| hit.at_m).collect::<Vec<_>>();
+        assert_eq!(places(by_estimate(&recording)), [[3.0, 0.25], [3.1, 0.0]]);
+        assert_eq!(places(by_dead_reckoning(&recording)), [[2.1, 0.0], [2.1, 0.0]]);
+    }
+}
