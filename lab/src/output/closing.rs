@@ -99,5 +99,9 @@ fn write_calibration(text: &mut String, recording: &Recording) -> std::fmt::Resu
         let truth = parameter.truth.map_or("-".to_owned(), |truth| format!("{truth:.4}"));
         writeln!(text, "  {:<34}{estimate:>12.4}{sigma:>10.4}{truth:>10}", parameter.name)?;
     }
+    if let Some((latency_s, sigma_s)) = recording.figures.latency_s {
+        let [found, sigma] = [latency_s, sigma_s].map(|seconds| format!("{:.1} ms", 1e3 * seconds));
+        writeln!(text, "  {:<34}{found:>12}{sigma:>10}{:>10}", "latency", "-")?;
+    }
     Ok(())
 }
