@@ -266,18 +266,21 @@ impl Tie {
             let (_, halfway) = apart((wall, line), (other, &other_line), 0.5 * (a + b));
             let mean_m2 = ekf.variance(&halfway) + 0.5 * FLUSH_M * FLUSH_M;
             let covariance_m2 = 2.0 * mean_m2 - 0.5 * (first_m2 + second_m2);
-            let gain = covariance_m2 / first_m2;
-            *second_m -= gain * *first_m;
-            let given_m2 = (second_m2 - gain * covariance_m2).max(FLUSH_M * FLUSH_M);
-            // Two walls askew to one another may differ little for what is known of them at either place, and yet not at
-            // both. Not a number, no merger.
-            let same = *first_m * *first_m / first_m2 + *second_m * *second_m / given_m2 <= JOINT_GATE;
-            if !same {
-                return None;
-            }
+            *second_m = second_if_first_is_zero([*first_m, *second_m], [first_m2, second_m2], covariance_m2)?;
         }
         Some(Self { differences, updates: other.updates, refound })
     }
+}
+
+/// What is left of the second of two differences once the first is zero; none where not both can be zero at once. Two walls
+/// askew to one another may differ little for what is known of them at either place, and yet not at both.
+fn second_if_first_is_zero([first_m, second_m]: [f32; 2], variances_m2: [f32; 2], covariance_m2: f32) -> Option<f32> {
+    let [first_m2, second_m2] = variances_m2;
+    let gain = covariance_m2 / first_m2;
+    let left_m = second_m - gain * first_m;
+    let left_m2 = (second_m2 - gain * covariance_m2).max(FLUSH_M * FLUSH_M);
+    // Not a number, no merger.
+    (first_m * first_m / first_m2 + left_m * left_m / left_m2 <= JOINT_GATE).then_some(left_m)
 }
 
 /// Distance of two lines from one another at a place along the first, metres, and its Jacobian.

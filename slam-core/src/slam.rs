@@ -225,7 +225,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
     /// The noise of one short step's odometry is a good part of the step: taken for motion that late readings should show,
     /// and do not, it would make the filter sure that none is late.
     fn keep_pace(&mut self) {
-        if self.dt_s <= 0.0 {
+        if self.layout.latency.is_none() || self.dt_s <= 0.0 {
             return;
         }
         let (weight, i) = ((self.dt_s / PACE_S).min(1.0), self.last_step.increment);
