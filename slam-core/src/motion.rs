@@ -208,13 +208,12 @@ fn wheel_step(track_m: f32, noise_m2_per_m: f32, left_m: f32, right_m: f32, fact
     }
 }
 
-/// Slips come in runs: over ten seconds they add up to so many times the variance that steps of a second or two have. In
-/// the dead reckoning of olsson-demo (docs/real-logs.md) it is two to three times more, and more than its rig states even
-/// over a second.
+/// Slips come in runs: over ten seconds they add up to so many times the variance that steps of a second have. From the dead
+/// reckoning of olsson-demo, held against a path on which all its passes agree (docs/real-logs.md).
 const SLIP_RUNS: f32 = 4.0;
 
-/// What a robot slides while it turns, m^2 of each axis per radian: a point of rotation that is four centimetres off. Also
-/// from olsson-demo, 1.4e-3 to 2.5e-3.
+/// What a robot slides while it turns, m^2 of each axis per radian: a point of rotation that is four centimetres off. From the
+/// same.
 const SLIP_M2_PER_RAD: f32 = 2e-3;
 
 impl Step {
