@@ -16,7 +16,7 @@ pub struct Part {
 }
 
 /// Every part.
-pub const PARTS: [Part; 12] = [
+pub const PARTS: [Part; 14] = [
     Part::new("grid", "every wall has a direction of its own", |config| config.walls = WallPolicy::Free),
     Part::new("gains", "the range sensors' gains are taken for exact", |config| config.calibrate_gains = false),
     Part::new("scales", "the drive's scales are taken for exact", |config| config.calibrate_scales = false),
@@ -35,6 +35,8 @@ pub const PARTS: [Part; 12] = [
     Part::new("clutter", "a reading inside a wall's gate is the wall's", |config| config.clutter = false),
     Part::new("latency", "readings that come in metres are of the moment", |config| config.calibrate_latency = false),
     Part::new("slip", "the rig states all the noise of motion", |config| config.slip = false),
+    Part::new("mean-travel", "scales multiply each step's odometry as it is", |config| config.mean_travel = false),
+    Part::new("levels", "the noise is as large as the rig states", |config| config.learn_noise = false),
 ];
 
 impl Part {

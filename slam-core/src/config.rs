@@ -85,6 +85,10 @@ pub struct Config {
     pub calibrate_latency: bool,
     /// Dead reckoning that comes as a pose slips in runs and in turns, beyond the noise that the rig states.
     pub slip: bool,
+    /// The scales of dead reckoning that comes as a pose multiply its mean over a second, which has less noise.
+    pub mean_travel: bool,
+    /// Learn from the innovations how large the noise is, where sensors report metres.
+    pub learn_noise: bool,
 }
 
 /// The relief of built walls, metres: door frames, skirting boards, panels. In the Freiburg offices a laser's readings lie
@@ -101,6 +105,8 @@ impl Config {
             clutter: true,
             calibrate_latency: true,
             slip: true,
+            mean_travel: true,
+            learn_noise: true,
             ..Self::default()
         }
     }
@@ -130,6 +136,8 @@ impl Default for Config {
             clutter: false,
             calibrate_latency: false,
             slip: false,
+            mean_travel: false,
+            learn_noise: false,
         }
     }
 }

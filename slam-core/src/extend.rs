@@ -59,21 +59,6 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         }
     }
 
-    /// Derivative of a hit in the odometry frame by the age of its reading, metres per second: the robot's motion, backwards.
-    fn by_latency(&self, sensor: usize, hit_m: [f32; 2]) -> [f32; 2] {
-        if self.latency_of(sensor).is_none() {
-            return [0.0; 2];
-        }
-        let (pose, i) = (self.odometry.pose, self.pace);
-        let (s, c) = sin_cos(pose.theta_rad);
-        let arm = [hit_m[0] - pose.x_m, hit_m[1] - pose.y_m];
-        let moved_m = [
-            c * i.forward_m - s * i.left_m - i.turn_rad * arm[1],
-            s * i.forward_m + c * i.left_m + i.turn_rad * arm[0],
-        ];
-        moved_m.map(|m| -m)
-    }
-
     /// Standard deviation of a hit across its beam from not knowing when an analogue reading was made, metres.
     fn sweep_m(&self, sensor: usize, range_m: f32) -> f32 {
         let i = self.last_step.increment;

@@ -9,8 +9,8 @@
 //! | layer | what it makes |
 //! |---|---|
 //! | [`sample`], [`rig`] | what was sensed, and what by |
-//! | motion, range | checked travel and readings, with their noise; what cannot be is refused here and counted |
-//! | beam, association, clutter, repeats, linearise, observe | which wall a reading came from, and what it should have been |
+//! | motion, pace, range | checked travel and readings, with their noise; what cannot be is refused here and counted |
+//! | beam, association, clutter, repeats, noise level, latency, linearise, observe | which wall a reading came from, and what it should have been |
 //! | [`ekf`], [`covariance`] | the state: predict, update, add, remove; knows nothing of robots and walls |
 //! | buffer, cluster, line fit, verdict, birth | new walls from the readings that fit none |
 //! | grid, map | the home's directions; walls merged and removed |
@@ -46,13 +46,16 @@ mod extend;
 mod frame;
 mod grid;
 mod jacobian;
+mod latency;
 mod layout;
 mod line_fit;
 mod linearise;
 mod map;
 mod motion;
+mod noise_level;
 mod observe;
 mod odometry;
+mod pace;
 pub mod pose;
 mod range;
 mod repeats;

@@ -164,13 +164,18 @@ pub fn step(drive: &DriveModel, travel: &Travel, factors: &Factors) -> Step {
                     left_m: distance * raw.left_m,
                     turn_rad: turn * raw.turn_rad,
                 },
-                by_factor: [[raw.forward_m, raw.left_m, 0.0], [0.0, 0.0, raw.turn_rad], [0.0; 3]],
+                by_factor: by_scales(raw),
                 noise: [[position, 0.0, 0.0], [0.0, position, 0.0], [0.0, 0.0, heading]],
                 path_m,
             }
         }
         _ => Step::default(),
     }
+}
+
+/// d(forward, left, turn) by the scales of distance and of turning, for this motion as the odometry says it.
+pub fn by_scales(raw: Increment) -> [[f32; 3]; 3] {
+    [[raw.forward_m, raw.left_m, 0.0], [0.0, 0.0, raw.turn_rad], [0.0; 3]]
 }
 
 fn wheel_step(track_m: f32, noise_m2_per_m: f32, left_m: f32, right_m: f32, factors: &Factors) -> Step {

@@ -8,6 +8,7 @@ use crate::config::WallPolicy;
 use crate::ekf::Jacobian;
 use crate::grid::GridDirection;
 use crate::layout::{ALPHA, THETA, X, Y};
+use crate::noise_level::Expected;
 use crate::range::{Noise, Reading, SHARP_HOLD_S, SURFACE_M};
 use crate::repeats::Hit;
 use crate::wall::{Direction, Wall};
@@ -47,6 +48,9 @@ struct Hypothesis {
     sensor_m2: f32,
     innovation_m: f32,
     jacobian: Jacobian,
+    /// Variance of the prediction, m^2.
+    known_m2: f32,
+    /// Variance of the noise with which the filter takes the reading, m^2.
     noise_m2: f32,
     /// Innovation variance, m^2.
     variance_m2: f32,
@@ -139,12 +143,6 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         Outcome::Refused(refusal)
     }
 
-    /// The state that is the age of this sensor's readings, if it reports metres and that is estimated.
-    pub(crate) fn latency_of(&self, sensor: usize) -> Option<usize> {
-        let reports_metres = matches!(self.rig.sensors.get(sensor)?.model, RangeModel::Metric { .. });
-        self.layout.latency.filter(|_| reports_metres)
-    }
-
     /// The mount as it was when the reading was made: an analogue sensor's is half a hold old when it comes out, and has
     /// been held for half a sampling period, or hold, on average. How old one in metres is, is estimated.
     pub(crate) fn mount_then(&self, sensor: usize) -> FixedMount {
@@ -152,7 +150,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         let lagging =
             |ratio: f32, i: Increment| mount.lagging([ratio * i.forward_m, ratio * i.left_m], ratio * i.turn_rad);
         if let Some(latency) = self.latency_of(sensor) {
-            return lagging(self.ekf.mean(latency), self.pace);
+            return lagging(1.0, self.pace.over(self.ekf.mean(latency)));
         }
         let holds = self.rig.sensors.get(sensor).is_some_and(|s| matches!(s.model, RangeModel::Sharp { .. }));
         if !holds || self.dt_s <= 0.0 {
@@ -179,6 +177,9 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         for _ in 0..MAX_CANDIDATES {
             let met = self.hypothesis(sensor, reading, &beam, heading, beyond_m);
             let Some(met) = &met else { break };
+            if beyond_m == 0.0 {
+                self.learn_noise(sensor, reading, met);
+            }
             beyond_m = met.beyond_m();
             if met.explains {
                 check_limits(&limits, min_cos, met)?;
@@ -229,7 +230,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         let mut jacobian = self.jacobian(sensor, gain, wall, &self.linearise(wall, &candidate.line, &prediction));
         if let Some(latency) = self.latency_of(sensor) {
             // What is older shows less of the change. The capacity is more than twice what a measurement has.
-            let _ = jacobian.push((latency, -gain * change_m(&prediction, heading, self.pace)));
+            let _ = jacobian.push((latency, -gain * change_m(&prediction, heading, self.pace.over(1.0))));
         }
         // What stands out of a wall's plane is met so much earlier along a slanting beam.
         let relief_m = self.config.relief_m / candidate.cos_incidence;
@@ -244,10 +245,11 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         let own_m2 = if is_analogue { white_m2 } else { noise_m2 };
         let gate = if at_end { self.config.gate.min(END_GATE) } else { self.config.gate };
         let known_m2 = self.ekf.variance(&jacobian);
-        let variance_m2 = known_m2 + noise_m2;
+        let level = self.levels.readings.factor();
+        let variance_m2 = known_m2 + level * noise_m2;
         let innovation_m = innovation.value_m;
         let square_m2 = innovation_m * innovation_m;
-        let fits_m2 = known_m2 + own_m2;
+        let fits_m2 = known_m2 + level * own_m2;
         let span_m = limits.max_m - limits.min_m;
         let likelier = !self.config.clutter || clutter::odds(innovation_m, fits_m2, span_m) >= 1.0;
         Some(Hypothesis {
@@ -257,6 +259,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             sensor_m2: innovation.noise_m2,
             innovation_m,
             jacobian,
+            known_m2,
             noise_m2,
             variance_m2,
             span_m,
@@ -272,7 +275,24 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             return met.noise_m2;
         }
         let odds = clutter::odds(met.innovation_m, met.variance_m2, met.span_m);
-        clutter::noise_m2(met.noise_m2, met.variance_m2, odds)
+        clutter::noise_m2(met.noise_m2, met.known_m2 + met.noise_m2, odds)
+    }
+
+    /// What the nearest wall's innovation says of the noise of readings and of motion, as far as the reading is its.
+    fn learn_noise(&mut self, sensor: usize, reading: &Reading, met: &Hypothesis) {
+        if !self.config.learn_noise || !matches!(reading.noise, Noise::Metres { .. }) {
+            return;
+        }
+        let odds = clutter::odds(met.innovation_m, met.variance_m2, met.span_m);
+        let alike = self.repeats.count(sensor, met.wall, met.candidate.along_m, self.counters.steps);
+        let [.., by_heading, _] = *met.jacobian.head();
+        let expected = Expected {
+            innovation_m: met.innovation_m,
+            variance_m2: met.variance_m2,
+            noise_m2: met.variance_m2 - met.known_m2,
+            heading_m2: by_heading * by_heading * self.ekf.covariance(THETA, THETA),
+        };
+        self.levels.note(&expected, odds / (1.0 + odds) / alike);
     }
 
     /// Of how many readings this is one that say the same; it is taken note of.

@@ -7,20 +7,23 @@ use crate::ekf::{Ekf, Jacobian};
 use crate::layout::{Layout, THETA};
 use crate::linearise::First;
 use crate::map::Map;
-use crate::motion::{self, Encoders, Factor, Factors, Step};
+use crate::motion::{self, Encoders, Factor, Factors, Step, Travel};
+use crate::noise_level::NoiseLevels;
 use crate::odometry::Odometry;
+use crate::pace::Pace;
 use crate::range::FrontEnd;
 use crate::repeats::Repeats;
 use crate::report::ReadingReport;
 use crate::verdict::Doubts;
 use crate::{
-    Clustering, Config, Counters, DriveModel, Increment, Linearisation, MapFrame, Pose, Rig, RigError, Sample,
-    StepReport, WallPolicy,
+    Clustering, Config, Counters, DriveModel, Linearisation, MapFrame, Pose, Rig, RigError, Sample, StepReport,
+    WallPolicy,
 };
 use heapless::Vec;
 
-/// What a late reading saw of the robot's motion is an average over this time, seconds: as long as readings may be late.
-const PACE_S: f32 = 0.2;
+/// What scales multiply is an average of the motion over this time, seconds: noise of a fifteenth of a step's square, ten
+/// times a second, then draws them down by a hundredth (tests/paces.rs).
+const TRAVEL_S: f32 = 1.0;
 
 /// The estimator as it runs on the robot: 8 range sensors, 64 walls, 128 buffered outliers, 80 states.
 pub type RobotSlam = Slam<8, 64, 128, 10, 480>;
@@ -44,8 +47,12 @@ pub struct Slam<const S: usize, const W: usize, const B: usize, const NB: usize,
     pub(crate) time_us: Option<u64>,
     pub(crate) last_step: Step,
     pub(crate) dt_s: f32,
-    /// Motion in the robot's frame, per second, over the last [`PACE_S`].
-    pub(crate) pace: Increment,
+    /// Time between two samples, as a rule, seconds.
+    pub(crate) typical_dt_s: f32,
+    /// Motion over the time that a reading may be late.
+    pub(crate) pace: Pace,
+    /// Motion as the odometry says it, before the scales.
+    pub(crate) travel: Pace,
     pub(crate) nominal: Pose,
     pub(crate) odometry: Odometry,
     pub(crate) map: Map<W>,
@@ -56,6 +63,7 @@ pub struct Slam<const S: usize, const W: usize, const B: usize, const NB: usize,
     pub(crate) last_clustered: usize,
     pub(crate) counters: Counters,
     pub(crate) repeats: Repeats<S>,
+    pub(crate) levels: NoiseLevels,
     pub(crate) doubts: Doubts,
     pub(crate) first: First,
     /// Where the robot started, in the map frame.
@@ -90,6 +98,8 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             clutter: false,
             calibrate_latency: false,
             slip: false,
+            mean_travel: false,
+            learn_noise: false,
         },
         layout: Layout { first_scale: None, second_scale: None, track: None, gains: [None; S], latency: None },
         mounts: [FixedMount::NONE; S],
@@ -101,7 +111,9 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         time_us: None,
         last_step: Step::STILL,
         dt_s: 0.0,
-        pace: Increment { forward_m: 0.0, left_m: 0.0, turn_rad: 0.0 },
+        typical_dt_s: 0.0,
+        pace: Pace::STILL,
+        travel: Pace::STILL,
         nominal: Pose::ORIGIN,
         odometry: Odometry::START,
         map: Map::EMPTY,
@@ -110,6 +122,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         last_clustered: 0,
         counters: Counters::ZERO,
         repeats: Repeats::NEW,
+        levels: NoiseLevels::STATED,
         doubts: Doubts::NONE,
         first: First::START,
         start: Pose::ORIGIN,
@@ -153,7 +166,9 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         self.time_us = None;
         self.last_step = Step::STILL;
         self.dt_s = 0.0;
-        self.pace = Increment::default();
+        self.typical_dt_s = 0.0;
+        self.pace = Pace::STILL;
+        self.travel = Pace::STILL;
         self.nominal = Pose::ORIGIN;
         self.odometry = Odometry::START;
         self.map.clear();
@@ -162,6 +177,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         self.last_clustered = 0;
         self.counters = Counters::ZERO;
         self.repeats = Repeats::NEW;
+        self.levels = NoiseLevels::STATED;
         self.doubts = Doubts::NONE;
         self.first = First::START;
         self.start = Pose::ORIGIN;
@@ -179,6 +195,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         self.predict(sample);
         self.observe(sample, &mut report);
         self.extend_map(&mut report);
+        self.settle_latency();
         self.ekf.set_mean(THETA, wrap(self.ekf.mean(THETA)));
         self.hold_frame();
         self.place_hits(&mut report);
@@ -198,18 +215,15 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         }
         let factors = self.factors();
         let step = match &travel {
-            Some(travel) => {
-                let step = motion::step(&self.rig.drive, travel, &factors);
-                let slips = self.config.slip && matches!(self.rig.drive, DriveModel::Odometry { .. });
-                if slips { step.slipping() } else { step }
-            }
+            Some(travel) => self.real_step(travel, &factors),
             None => {
                 self.counters.bad_motion = self.counters.bad_motion.saturating_add(1);
                 self.last_step.lost()
             }
         };
         let heading = sin_cos(self.ekf.mean(THETA));
-        let (mut jacobian, noise) = step.in_map(heading, &factors);
+        let noise = if self.config.learn_noise { self.levels.of_motion(&step.noise) } else { step.noise };
+        let (mut jacobian, noise) = Step { noise, ..step }.in_map(heading, &factors);
         let pose = step.applied_to(&self.pose_from_start());
         self.linearise_motion(&mut jacobian, pose);
         self.ekf.predict([pose.x_m, pose.y_m, pose.theta_rad], &jacobian, &noise);
@@ -222,17 +236,18 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         self.nominal = nominal.applied_to(&self.nominal);
     }
 
-    /// The noise of one short step's odometry is a good part of the step: taken for motion that late readings should show,
-    /// and do not, it would make the filter sure that none is late.
-    fn keep_pace(&mut self) {
-        if self.layout.latency.is_none() || self.dt_s <= 0.0 {
-            return;
+    /// The step that was travelled, as real floors and odometry make it.
+    fn real_step(&mut self, travel: &Travel, factors: &Factors) -> Step {
+        let mut step = motion::step(&self.rig.drive, travel, factors);
+        let Travel::Body(raw) = *travel else { return step };
+        if self.config.slip {
+            step = step.slipping();
         }
-        let (weight, i) = ((self.dt_s / PACE_S).min(1.0), self.last_step.increment);
-        let follow = |pace: &mut f32, moved: f32| *pace += weight * (moved / self.dt_s - *pace);
-        follow(&mut self.pace.forward_m, i.forward_m);
-        follow(&mut self.pace.left_m, i.left_m);
-        follow(&mut self.pace.turn_rad, i.turn_rad);
+        if self.config.mean_travel {
+            self.travel.follow(raw, self.dt_s, TRAVEL_S);
+            step.by_factor = motion::by_scales(self.travel.over(self.dt_s));
+        }
+        step
     }
 
     fn factors(&self) -> Factors {
