@@ -16,6 +16,7 @@ pub mod drive;
 pub mod error;
 pub mod experiment;
 pub mod hil;
+pub mod hindsight;
 pub mod log;
 pub mod monitor;
 pub mod output;

@@ -215,6 +215,17 @@ pub struct Figures {
     pub map: Option<MapScore>,
     /// The map against itself.
     pub consistency: Option<Consistency>,
+    /// The same scores of the path and the map as they look from the end, see [`crate::hindsight`].
+    pub looking_back: Option<LookingBack>,
+}
+
+/// Scores of a path and a map that were placed with the whole log at hand.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LookingBack {
+    /// The path against the truth.
+    pub estimate: Option<PathScore>,
+    /// The map against itself.
+    pub consistency: Option<Consistency>,
 }
 
 /// How well a map agrees with itself: scores that need no truth.

@@ -6,6 +6,7 @@ use serde_json::json;
 use slam_core::RigError;
 
 use crate::error::FileError;
+use crate::hindsight;
 use crate::log::truth::{self, Truth};
 use crate::log::{self, Rows};
 use crate::output::figures::Origin;
@@ -80,7 +81,8 @@ impl Replay {
             trace: self.trace,
             error: error.as_ref().map(ToString::to_string),
         };
-        output::finish(&folder, &recording, &origin)?;
+        let looking_back = hindsight::add(&mut recording, &robot.rig);
+        output::finish(&folder, &recording, looking_back.as_ref(), &origin)?;
         Ok(Replayed { recording, notes: rows.notes(), error })
     }
 

@@ -9,6 +9,7 @@ use slam_core::Config;
 
 use crate::drive::Drive;
 use crate::error::FileError;
+use crate::hindsight;
 use crate::log::writer;
 use crate::output::figures::Origin;
 use crate::output::folder::Folder;
@@ -117,7 +118,8 @@ impl Run {
         streams.close()?;
         let mut recording = drive.finish(session);
         recording.seed = Some(self.seed);
-        output::finish(&folder, &recording, &self.origin(rig_toml, config))?;
+        let looking_back = hindsight::add(&mut recording, &robot.rig);
+        output::finish(&folder, &recording, looking_back.as_ref(), &self.origin(rig_toml, config))?;
         Ok(recording)
     }
 

@@ -257,6 +257,7 @@ fn figures(seconds: f64, walls: usize) -> Figures {
         median_nis_before_gate: Some(0.47),
         nis_associated: Some(1.1),
         latency_s: None,
+        looking_back: None,
         outside_gate: Some(0.03),
         estimate: Some(estimate),
         odometry: Some(odometry),

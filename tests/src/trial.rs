@@ -1,5 +1,6 @@
 //! A real log, read once and replayed in many ways.
 
+use lab::hindsight;
 use lab::log::truth::{self, Truth};
 use lab::log::{self, Row};
 use lab::recording::Recording;
@@ -68,6 +69,7 @@ impl LoadedLog {
         }
         let mut recording = session.finish();
         score::score(&mut recording, &times_s, self.truth.as_ref());
+        hindsight::add(&mut recording, &trial.robot(&self.robot).rig);
         recording
     }
 }

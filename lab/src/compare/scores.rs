@@ -52,11 +52,12 @@ pub struct Row {
 }
 
 const CONSISTENCY: &str = "map against itself";
+const BACK: &str = "looking back";
 const READINGS: &str = "readings";
 
 type Score = (&'static str, &'static str, &'static str, Unit, Better);
 
-const SCORES: [Score; 38] = [
+const SCORES: [Score; 45] = [
     ("log", "rows", "/rows", Unit::Count, Better::Neither),
     ("log", "path by dead reckoning", "/path_m", Unit::Metres, Better::Neither),
     (TRUTH, "position, best alignment (RMSE)", "/ate_m", Unit::Metres, Better::Less),
@@ -87,6 +88,13 @@ const SCORES: [Score; 38] = [
     (CONSISTENCY, "thickness of walls seen again (RMS)", "/consistency/thickness_m", Unit::Metres, Better::Less),
     (CONSISTENCY, "first visit to last (RMS)", "/consistency/closure_m", Unit::Metres, Better::Less),
     (CONSISTENCY, "  odometry's", "/consistency/odometry_closure_m", Unit::Metres, Better::Neither),
+    (BACK, "position, best alignment (RMSE)", "/looking_back/ate_m", Unit::Metres, Better::Less),
+    (BACK, "heading (RMSE)", "/looking_back/heading_deg", Unit::Degrees, Better::Less),
+    (BACK, "map entropy", "/looking_back/consistency/entropy_nats", Unit::Nats, Better::Less),
+    (BACK, "visits apart (median)", "/looking_back/consistency/surfels/median_m", Unit::Metres, Better::Less),
+    (BACK, "widest gap between two visits", "/looking_back/consistency/widest_gap_m", Unit::Metres, Better::Less),
+    (BACK, "mean gap", "/looking_back/consistency/mean_gap_m", Unit::Metres, Better::Less),
+    (BACK, "first visit to last (RMS)", "/looking_back/consistency/closure_m", Unit::Metres, Better::Less),
     (READINGS, "readings", "/readings/all", Unit::Count, Better::Neither),
     (READINGS, "used", "/readings/shares/used", Unit::Share, Better::More),
     (READINGS, "outside the gate", "/readings/shares/outside_gate", Unit::Share, Better::Less),

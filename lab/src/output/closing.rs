@@ -10,6 +10,7 @@ pub fn table(recording: &Recording) -> String {
     // Writing to a String cannot fail.
     let _ = write_paths(&mut text, recording);
     let _ = write_filter(&mut text, recording);
+    let _ = write_looking_back(&mut text, recording);
     let _ = write_calibration(&mut text, recording);
     text
 }
@@ -67,6 +68,23 @@ fn write_filter(text: &mut String, recording: &Recording) -> std::fmt::Result {
     if figures.estimator_s > 0.0 && figures.duration_s > 0.0 {
         let speed = format!("{:.0} x", figures.duration_s / figures.estimator_s);
         writeln!(text, "  {:<34}{speed:>12}   real time, estimator alone", "speed")?;
+    }
+    Ok(())
+}
+
+fn write_looking_back(text: &mut String, recording: &Recording) -> std::fmt::Result {
+    let Some(back) = &recording.figures.looking_back else { return Ok(()) };
+    writeln!(text, "  looking back, with all of the log")?;
+    if let Some(score) = &back.estimate {
+        writeln!(text, "  {:<34}{:>12}", "position, best alignment (RMSE)", format!("{:.3} m", score.ate_m))?;
+    }
+    let Some(score) = &back.consistency else { return Ok(()) };
+    writeln!(text, "  {:<34}{:>12}", "map entropy", format!("{:.2} nats", score.entropy_nats))?;
+    if let Some(gap_m) = score.widest_gap_m {
+        writeln!(text, "  {:<34}{:>12}", "widest gap between two visits", format!("{gap_m:.3} m"))?;
+    }
+    if let Some(surfels) = &score.surfels {
+        writeln!(text, "  {:<34}{:>12}", "visits apart", format!("{:.3} m", surfels.median_m))?;
     }
     Ok(())
 }

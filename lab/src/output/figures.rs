@@ -61,6 +61,14 @@ pub fn summary(recording: &Recording, origin: &Origin) -> Value {
     if let Some(score) = &figures.consistency {
         put("consistency", consistency(score));
     }
+    if let Some(score) = &figures.looking_back {
+        let mut back: Map<String, Value> = Map::new();
+        for (key, value) in score.estimate.iter().flat_map(path) {
+            back.insert(key.to_owned(), value);
+        }
+        back.insert("consistency".to_owned(), json!(score.consistency.as_ref().map(consistency)));
+        put("looking_back", Value::Object(back));
+    }
     put("counters", counters(recording));
     put("seed", json!(recording.seed));
     put("configuration", configuration(origin));

@@ -1,4 +1,4 @@
-//! Outputs written when a run is over: `walls.csv`, `calibration.csv` and `truth.tum`.
+//! Outputs written when a run is over: `walls.csv`, `calibration.csv`, `truth.tum` and `looking-back.tum`.
 
 use std::fmt::Write as _;
 
@@ -33,6 +33,15 @@ pub fn calibration(recording: &Recording) -> String {
         }
     }
     text
+}
+
+/// A path in the format of `trajectory.tum`.
+pub fn path(recording: &Recording) -> String {
+    let line = |step: &Step| {
+        let position = [step.pose.x_m, step.pose.y_m].map(|number| shortest(number as f32));
+        tum_line(&step.t_text, position, step.pose.theta_rad) + "\n"
+    };
+    recording.steps.iter().map(line).collect()
 }
 
 /// `truth.tum`; none where no true pose is known.

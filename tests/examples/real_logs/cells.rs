@@ -2,7 +2,7 @@
 
 use lab::recording::{Consistency, Figures};
 
-const COLUMNS: [&str; 10] = [
+const COLUMNS: [&str; 14] = [
     "aligned RMSE",
     "heading RMSE",
     "NIS",
@@ -13,6 +13,10 @@ const COLUMNS: [&str; 10] = [
     "widest gap",
     "mean gap",
     "walls",
+    "looking back: aligned RMSE",
+    "sharper than odometry",
+    "visits apart",
+    "widest gap",
 ];
 
 /// The table's head; `first` is that of its first column.
@@ -21,7 +25,7 @@ pub fn header(first: &str) -> String {
 }
 
 /// The cells of a row after its name.
-pub fn of(runs: &[Figures]) -> [String; 10] {
+pub fn of(runs: &[Figures]) -> [String; 14] {
     let of = |value: &dyn Fn(&Figures) -> Option<f64>| runs.iter().filter_map(value).collect::<Vec<f64>>();
     let plain = |value: f64| format!("{value:.2}");
     [
@@ -35,12 +39,16 @@ pub fn of(runs: &[Figures]) -> [String; 10] {
         centimetres(of(&|figures| consistency(figures)?.widest_gap_m)),
         centimetres(of(&|figures| consistency(figures)?.mean_gap_m)),
         spread(of(&|figures| Some(figures.walls as f64)), false, |walls| format!("{walls:.0}"), ""),
+        centimetres(of(&|figures| Some(figures.looking_back.as_ref()?.estimate?.ate_m))),
+        spread(of(&sharper_back_nats), true, plain, " nats"),
+        centimetres(of(&|figures| Some(back(figures)?.surfels?.median_m))),
+        centimetres(of(&|figures| back(figures)?.widest_gap_m)),
     ]
 }
 
 /// The cells of dead reckoning's row.
-pub fn of_odometry(figures: &Figures) -> [String; 10] {
-    let mut cells: [String; 10] = Default::default();
+pub fn of_odometry(figures: &Figures) -> [String; 14] {
+    let mut cells: [String; 14] = Default::default();
     if let Some(score) = figures.odometry {
         cells[0] = format!("{:.0} cm", 100.0 * score.ate_m);
         cells[1] = format!("{:.1}°", score.heading_deg);
@@ -55,10 +63,23 @@ fn consistency(figures: &Figures) -> Option<&Consistency> {
     figures.consistency.as_ref()
 }
 
+/// The map against itself as it looks from the end.
+pub fn back(figures: &Figures) -> Option<&Consistency> {
+    figures.looking_back.as_ref()?.consistency.as_ref()
+}
+
 /// Dead reckoning's map entropy less the estimate's, nats.
 pub fn sharper_nats(figures: &Figures) -> Option<f64> {
-    let score = consistency(figures)?;
-    Some(score.odometry_entropy_nats - score.entropy_nats)
+    consistency(figures).map(sharper_by)
+}
+
+/// The same of the map as it looks from the end.
+pub fn sharper_back_nats(figures: &Figures) -> Option<f64> {
+    back(figures).map(sharper_by)
+}
+
+fn sharper_by(score: &Consistency) -> f64 {
+    score.odometry_entropy_nats - score.entropy_nats
 }
 
 /// Lengths in metres as a cell.

@@ -57,8 +57,14 @@ impl Case {
     /// The replays of one row.
     fn replay(&self, config: Config) -> Vec<Recording> {
         let log = LoadedLog::read(self.log).expect("this page shows the real logs");
-        let replay = |noise| log.replay(&(self.trial)(Trial { config, noise, ..Trial::default() }));
-        NOISES.into_iter().map(replay).collect()
+        let replay = |noise: &f32| log.replay(&(self.trial)(Trial { config, noise: *noise, ..Trial::default() }));
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        let some = |noises: &[f32]| noises.iter().map(replay).collect::<Vec<Recording>>();
+        std::thread::scope(|scope| {
+            let begun: Vec<_> =
+                NOISES.chunks(NOISES.len().div_ceil(threads)).map(|noises| scope.spawn(|| some(noises))).collect();
+            begun.into_iter().flat_map(|thread| thread.join().expect("a replay ends")).collect()
+        })
     }
 
     fn figures(&self, config: Config) -> Vec<Figures> {

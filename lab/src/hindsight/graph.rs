@@ -1,0 +1,465 @@
+//! Poses, walls and scales, what was sensed of them, and where they are likeliest: Gauss and Newton with robust weights.
+//!
+//! State: `[x, y, theta of each keyframe, rho and beta of each wall, alpha, scales of distance and turning, veer]`. Poses
+//! come first: each is tied to the next only, so that a Cholesky factor in this order fills in no more than the walls' rows.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::f64::consts::FRAC_PI_2;
+
+use nalgebra::{DMatrix, DVector};
+use nalgebra_sparse::factorization::CscCholesky;
+use nalgebra_sparse::{CooMatrix, CscMatrix};
+use slam_core::{DriveModel, Outcome, RangeModel, RangeSensor, Rig, WallKind, WallView};
+
+use super::keyframes::Keyframes;
+use crate::recording::{MapSnapshot, Pose2, Recording, wrap};
+use crate::rig_file::MAX_SENSORS;
+
+/// Relief of built walls, metres, as the estimator has it.
+const RELIEF_M: f64 = 0.015;
+
+/// Of so many readings that say the same one is one: as the estimator finds on real logs, three to five.
+const ALIKE: f64 = 4.0;
+
+/// Slips of an odometry, as the estimator has them: so many times the stated variance, and this much per radian, m^2.
+const SLIP_RUNS: f64 = 4.0;
+const SLIP_M2_PER_RAD: f64 = 2e-3;
+
+/// Built walls are on the grid to within this, radians, and those that are farther than six degrees from it are not on it.
+const BUILT_TOLERANCE: f64 = 0.01;
+const OFF_GRID_RAD: f64 = 0.1;
+
+/// A wall that fewer readings met is noise.
+const FEWEST: usize = 10;
+
+/// Where on a wall readings ended is told in pieces of this length, metres.
+pub const STRETCH_M: f64 = 0.25;
+
+/// Residuals of so many sigmas count half (Cauchy).
+const HALF_AT: f64 = 2.0;
+
+/// What a round moves that is settled, metres and radians.
+const SETTLED: f64 = 1e-4;
+
+/// Variance that keeps what nothing is known of where it is.
+const FREE: f64 = 1e6;
+
+/// One reading: where it ended in its keyframe's frame, and on which wall.
+#[derive(Clone, Copy, Debug)]
+struct Sighting {
+    key: usize,
+    wall: usize,
+    end_m: [f64; 2],
+    sigma_m: f64,
+}
+
+/// A measurement's variances for one stretch of path.
+#[derive(Clone, Copy, Debug)]
+struct StretchNoise {
+    position_m2: f64,
+    heading_rad2: f64,
+}
+
+/// The problem, and its present solution.
+pub struct Graph {
+    state: DVector<f64>,
+    keys: usize,
+    first: Pose2,
+    /// Identifier of each wall, and whether it is still one of its own.
+    ids: Vec<u16>,
+    on_grid: Vec<bool>,
+    stretches: Vec<(Pose2, f64, StretchNoise)>,
+    sightings: Vec<Sighting>,
+    /// 1-sigma of the scales of distance and of turning, and of the veer, radians per metre.
+    scale_sigmas: [f64; 3],
+    information: Option<CscCholesky<f64>>,
+}
+
+/// A wall's line and what was seen of it.
+#[derive(Clone, Debug)]
+pub struct Seen {
+    /// Its place in the state.
+    pub wall: usize,
+    /// Offset and direction.
+    pub rho_m: f64,
+    /// Direction of the normal, radians.
+    pub beta_rad: f64,
+    /// Where along it readings ended, metres.
+    pub span_m: [f64; 2],
+    /// Which stretches of [`STRETCH_M`] along it they were on.
+    pub stretches: BTreeSet<i64>,
+    /// How many.
+    pub count: usize,
+}
+
+impl Graph {
+    /// Of a record; none where there is nothing to place.
+    pub fn new(recording: &Recording, rig: &Rig<MAX_SENSORS>, keyframes: &Keyframes) -> Option<Self> {
+        let became = mergers(&recording.maps);
+        let root = |id: u16| std::iter::successors(Some(id), |id| became.get(id).copied()).last().unwrap_or(id);
+        let met = met(recording).map(|(step, sensor, id, hit_m)| (step, sensor, root(id), hit_m));
+        let met: Vec<(usize, usize, u16, [f64; 2])> = met.collect();
+        let mut counts: BTreeMap<u16, usize> = BTreeMap::new();
+        for (_, _, id, _) in &met {
+            *counts.entry(*id).or_default() += 1;
+        }
+        let ids: Vec<u16> = counts.into_iter().filter(|(_, count)| *count >= FEWEST).map(|(id, _)| id).collect();
+        let keys = keyframes.steps().len();
+        let mut sightings = Vec::new();
+        let mut drawn = vec![Fit::default(); ids.len()];
+        for (step, sensor, id, hit_m) in met {
+            let Ok(wall) = ids.binary_search(&id) else { continue };
+            let pose = recording.steps[step].pose;
+            let local = pose.relative(&Pose2::new(hit_m[0], hit_m[1], 0.0));
+            let range_m = local.x_m.hypot(local.y_m);
+            let sigma_m = ALIKE.sqrt() * rig.sensors.get(sensor).map_or(0.0, |s| noise_m(s, range_m)).hypot(RELIEF_M);
+            let end_m = keyframes.local(recording, step).transform([local.x_m, local.y_m]);
+            sightings.push(Sighting { key: keyframes.before(step), wall, end_m, sigma_m });
+            drawn[wall].add(hit_m, [hit_m[0] - pose.x_m, hit_m[1] - pose.y_m]);
+        }
+        let alpha = recording.steps.last()?.alpha.map(|(alpha, _)| f64::from(alpha));
+        let mut state = DVector::zeros(3 * keys + 2 * ids.len() + 4);
+        for (key, step) in keyframes.steps().iter().enumerate() {
+            let pose = recording.steps[*step].pose;
+            state.as_mut_slice()[3 * key..3 * key + 3].copy_from_slice(&[pose.x_m, pose.y_m, pose.theta_rad]);
+        }
+        let mut on_grid = Vec::new();
+        for (wall, fit) in drawn.iter().enumerate() {
+            let (rho_m, beta_rad) = fit.line();
+            state[3 * keys + 2 * wall] = rho_m;
+            state[3 * keys + 2 * wall + 1] = beta_rad;
+            on_grid.push(alpha.is_some_and(|alpha| off_grid(beta_rad, alpha).abs() < OFF_GRID_RAD));
+        }
+        let calibration = 3 * keys + 2 * ids.len();
+        state[calibration] = alpha.unwrap_or(0.0);
+        state[calibration + 1] = 1.0;
+        state[calibration + 2] = 1.0;
+        let stretches = keyframes.stretches.iter();
+        let stretches = stretches.map(|s| (s.motion, s.path_m, stretch_noise(&rig.drive, s.path_m, s.turning_rad)));
+        (!ids.is_empty() && keys > 1).then(|| Self {
+            state,
+            keys,
+            first: recording.steps[0].pose,
+            ids,
+            on_grid,
+            stretches: stretches.collect(),
+            sightings,
+            scale_sigmas: scale_sigmas(&rig.drive),
+            information: None,
+        })
+    }
+
+    /// The keyframes' poses.
+    pub fn poses(&self) -> Vec<Pose2> {
+        (0..self.keys).map(|key| self.pose(key)).collect()
+    }
+
+    fn pose(&self, key: usize) -> Pose2 {
+        Pose2::new(self.state[3 * key], self.state[3 * key + 1], self.state[3 * key + 2])
+    }
+
+    /// Place in the state of a wall's rho; its beta is the next.
+    fn wall_at(&self, wall: usize) -> usize {
+        3 * self.keys + 2 * wall
+    }
+
+    /// Places in the state of alpha, the scales of distance and turning, and the veer.
+    fn calibration_at(&self) -> usize {
+        self.wall_at(self.ids.len())
+    }
+
+    /// Moves everything to where it is likeliest, or so many rounds towards it; none where the problem has no solution.
+    pub fn solve(&mut self, rounds: usize) -> Option<()> {
+        for _ in 0..rounds {
+            let mut normal = Normal::new(self.state.len());
+            self.add_motion(&mut normal);
+            self.add_sightings(&mut normal);
+            self.add_grid(&mut normal);
+            let (information, step) = normal.solve()?;
+            self.information = Some(information);
+            let largest = step.amax();
+            if !largest.is_finite() {
+                return None;
+            }
+            self.state += step;
+            if largest < SETTLED {
+                break;
+            }
+        }
+        Some(())
+    }
+
+    /// The odometry: what it sensed is the motion over its scale. Noise is the odometry's, not the motion's: the other way
+    /// round noisy steps would draw the scale down.
+    fn add_motion(&self, normal: &mut Normal) {
+        let scales = self.calibration_at() + 1;
+        let (distance, turn, veer) = (self.state[scales], self.state[scales + 1], self.state[scales + 2]);
+        for (i, value) in [self.first.x_m, self.first.y_m, self.first.theta_rad].into_iter().enumerate() {
+            normal.add(self.state[i] - value, 1.0 / 1e-12, &[(i, 1.0)]);
+        }
+        for (key, (sensed, path_m, noise)) in self.stretches.iter().enumerate() {
+            let (a, b) = (3 * key, 3 * key + 3);
+            let (s, c) = self.state[a + 2].sin_cos();
+            let (dx, dy) = (self.state[b] - self.state[a], self.state[b + 1] - self.state[a + 1]);
+            let (forward, left) = (c * dx + s * dy, c * dy - s * dx);
+            let (c, s) = (c / distance, s / distance);
+            let (by_scale_f, by_scale_l) = (-forward / (distance * distance), -left / (distance * distance));
+            let weight = 1.0 / noise.position_m2;
+            let ahead = [(a, -c), (a + 1, -s), (a + 2, left / distance), (b, c), (b + 1, s), (scales, by_scale_f)];
+            normal.add(forward / distance - sensed.x_m, weight, &ahead);
+            let aside = [(a, s), (a + 1, -c), (a + 2, -forward / distance), (b, -s), (b + 1, c), (scales, by_scale_l)];
+            normal.add(left / distance - sensed.y_m, weight, &aside);
+            let turned = wrap(self.state[b + 2] - self.state[a + 2]);
+            let terms = [
+                (a + 2, -1.0 / turn),
+                (b + 2, 1.0 / turn),
+                (scales + 1, -turned / (turn * turn)),
+                (scales + 2, -path_m),
+            ];
+            let residual = wrap(turned / turn - veer * path_m - sensed.theta_rad);
+            normal.add(residual, 1.0 / noise.heading_rad2, &terms);
+        }
+        for (i, (nominal, sigma)) in [1.0, 1.0, 0.0].into_iter().zip(self.scale_sigmas).enumerate() {
+            normal.add(self.state[scales + i] - nominal, 1.0 / sigma.max(1e-6).powi(2), &[(scales + i, 1.0)]);
+        }
+    }
+
+    fn add_sightings(&self, normal: &mut Normal) {
+        for sighting in &self.sightings {
+            let (residual, terms) = self.residual(sighting);
+            let sigmas = residual / sighting.sigma_m;
+            let single = sigmas * ALIKE.sqrt() / HALF_AT;
+            normal.add(residual, 1.0 / (sighting.sigma_m.powi(2) * (1.0 + single * single)), &terms);
+        }
+    }
+
+    /// How far before its wall a reading ended, and the derivatives of that.
+    fn residual(&self, sighting: &Sighting) -> (f64, [(usize, f64); 5]) {
+        let (k, w) = (3 * sighting.key, self.wall_at(sighting.wall));
+        let pose = self.pose(sighting.key);
+        let [x, y] = pose.transform(sighting.end_m);
+        let (ny, nx) = self.state[w + 1].sin_cos();
+        let arm = [x - pose.x_m, y - pose.y_m];
+        let terms = [(k, -nx), (k + 1, -ny), (k + 2, nx * arm[1] - ny * arm[0]), (w, 1.0), (w + 1, ny * x - nx * y)];
+        (self.state[w] - nx * x - ny * y, terms)
+    }
+
+    fn add_grid(&self, normal: &mut Normal) {
+        let alpha = self.calibration_at();
+        normal.add(0.0, 1.0 / FREE, &[(alpha, 1.0)]);
+        for (wall, on_grid) in self.on_grid.iter().enumerate() {
+            let rho = self.wall_at(wall);
+            normal.add(0.0, 1.0 / FREE, &[(rho, 1.0)]);
+            normal.add(0.0, 1.0 / FREE, &[(rho + 1, 1.0)]);
+            if *on_grid {
+                let off = off_grid(self.state[rho + 1], self.state[alpha]);
+                normal.add(off, 1.0 / BUILT_TOLERANCE.powi(2), &[(rho + 1, 1.0), (alpha, -1.0)]);
+            }
+        }
+    }
+
+    /// The walls that readings are on.
+    pub fn seen(&self) -> Vec<Seen> {
+        let mut places = vec![Vec::new(); self.ids.len()];
+        for sighting in &self.sightings {
+            let (residual, _) = self.residual(sighting);
+            if residual.abs() < 3.0 * sighting.sigma_m {
+                let [x, y] = self.pose(sighting.key).transform(sighting.end_m);
+                let (ny, nx) = self.state[self.wall_at(sighting.wall) + 1].sin_cos();
+                places[sighting.wall].push(nx * y - ny * x);
+            }
+        }
+        let seen = places.iter().enumerate().filter(|(_, along)| along.len() >= FEWEST);
+        seen.map(|(wall, along)| {
+            let at = self.wall_at(wall);
+            let ends = |a: [f64; 2], t: &f64| [a[0].min(*t), a[1].max(*t)];
+            let span_m = along.iter().fold([f64::INFINITY, f64::NEG_INFINITY], ends);
+            let stretches = along.iter().map(|t| (t / STRETCH_M).floor() as i64).collect();
+            let (rho_m, beta_rad) = (self.state[at], wrap(self.state[at + 1]));
+            Seen { wall, rho_m, beta_rad, span_m, stretches, count: along.len() }
+        })
+        .collect()
+    }
+
+    /// Variance of how far wall `b` is behind wall `a` where both are `along_m`, m^2; none before it is solved.
+    pub fn variance_apart(&self, a: usize, b: usize, along_m: f64) -> Option<f64> {
+        let (a, b) = (self.wall_at(a), self.wall_at(b));
+        self.variance(&[(a, 1.0), (b, -1.0), (a + 1, -along_m), (b + 1, along_m)])
+    }
+
+    fn variance(&self, terms: &[(usize, f64)]) -> Option<f64> {
+        let mut row = DMatrix::zeros(self.state.len(), 1);
+        for (i, value) in terms {
+            row[(*i, 0)] = *value;
+        }
+        let solved = self.information.as_ref()?.solve(&row);
+        Some(terms.iter().map(|(i, value)| value * solved[(*i, 0)]).sum())
+    }
+
+    /// The readings of wall `gone` are wall `kept`'s.
+    pub fn unite(&mut self, kept: usize, gone: usize) {
+        for sighting in self.sightings.iter_mut().filter(|sighting| sighting.wall == gone) {
+            sighting.wall = kept;
+        }
+    }
+
+    /// The map.
+    pub fn walls(&self) -> Option<Vec<WallView>> {
+        let view = |seen: &Seen| {
+            let variance = self.variance(&[(self.wall_at(seen.wall), 1.0)])?;
+            Some(WallView {
+                id: self.ids[seen.wall],
+                kind: if self.on_grid[seen.wall] { WallKind::Grid } else { WallKind::Free },
+                rho_m: seen.rho_m as f32,
+                beta_rad: seen.beta_rad as f32,
+                lo_m: seen.span_m[0] as f32,
+                hi_m: seen.span_m[1] as f32,
+                sigma_rho_m: variance.max(0.0).sqrt() as f32,
+                updates: seen.count as u32,
+            })
+        };
+        self.seen().iter().map(view).collect()
+    }
+}
+
+/// Normal equations of weighted residuals.
+struct Normal {
+    matrix: CooMatrix<f64>,
+    right: DVector<f64>,
+}
+
+impl Normal {
+    fn new(states: usize) -> Self {
+        Self { matrix: CooMatrix::new(states, states), right: DVector::zeros(states) }
+    }
+
+    /// A residual of this weight with these derivatives.
+    fn add(&mut self, residual: f64, weight: f64, terms: &[(usize, f64)]) {
+        for (i, a) in terms {
+            for (j, b) in terms {
+                self.matrix.push(*i, *j, weight * a * b);
+            }
+            self.right[*i] -= weight * a * residual;
+        }
+    }
+
+    /// The factor and the step; none where the matrix is not positive definite.
+    fn solve(self) -> Option<(CscCholesky<f64>, DVector<f64>)> {
+        let factor = CscCholesky::factor(&CscMatrix::from(&self.matrix)).ok()?;
+        let step = factor.solve(&self.right);
+        let step = DVector::from_column_slice(step.as_slice());
+        Some((factor, step))
+    }
+}
+
+/// A line through points by least squares across it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Fit {
+    n: f64,
+    sum: [f64; 2],
+    squares: [f64; 3],
+    beams: [f64; 2],
+}
+
+impl Fit {
+    fn add(&mut self, [x, y]: [f64; 2], beam: [f64; 2]) {
+        self.n += 1.0;
+        self.sum = [self.sum[0] + x, self.sum[1] + y];
+        self.squares = [self.squares[0] + x * x, self.squares[1] + x * y, self.squares[2] + y * y];
+        self.beams = [self.beams[0] + beam[0], self.beams[1] + beam[1]];
+    }
+
+    /// Offset and direction of the normal, which points along the beams.
+    fn line(&self) -> (f64, f64) {
+        let mean = self.sum.map(|sum| sum / self.n);
+        let xx = self.squares[0] / self.n - mean[0] * mean[0];
+        let xy = self.squares[1] / self.n - mean[0] * mean[1];
+        let yy = self.squares[2] / self.n - mean[1] * mean[1];
+        let along = 0.5 * (2.0 * xy).atan2(xx - yy);
+        let beta = along + FRAC_PI_2;
+        let faces = self.beams[0] * beta.cos() + self.beams[1] * beta.sin() > 0.0;
+        let beta = if faces { beta } else { along - FRAC_PI_2 };
+        (mean[0] * beta.cos() + mean[1] * beta.sin(), wrap(beta))
+    }
+}
+
+/// Every reading that the filter used: step, sensor, wall, end point.
+fn met(recording: &Recording) -> impl Iterator<Item = (usize, usize, u16, [f64; 2])> + '_ {
+    (0..recording.steps.len()).flat_map(move |step| {
+        let readings = recording.readings(step).iter().enumerate();
+        readings.filter_map(move |(sensor, reading)| match (reading.outcome, reading.hit_m) {
+            (Outcome::Updated { wall, .. }, Some(hit_m)) if hit_m.iter().all(|metres| metres.is_finite()) => {
+                Some((step, sensor, wall, hit_m.map(f64::from)))
+            }
+            _ => None,
+        })
+    })
+}
+
+/// Which wall each merged one became part of: one beside it that has its readings from then on.
+fn mergers(maps: &[MapSnapshot]) -> BTreeMap<u16, u16> {
+    let mut became = BTreeMap::new();
+    for pair in maps.windows(2) {
+        let [before, after] = pair else { continue };
+        let ids: BTreeSet<u16> = after.walls.iter().map(|wall| wall.id).collect();
+        for gone in before.walls.iter().filter(|wall| !ids.contains(&wall.id)) {
+            let grown = |wall: &&WallView| {
+                let had = before.walls.iter().find(|old| old.id == wall.id).map_or(0, |old| old.updates);
+                let covers = wall.lo_m - 0.1 < gone.lo_m && wall.hi_m + 0.1 > gone.hi_m;
+                let turned = wrap(f64::from(wall.beta_rad - gone.beta_rad));
+                turned.abs() < 0.15 && covers && wall.updates >= had + gone.updates
+            };
+            let nearest = |a: &&WallView, b: &&WallView| {
+                let off = |wall: &WallView| (wall.rho_m - gone.rho_m).abs();
+                off(a).total_cmp(&off(b))
+            };
+            if let Some(kept) = after.walls.iter().filter(grown).min_by(nearest) {
+                became.insert(gone.id, kept.id);
+            }
+        }
+    }
+    became
+}
+
+/// Angle from the nearest direction of the grid.
+fn off_grid(beta_rad: f64, alpha_rad: f64) -> f64 {
+    let difference = beta_rad - alpha_rad;
+    difference - (difference / FRAC_PI_2).round() * FRAC_PI_2
+}
+
+/// 1-sigma of a reading at this range, metres.
+fn noise_m(sensor: &RangeSensor, range_m: f64) -> f64 {
+    match sensor.model {
+        RangeModel::Metric { noise_m, noise_rel } => f64::from(noise_m).hypot(f64::from(noise_rel) * range_m),
+        RangeModel::Sharp { scale_m, exponent, noise_v } => {
+            let volts = (range_m / f64::from(scale_m)).powf(1.0 / f64::from(exponent));
+            (f64::from(exponent) * range_m / volts * f64::from(noise_v)).abs()
+        }
+    }
+}
+
+fn stretch_noise(drive: &DriveModel, path_m: f64, turning_rad: f64) -> StretchNoise {
+    let (position_m2, heading_rad2) = match *drive {
+        DriveModel::Wheels { track_m, noise_m2_per_m, .. } => {
+            let wheel_m2 = f64::from(noise_m2_per_m) * (path_m + 0.5 * f64::from(track_m) * turning_rad);
+            (0.5 * wheel_m2, 2.0 * wheel_m2 / f64::from(track_m).powi(2))
+        }
+        DriveModel::Odometry { noise_m2_per_m, noise_rad2_per_m, noise_rad2_per_rad, .. } => (
+            SLIP_RUNS * f64::from(noise_m2_per_m) * path_m + SLIP_M2_PER_RAD * turning_rad,
+            f64::from(noise_rad2_per_m) * path_m + f64::from(noise_rad2_per_rad) * turning_rad,
+        ),
+    };
+    // A tenth of a millimetre and of a milliradian: what stands still does so.
+    StretchNoise { position_m2: position_m2 + 1e-8, heading_rad2: heading_rad2 + 1e-8 }
+}
+
+fn scale_sigmas(drive: &DriveModel) -> [f64; 3] {
+    match *drive {
+        DriveModel::Wheels { track_m, track_sigma, scale_sigma, .. } => {
+            let (each, track) = (f64::from(scale_sigma), f64::from(track_m));
+            let both = each * 0.5f64.sqrt();
+            [both, both.hypot(f64::from(track_sigma)), 2.0 * both / track]
+        }
+        DriveModel::Odometry { scale_sigma, .. } => [f64::from(scale_sigma), f64::from(scale_sigma), 0.0],
+    }
+}

@@ -1,0 +1,83 @@
+//! Walls that turn out to be one.
+
+use super::graph::{Graph, STRETCH_M, Seen};
+
+/// Two stretches of one wall are flush to within this, metres.
+const FLUSH_M: f64 = 0.005;
+
+/// 99 % of a chi-square distribution with one degree of freedom.
+const GATE: f64 = 6.63;
+
+/// Gate for walls of which one would hide the other where both were seen, over half a metre: five sigma. A door's leaf may
+/// have been moved there.
+const HIDDEN_GATE: f64 = 25.0;
+const HIDDEN_M: f64 = 0.5;
+
+/// Over a metre it is no door's leaf: there cannot be two, whatever the odometry says.
+const IMPOSSIBLE_M: f64 = 1.0;
+
+/// Farther apart, one may be another room's, metres.
+const REACH_M: f64 = 1.0;
+
+/// Cosine of eight degrees.
+const PARALLEL_COS: f64 = 0.99;
+
+/// Stretches of one wall with no more than this between them are one: no door fits in, metres.
+const GAP_M: f64 = 0.4;
+
+/// A pair that may be one wall.
+struct Pair {
+    kept: usize,
+    gone: usize,
+    /// Squared distance over its variance.
+    off: f64,
+    hidden: bool,
+}
+
+/// Unites walls that may be one: all pairs that lie on each other for what is known of them; where there are none, the
+/// likeliest pair of which one would hide the other. False where there is none either.
+pub fn merge(graph: &mut Graph) -> bool {
+    let mut seen = graph.seen();
+    // The one with more readings stays.
+    seen.sort_by_key(|wall| std::cmp::Reverse(wall.count));
+    let mut pairs = Vec::new();
+    for (i, a) in seen.iter().enumerate() {
+        pairs.extend(seen[i + 1..].iter().filter_map(|b| pair(graph, a, b)));
+    }
+    pairs.sort_by(|a, b| (a.hidden, a.off).partial_cmp(&(b.hidden, b.off)).unwrap_or(std::cmp::Ordering::Equal));
+    let mut touched = Vec::new();
+    for pair in &pairs {
+        if (pair.hidden && !touched.is_empty()) || touched.contains(&pair.kept) || touched.contains(&pair.gone) {
+            continue;
+        }
+        graph.unite(pair.kept, pair.gone);
+        touched.extend([pair.kept, pair.gone]);
+    }
+    !touched.is_empty()
+}
+
+fn pair(graph: &Graph, a: &Seen, b: &Seen) -> Option<Pair> {
+    if (a.beta_rad - b.beta_rad).cos() < PARALLEL_COS {
+        return None;
+    }
+    let (lo, hi) = (a.span_m[0].max(b.span_m[0]), a.span_m[1].min(b.span_m[1]));
+    if lo - hi > GAP_M {
+        return None;
+    }
+    let along_m = 0.5 * (lo + hi);
+    let (s, c) = a.beta_rad.sin_cos();
+    let on_a = [a.rho_m * c - along_m * s, a.rho_m * s + along_m * c];
+    let apart_m = b.rho_m - on_a[0] * b.beta_rad.cos() - on_a[1] * b.beta_rad.sin();
+    if apart_m.abs() > REACH_M {
+        return None;
+    }
+    let variance = graph.variance_apart(a.wall, b.wall, along_m)?.max(0.0) + FLUSH_M * FLUSH_M;
+    let square = apart_m * apart_m / variance;
+    let shared_m = STRETCH_M * a.stretches.intersection(&b.stretches).count() as f64;
+    let gate = match shared_m {
+        IMPOSSIBLE_M.. => f64::INFINITY,
+        HIDDEN_M.. => HIDDEN_GATE,
+        _ => GATE,
+    };
+    (square <= gate).then_some(Pair { kept: a.wall, gone: b.wall, off: square, hidden: square > GATE })
+}
