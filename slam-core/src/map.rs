@@ -239,6 +239,10 @@ impl Tie {
             (wall.direction, other.direction),
             (Direction::Grid(_) | Direction::Snapped(_), Direction::Grid(_) | Direction::Snapped(_))
         );
+        let same_quarter = match (wall.direction, other.direction) {
+            (Direction::NearGrid(_, a), Direction::NearGrid(_, b)) => a == b,
+            _ => same_direction,
+        };
         let points = if same_direction { [0.5 * (a + b), f32::NAN] } else { [a, b] };
         let mut differences: Vec<(f32, Jacobian), 2> = Vec::new();
         let mut variances: Vec<f32, 2> = Vec::new();
@@ -247,17 +251,14 @@ impl Tie {
             let (difference_m, jacobian) = apart((wall, line), (other, &other_line), along_m);
             let variance = ekf.variance(&jacobian) + FLUSH_M * FLUSH_M;
             let square = difference_m * difference_m;
-            if square > MERGE_GATE * variance {
-                // A wall cannot stand behind another that faces the same way and be seen where the other is.
-                let hidden =
-                    newborn && same_direction && gap_m < -0.5 * wall.length_m() && difference_m.abs() < REFIND_M;
-                refound = hidden && square <= REFIND_GATE * variance;
-            }
+            // A wall cannot stand behind another that faces the same way and be seen where the other is.
+            let hides = newborn && same_quarter && gap_m < -0.5 * wall.length_m() && difference_m.abs() < REFIND_M;
+            let fits = square <= MERGE_GATE * variance;
             // Not a number, no merger.
-            let same = square <= MERGE_GATE * variance || refound;
-            if !same {
+            if !fits && !(hides && square <= REFIND_GATE * variance) {
                 return None;
             }
+            refound |= !fits;
             let _ = differences.push((difference_m, jacobian));
             let _ = variances.push(variance);
         }
@@ -266,7 +267,8 @@ impl Tie {
             let (_, halfway) = apart((wall, line), (other, &other_line), 0.5 * (a + b));
             let mean_m2 = ekf.variance(&halfway) + 0.5 * FLUSH_M * FLUSH_M;
             let covariance_m2 = 2.0 * mean_m2 - 0.5 * (first_m2 + second_m2);
-            *second_m = second_if_first_is_zero([*first_m, *second_m], [first_m2, second_m2], covariance_m2)?;
+            let gate = if refound { REFIND_GATE } else { JOINT_GATE };
+            *second_m = second_if_first_is_zero([*first_m, *second_m], [first_m2, second_m2], covariance_m2, gate)?;
         }
         Some(Self { differences, updates: other.updates, refound })
     }
@@ -274,13 +276,18 @@ impl Tie {
 
 /// What is left of the second of two differences once the first is zero; none where not both can be zero at once. Two walls
 /// askew to one another may differ little for what is known of them at either place, and yet not at both.
-fn second_if_first_is_zero([first_m, second_m]: [f32; 2], variances_m2: [f32; 2], covariance_m2: f32) -> Option<f32> {
+fn second_if_first_is_zero(
+    [first_m, second_m]: [f32; 2],
+    variances_m2: [f32; 2],
+    covariance_m2: f32,
+    gate: f32,
+) -> Option<f32> {
     let [first_m2, second_m2] = variances_m2;
     let gain = covariance_m2 / first_m2;
     let left_m = second_m - gain * first_m;
     let left_m2 = (second_m2 - gain * covariance_m2).max(FLUSH_M * FLUSH_M);
     // Not a number, no merger.
-    (first_m * first_m / first_m2 + left_m * left_m / left_m2 <= JOINT_GATE).then_some(left_m)
+    (first_m * first_m / first_m2 + left_m * left_m / left_m2 <= gate).then_some(left_m)
 }
 
 /// Distance of two lines from one another at a place along the first, metres, and its Jacobian.

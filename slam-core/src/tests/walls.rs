@@ -208,6 +208,27 @@ fn merging_walls_side_by_side_turns_neither() {
 }
 
 #[test]
+fn a_wall_near_the_grid_that_would_hide_the_newborn_is_found_again() {
+    let merged = |apart_m: f32, newborn: bool| {
+        let mut ekf = Filter::EMPTY;
+        for _ in 0..4 {
+            let _ = ekf.augment(0.0, &Jacobian::new(), 1e-6);
+        }
+        // Three sigma apart, each known to a tenth of that, and as parallel as one can be.
+        let mut map = Map::<CAPACITY>::EMPTY;
+        for rho_m in [2.0, 2.0 + apart_m] {
+            let rho = ekf.augment(rho_m, &Jacobian::new(), 0.5 * (apart_m / 3.5) * (apart_m / 3.5)).unwrap();
+            let theta = ekf.augment(0.0, &Jacobian::new(), 1e-4).unwrap();
+            map.add(rho, Direction::NearGrid(theta, 0), (-1.0, 1.0), 50, 0.0);
+        }
+        map.merge(&mut ekf, 1, newborn)
+    };
+    assert!(merged(0.3, true), "one would hide the other");
+    assert!(!merged(0.3, false), "both may be known too well");
+    assert!(!merged(0.7, true), "one may be a cupboard's back");
+}
+
+#[test]
 fn opposite_faces_of_a_partition_stay_two_walls() {
     let mut random = Random::new(5);
     let mut ekf = filter(&mut random);
