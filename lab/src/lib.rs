@@ -1,7 +1,8 @@
 //! The workbench: runs the estimator over simulated drives and recorded logs, scores it and writes what it found.
 //!
 //! Rows of a [`log`] (or of a simulated drive) go through a [`session`], which keeps a [`recording`]; [`score`] compares
-//! it with what is true, [`hindsight`] places path and map once more when all is known, [`report`] draws it and [`output`] writes it. [`run`], [`replay`], [`compare`], [`hil`], [`monitor`], [`doctor`]
+//! it with what is true, [`hindsight`] places path and map once more when all is known, [`report`] draws it and [`output`]
+//! writes it. [`run`], [`replay`], [`compare`], [`hil`], [`monitor`], [`doctor`]
 //! and [`experiment`] are the commands of [`cli`], each its own use of these parts.
 //!
 //! One rule: the truth scores an estimate and never reaches it. Here, on a desk, numbers are f64; what goes into the

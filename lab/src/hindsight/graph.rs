@@ -15,10 +15,13 @@ use super::keyframes::Keyframes;
 use crate::recording::{MapSnapshot, Pose2, Recording, wrap};
 use crate::rig_file::MAX_SENSORS;
 
-/// Relief of built walls, metres, as the estimator has it.
+/// Relief of built walls where sensors report metres, and of those that an analogue sensor sees, metres, as the estimator has
+/// them.
 const RELIEF_M: f64 = 0.015;
+const SURFACE_M: f64 = 0.003;
 
-/// Of so many readings that say the same one is one: as the estimator finds on real logs, three to five.
+/// Of so many readings of a sensor that reports metres, which say the same, one is one: as the estimator finds on real logs,
+/// three to five. An analogue sensor's noise is new each time.
 const ALIKE: f64 = 4.0;
 
 /// Slips of an odometry, as the estimator has them: so many times the stated variance, and this much per radian, m^2.
@@ -50,7 +53,14 @@ struct Sighting {
     key: usize,
     wall: usize,
     end_m: [f64; 2],
+    noise: Noise,
+}
+
+/// A reading's standard deviation, metres, and of how many it is one.
+#[derive(Clone, Copy, Debug)]
+struct Noise {
     sigma_m: f64,
+    alike: f64,
 }
 
 /// A measurement's variances for one stretch of path.
@@ -112,9 +122,9 @@ impl Graph {
             let pose = recording.steps[step].pose;
             let local = pose.relative(&Pose2::new(hit_m[0], hit_m[1], 0.0));
             let range_m = local.x_m.hypot(local.y_m);
-            let sigma_m = ALIKE.sqrt() * rig.sensors.get(sensor).map_or(0.0, |s| noise_m(s, range_m)).hypot(RELIEF_M);
+            let Some(noise) = rig.sensors.get(sensor).map(|sensor| Noise::of(sensor, range_m)) else { continue };
             let end_m = keyframes.local(recording, step).transform([local.x_m, local.y_m]);
-            sightings.push(Sighting { key: keyframes.before(step), wall, end_m, sigma_m });
+            sightings.push(Sighting { key: keyframes.before(step), wall, end_m, noise });
             drawn[wall].add(hit_m, [hit_m[0] - pose.x_m, hit_m[1] - pose.y_m]);
         }
         let alpha = recording.steps.last()?.alpha.map(|(alpha, _)| f64::from(alpha));
@@ -227,9 +237,9 @@ impl Graph {
     fn add_sightings(&self, normal: &mut Normal) {
         for sighting in &self.sightings {
             let (residual, terms) = self.residual(sighting);
-            let sigmas = residual / sighting.sigma_m;
-            let single = sigmas * ALIKE.sqrt() / HALF_AT;
-            normal.add(residual, 1.0 / (sighting.sigma_m.powi(2) * (1.0 + single * single)), &terms);
+            let Noise { sigma_m, alike } = sighting.noise;
+            let halves = residual / (HALF_AT * sigma_m);
+            normal.add(residual, 1.0 / (alike * sigma_m * sigma_m * (1.0 + halves * halves)), &terms);
         }
     }
 
@@ -263,7 +273,7 @@ impl Graph {
         let mut places = vec![Vec::new(); self.ids.len()];
         for sighting in &self.sightings {
             let (residual, _) = self.residual(sighting);
-            if residual.abs() < 3.0 * sighting.sigma_m {
+            if residual.abs() < 3.0 * sighting.noise.alike.sqrt() * sighting.noise.sigma_m {
                 let [x, y] = self.pose(sighting.key).transform(sighting.end_m);
                 let (ny, nx) = self.state[self.wall_at(sighting.wall) + 1].sin_cos();
                 places[sighting.wall].push(nx * y - ny * x);
@@ -427,13 +437,19 @@ fn off_grid(beta_rad: f64, alpha_rad: f64) -> f64 {
     difference - (difference / FRAC_PI_2).round() * FRAC_PI_2
 }
 
-/// 1-sigma of a reading at this range, metres.
-fn noise_m(sensor: &RangeSensor, range_m: f64) -> f64 {
-    match sensor.model {
-        RangeModel::Metric { noise_m, noise_rel } => f64::from(noise_m).hypot(f64::from(noise_rel) * range_m),
-        RangeModel::Sharp { scale_m, exponent, noise_v } => {
-            let volts = (range_m / f64::from(scale_m)).powf(1.0 / f64::from(exponent));
-            (f64::from(exponent) * range_m / volts * f64::from(noise_v)).abs()
+impl Noise {
+    /// Of a reading at this range.
+    fn of(sensor: &RangeSensor, range_m: f64) -> Self {
+        match sensor.model {
+            RangeModel::Metric { noise_m, noise_rel } => {
+                let own_m = f64::from(noise_m).hypot(f64::from(noise_rel) * range_m);
+                Self { sigma_m: own_m.hypot(RELIEF_M), alike: ALIKE }
+            }
+            RangeModel::Sharp { scale_m, exponent, noise_v } => {
+                let volts = (range_m / f64::from(scale_m)).powf(1.0 / f64::from(exponent));
+                let own_m = f64::from(exponent) * range_m / volts * f64::from(noise_v);
+                Self { sigma_m: own_m.hypot(SURFACE_M), alike: 1.0 }
+            }
         }
     }
 }
