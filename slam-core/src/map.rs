@@ -255,7 +255,7 @@ impl Tie {
             let hides = newborn && same_quarter && gap_m < -0.5 * wall.length_m() && difference_m.abs() < REFIND_M;
             let fits = square <= MERGE_GATE * variance;
             // Not a number, no merger.
-            if !fits && !(hides && square <= REFIND_GATE * variance) {
+            if !(fits || hides && square <= REFIND_GATE * variance) {
                 return None;
             }
             refound |= !fits;

@@ -62,7 +62,8 @@ fn moved(recording: &Recording, path: &[Pose2], walls: Vec<WallView>) -> Recordi
             *hit = pose.transform([local.x_m, local.y_m]).map(|metres| metres as f32);
         }
         // How sure a look back is was not asked.
-        *step = Step { pose: *pose, start: path[0], covariance: [[0.0; 3]; 3], walls: walls.len(), ..step.clone() };
+        *step =
+            Step { pose: *pose, start: path[0], covariance: [[f32::NAN; 3]; 3], walls: walls.len(), ..step.clone() };
     }
     back.figures.walls = walls.len();
     back.title = format!("{}, looking back", recording.title);

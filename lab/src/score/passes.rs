@@ -22,6 +22,9 @@ pub const APART_S: f64 = 30.0;
 /// behind a wall's line, seen through a door, is another wall.
 const REACH_M: f64 = 0.6;
 
+/// A wall may go on so far unseen, metres: less than a door is wide. At a corner the points there are not the other wall's.
+const CORNER_M: f64 = 0.4;
+
 /// A beam meets a wall's face when the cosine of its incidence is more than this (78 degrees).
 const FACING_COS: f64 = 0.2;
 
@@ -71,7 +74,8 @@ fn points_of(faces: &[Face], hits: &[Hit]) -> Vec<Vec<Point>> {
         let Some((nearest, _)) = met.iter().min_by(|a, b| a.1[1].abs().total_cmp(&b.1[1].abs())) else { continue };
         let normal = faces[*nearest].normal;
         for (i, [along_m, behind_m]) in met {
-            if dot(faces[i].normal, normal) > PARALLEL_COS {
+            let is_within = (0.0..=faces[i].length_m).contains(&along_m);
+            if is_within && dot(faces[i].normal, normal) > PARALLEL_COS {
                 let stretch = (along_m / STRETCH_M).floor() as i64;
                 points[i].push(Point { hit: index, step: hit.step, stretch, behind_m });
             }
@@ -107,10 +111,10 @@ impl Face {
         [dot(offset, [-self.normal[1], self.normal[0]]), dot(offset, self.normal)]
     }
 
-    /// Where a hit that may be the wall's own lies; none where it is not.
+    /// Where a hit that may be the wall's own, or of its prolongation, lies; none where it is not.
     fn meets(&self, hit: &Hit) -> Option<[f64; 2]> {
         let [along_m, behind_m] = self.local(hit.at_m);
-        let near = behind_m.abs() <= REACH_M && (0.0..=self.length_m).contains(&along_m);
+        let near = behind_m.abs() <= REACH_M && (-CORNER_M..=self.length_m + CORNER_M).contains(&along_m);
         (near && dot(hit.direction, self.normal) > FACING_COS).then_some([along_m, behind_m])
     }
 }

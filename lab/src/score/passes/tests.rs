@@ -92,6 +92,18 @@ fn visits_that_saw_different_stretches_are_not_compared() {
 }
 
 #[test]
+fn what_goes_on_round_a_corner_is_no_gap() {
+    // Aslant by 30 degrees, mapped to x = 1.5 m and seen farther on.
+    let slanting = |x: f64| (1.919 - 0.5 * x) / 0.75f64.sqrt();
+    let mut other = wall(2, 1.919, (0.0, 0.0));
+    other.beta_rad = std::f32::consts::FRAC_PI_3;
+    (other.lo_m, other.hi_m) = (-0.6, 0.5);
+    let second = |x: f64| if x < 1.5 { 9.0 } else { slanting(x) };
+    let drive = Drive::new(vec![wall(1, 1.0, (0.0, 2.0)), other]).pass(0.0, 0.0, |_| 1.0).pass(100.0, 0.0, second);
+    assert_eq!(drive.seen(1).gap_m, None, "{:?}", drive.seen(1));
+}
+
+#[test]
 fn one_pass_is_one_visit_and_a_wall_seen_from_behind_is_another() {
     let mut facing_away = wall(2, -1.0, (0.0, 2.0));
     facing_away.beta_rad = -std::f32::consts::FRAC_PI_2;
