@@ -63,6 +63,8 @@ pub struct Recording {
     pub title: String,
     /// Seed of a simulated drive.
     pub seed: Option<u64>,
+    /// Whether path and map are as they look from the end, see [`crate::hindsight`].
+    pub looks_back: bool,
     /// The range sensors, in the rig's order.
     pub sensors: Vec<SensorInfo>,
     /// One entry per log row.

@@ -66,6 +66,7 @@ fn moved(recording: &Recording, path: &[Pose2], walls: Vec<WallView>) -> Recordi
             Step { pose: *pose, start: path[0], covariance: [[f32::NAN; 3]; 3], walls: walls.len(), ..step.clone() };
     }
     back.figures.walls = walls.len();
+    back.looks_back = true;
     back.title = format!("{}, looking back", recording.title);
     back.maps = vec![MapSnapshot { step: 0, walls }];
     back

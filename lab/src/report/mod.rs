@@ -36,6 +36,10 @@ const SCRIPTS: [&str; 17] = [
     include_str!("js/main.js"),
 ];
 
+/// What the map shows.
+const AT_THE_TIME: &str = "Walls and hits as they were estimated up to the moment on the slider.";
+const LOOKING_BACK: &str = "The final map, and hits up to the moment on the slider, placed with the whole log at hand.";
+
 /// Writes the report page of a run.
 ///
 /// # Errors
@@ -54,6 +58,7 @@ pub fn html(recording: &Recording) -> String {
         PAGE,
         &[
             ("TITLE", &escape(title)),
+            ("MAP_NOTE", if recording.looks_back { LOOKING_BACK } else { AT_THE_TIME }),
             ("STYLE", STYLE),
             ("MAP_SVG", &map_svg(recording)),
             ("DATA", &json),

@@ -71,11 +71,14 @@ fn points_of(faces: &[Face], hits: &[Hit]) -> Vec<Vec<Point>> {
     for (index, hit) in hits.iter().enumerate() {
         let met: Vec<(usize, [f64; 2])> =
             faces.iter().enumerate().filter_map(|(i, face)| Some((i, face.meets(hit)?))).collect();
-        let Some((nearest, _)) = met.iter().min_by(|a, b| a.1[1].abs().total_cmp(&b.1[1].abs())) else { continue };
-        let normal = faces[*nearest].normal;
-        for (i, [along_m, behind_m]) in met {
-            let is_within = (0.0..=faces[i].length_m).contains(&along_m);
-            if is_within && dot(faces[i].normal, normal) > PARALLEL_COS {
+        let is_within = |(i, [along_m, _]): &(usize, [f64; 2])| (0.0..=faces[*i].length_m).contains(along_m);
+        for &(i, [along_m, behind_m]) in met.iter().filter(|met| is_within(met)) {
+            let is_parallel = |j: usize| dot(faces[i].normal, faces[j].normal) > PARALLEL_COS;
+            let nearest_m = |of: &dyn Fn(&&(usize, [f64; 2])) -> bool| {
+                met.iter().filter(of).map(|(_, [_, behind_m])| behind_m.abs()).fold(f64::INFINITY, f64::min)
+            };
+            let own_m = nearest_m(&|met| is_parallel(met.0) && is_within(met));
+            if own_m <= nearest_m(&|met| !is_parallel(met.0)) {
                 let stretch = (along_m / STRETCH_M).floor() as i64;
                 points[i].push(Point { hit: index, step: hit.step, stretch, behind_m });
             }
