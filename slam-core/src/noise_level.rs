@@ -10,9 +10,9 @@
 //! whose it is. What it is worth to the filter stays what the rig states and more, since readings of one stretch of wall
 //! are off together ([`crate::repeats`]).
 
-/// Information on the logarithm of a factor before any reading, as [`Level::learn`] counts it: a factor of 1.8 either
-/// way, 1-sigma. Anything from 1.6 to 2 does as well on the logs of docs/real-logs.md.
-const PRIOR: f32 = 6.0;
+/// Information on the logarithm of a factor before any reading, as [`Level::learn`] counts it: a factor of 1.7 either
+/// way, 1-sigma. On the logs of docs/real-logs.md 6 to 8 do as well.
+const PRIOR: f32 = 7.0;
 
 /// Most information: what is older than some 500 readings of different places fades.
 const MOST: f32 = 100.0;
