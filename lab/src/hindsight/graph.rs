@@ -9,20 +9,12 @@ use std::f64::consts::FRAC_PI_2;
 use nalgebra::{DMatrix, DVector};
 use nalgebra_sparse::factorization::CscCholesky;
 use nalgebra_sparse::{CooMatrix, CscMatrix};
-use slam_core::{DriveModel, Outcome, RangeModel, RangeSensor, Rig, WallKind, WallView};
+use slam_core::{DriveModel, Rig, WallKind, WallView};
 
 use super::keyframes::Keyframes;
-use crate::recording::{MapSnapshot, Pose2, Recording, wrap};
+use super::sightings::{Fit, Noise, Sighting, mergers, met};
+use crate::recording::{Pose2, Recording, wrap};
 use crate::rig_file::MAX_SENSORS;
-
-/// Relief of built walls where sensors report metres, and of those that an analogue sensor sees, metres, as the estimator has
-/// them.
-const RELIEF_M: f64 = 0.015;
-const SURFACE_M: f64 = 0.003;
-
-/// Of so many readings of a sensor that reports metres, which say the same, one is one: as the estimator finds on real logs,
-/// three to five. An analogue sensor's noise is new each time.
-const ALIKE: f64 = 4.0;
 
 /// Slips of an odometry, as the estimator has them: so many times the stated variance, and this much per radian, m^2.
 const SLIP_RUNS: f64 = 4.0;
@@ -46,22 +38,6 @@ const SETTLED: f64 = 1e-4;
 
 /// Variance that keeps what nothing is known of where it is.
 const FREE: f64 = 1e6;
-
-/// One reading: where it ended in its keyframe's frame, and on which wall.
-#[derive(Clone, Copy, Debug)]
-struct Sighting {
-    key: usize,
-    wall: usize,
-    end_m: [f64; 2],
-    noise: Noise,
-}
-
-/// A reading's standard deviation, metres, and of how many it is one.
-#[derive(Clone, Copy, Debug)]
-struct Noise {
-    sigma_m: f64,
-    alike: f64,
-}
 
 /// A measurement's variances for one stretch of path.
 #[derive(Clone, Copy, Debug)]
@@ -362,96 +338,10 @@ impl Normal {
     }
 }
 
-/// A line through points by least squares across it.
-#[derive(Clone, Copy, Debug, Default)]
-struct Fit {
-    n: f64,
-    sum: [f64; 2],
-    squares: [f64; 3],
-    beams: [f64; 2],
-}
-
-impl Fit {
-    fn add(&mut self, [x, y]: [f64; 2], beam: [f64; 2]) {
-        self.n += 1.0;
-        self.sum = [self.sum[0] + x, self.sum[1] + y];
-        self.squares = [self.squares[0] + x * x, self.squares[1] + x * y, self.squares[2] + y * y];
-        self.beams = [self.beams[0] + beam[0], self.beams[1] + beam[1]];
-    }
-
-    /// Offset and direction of the normal, which points along the beams.
-    fn line(&self) -> (f64, f64) {
-        let mean = self.sum.map(|sum| sum / self.n);
-        let xx = self.squares[0] / self.n - mean[0] * mean[0];
-        let xy = self.squares[1] / self.n - mean[0] * mean[1];
-        let yy = self.squares[2] / self.n - mean[1] * mean[1];
-        let along = 0.5 * (2.0 * xy).atan2(xx - yy);
-        let beta = along + FRAC_PI_2;
-        let faces = self.beams[0] * beta.cos() + self.beams[1] * beta.sin() > 0.0;
-        let beta = if faces { beta } else { along - FRAC_PI_2 };
-        (mean[0] * beta.cos() + mean[1] * beta.sin(), wrap(beta))
-    }
-}
-
-/// Every reading that the filter used: step, sensor, wall, end point.
-fn met(recording: &Recording) -> impl Iterator<Item = (usize, usize, u16, [f64; 2])> + '_ {
-    (0..recording.steps.len()).flat_map(move |step| {
-        let readings = recording.readings(step).iter().enumerate();
-        readings.filter_map(move |(sensor, reading)| match (reading.outcome, reading.hit_m) {
-            (Outcome::Updated { wall, .. }, Some(hit_m)) if hit_m.iter().all(|metres| metres.is_finite()) => {
-                Some((step, sensor, wall, hit_m.map(f64::from)))
-            }
-            _ => None,
-        })
-    })
-}
-
-/// Which wall each merged one became part of: one beside it that has its readings from then on.
-fn mergers(maps: &[MapSnapshot]) -> BTreeMap<u16, u16> {
-    let mut became = BTreeMap::new();
-    for pair in maps.windows(2) {
-        let [before, after] = pair else { continue };
-        let ids: BTreeSet<u16> = after.walls.iter().map(|wall| wall.id).collect();
-        for gone in before.walls.iter().filter(|wall| !ids.contains(&wall.id)) {
-            let grown = |wall: &&WallView| {
-                let had = before.walls.iter().find(|old| old.id == wall.id).map_or(0, |old| old.updates);
-                let covers = wall.lo_m - 0.1 < gone.lo_m && wall.hi_m + 0.1 > gone.hi_m;
-                let turned = wrap(f64::from(wall.beta_rad - gone.beta_rad));
-                turned.abs() < 0.15 && covers && wall.updates >= had + gone.updates
-            };
-            let nearest = |a: &&WallView, b: &&WallView| {
-                let off = |wall: &WallView| (wall.rho_m - gone.rho_m).abs();
-                off(a).total_cmp(&off(b))
-            };
-            if let Some(kept) = after.walls.iter().filter(grown).min_by(nearest) {
-                became.insert(gone.id, kept.id);
-            }
-        }
-    }
-    became
-}
-
 /// Angle from the nearest direction of the grid.
 fn off_grid(beta_rad: f64, alpha_rad: f64) -> f64 {
     let difference = beta_rad - alpha_rad;
     difference - (difference / FRAC_PI_2).round() * FRAC_PI_2
-}
-
-impl Noise {
-    /// Of a reading at this range.
-    fn of(sensor: &RangeSensor, range_m: f64) -> Self {
-        match sensor.model {
-            RangeModel::Metric { noise_m, noise_rel } => {
-                let own_m = f64::from(noise_m).hypot(f64::from(noise_rel) * range_m);
-                Self { sigma_m: own_m.hypot(RELIEF_M), alike: ALIKE }
-            }
-            RangeModel::Sharp { scale_m, exponent, noise_v } => {
-                let volts = (range_m / f64::from(scale_m)).powf(1.0 / f64::from(exponent));
-                let own_m = f64::from(exponent) * range_m / volts * f64::from(noise_v);
-                Self { sigma_m: own_m.hypot(SURFACE_M), alike: 1.0 }
-            }
-        }
-    }
 }
 
 fn stretch_noise(drive: &DriveModel, path_m: f64, turning_rad: f64) -> StretchNoise {

@@ -10,6 +10,7 @@
 
 mod graph;
 mod keyframes;
+mod sightings;
 mod twins;
 
 use slam_core::{Rig, WallView};

@@ -65,17 +65,19 @@ struct Point {
     behind_m: f64,
 }
 
+/// The index of a face that a hit may be on, and where: along it and behind it, metres.
+type Met = (usize, [f64; 2]);
+
 /// The points of each face, in order of time.
 fn points_of(faces: &[Face], hits: &[Hit]) -> Vec<Vec<Point>> {
     let mut points = vec![Vec::new(); faces.len()];
     for (index, hit) in hits.iter().enumerate() {
-        let met: Vec<(usize, [f64; 2])> =
-            faces.iter().enumerate().filter_map(|(i, face)| Some((i, face.meets(hit)?))).collect();
-        let is_within = |(i, [along_m, _]): &(usize, [f64; 2])| (0.0..=faces[*i].length_m).contains(along_m);
+        let met: Vec<Met> = faces.iter().enumerate().filter_map(|(i, face)| Some((i, face.meets(hit)?))).collect();
+        let is_within = |(i, [along_m, _]): &Met| (0.0..=faces[*i].length_m).contains(along_m);
         for &(i, [along_m, behind_m]) in met.iter().filter(|met| is_within(met)) {
             let is_parallel = |j: usize| dot(faces[i].normal, faces[j].normal) > PARALLEL_COS;
-            let nearest_m = |of: &dyn Fn(&&(usize, [f64; 2])) -> bool| {
-                met.iter().filter(of).map(|(_, [_, behind_m])| behind_m.abs()).fold(f64::INFINITY, f64::min)
+            let nearest_m = |of: &dyn Fn(&Met) -> bool| {
+                met.iter().filter(|met| of(met)).map(|(_, [_, behind_m])| behind_m.abs()).fold(f64::INFINITY, f64::min)
             };
             let own_m = nearest_m(&|met| is_parallel(met.0) && is_within(met));
             if own_m <= nearest_m(&|met| !is_parallel(met.0)) {
