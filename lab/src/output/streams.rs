@@ -78,9 +78,7 @@ impl Streams {
     /// What the system says.
     pub fn push(&mut self, step: &Step) -> Result<(), FileError> {
         self.estimate.line(&estimate_line(step))?;
-        // The estimator's poses are f32: their shortest form is that of an f32.
-        let position = [step.pose.x_m, step.pose.y_m].map(|number| shortest(number as f32));
-        self.trajectory.line(&tum_line(&step.t_text, position, step.pose.theta_rad))
+        self.trajectory.line(&trajectory_line(step))
     }
 
     /// Hands everything to the system.
@@ -99,6 +97,13 @@ fn estimate_line(step: &Step) -> String {
     let alpha = step.alpha.map_or(f32::NAN, |(alpha_rad, _)| alpha_rad);
     let numbers = [pose[0], pose[1], pose[2], xx, xy, xt, yy, yt, tt, alpha].map(shortest).join(",");
     format!("{},{numbers},{}", step.t_text, step.walls)
+}
+
+/// The estimated pose as a line of a `.tum` file.
+pub fn trajectory_line(step: &Step) -> String {
+    // The estimator's poses are f32: their shortest form is that of an f32.
+    let position = [step.pose.x_m, step.pose.y_m].map(|number| shortest(number as f32));
+    tum_line(&step.t_text, position, step.pose.theta_rad)
 }
 
 /// A line of a `.tum` file, `t x y z qx qy qz qw`, from the position as text and the heading in radians.

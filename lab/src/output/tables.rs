@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use slam_core::WallKind;
 
 use super::numbers::shortest;
-use super::streams::tum_line;
+use super::streams::{trajectory_line, tum_line};
 use crate::recording::{Recording, Step};
 
 /// `walls.csv`.
@@ -37,11 +37,7 @@ pub fn calibration(recording: &Recording) -> String {
 
 /// A path in the format of `trajectory.tum`.
 pub fn path(recording: &Recording) -> String {
-    let line = |step: &Step| {
-        let position = [step.pose.x_m, step.pose.y_m].map(|number| shortest(number as f32));
-        tum_line(&step.t_text, position, step.pose.theta_rad) + "\n"
-    };
-    recording.steps.iter().map(line).collect()
+    recording.steps.iter().map(|step| trajectory_line(step) + "\n").collect()
 }
 
 /// `truth.tum`; none where no true pose is known.
