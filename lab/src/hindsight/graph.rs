@@ -51,9 +51,10 @@ pub struct Graph {
     state: DVector<f64>,
     keys: usize,
     first: Pose2,
-    /// Identifier of each wall, and whether it is still one of its own.
+    /// Identifier of each wall, in order.
     ids: Vec<u16>,
     on_grid: Vec<bool>,
+    /// Of each keyframe but the last: the sensed motion to the next, its length in metres, its noise.
     stretches: Vec<(Pose2, f64, StretchNoise)>,
     sightings: Vec<Sighting>,
     /// 1-sigma of the scales of distance and of turning, and of the veer, radians per metre.
@@ -82,7 +83,9 @@ impl Graph {
     /// Of a record; none where there is nothing to place.
     pub fn new(recording: &Recording, rig: &Rig<MAX_SENSORS>, keyframes: &Keyframes) -> Option<Self> {
         let became = mergers(&recording.maps);
-        let root = |id: u16| std::iter::successors(Some(id), |id| became.get(id).copied()).last().unwrap_or(id);
+        // Identifiers come again after 65,536 births: then a chain of mergers may have no end.
+        let chain = |id: u16| std::iter::successors(Some(id), |id| became.get(id).copied()).take(became.len() + 1);
+        let root = |id: u16| chain(id).last().unwrap_or(id);
         let met = met(recording).map(|(step, sensor, id, hit_m)| (step, sensor, root(id), hit_m));
         let met: Vec<(usize, usize, u16, [f64; 2])> = met.collect();
         let mut counts: BTreeMap<u16, usize> = BTreeMap::new();

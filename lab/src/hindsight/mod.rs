@@ -34,8 +34,8 @@ pub fn add(recording: &mut Recording, rig: &Rig<MAX_SENSORS>) -> Option<Recordin
     let mut back = look_back(recording, rig)?;
     back.figures = Figures { estimate: None, map: None, ..back.figures };
     score::score(&mut back, &[], None);
-    let Figures { estimate, consistency, .. } = back.figures.clone();
-    recording.figures.looking_back = Some(LookingBack { estimate, consistency });
+    let Figures { estimate, consistency, .. } = &back.figures;
+    recording.figures.looking_back = Some(LookingBack { estimate: *estimate, consistency: consistency.clone() });
     Some(back)
 }
 
@@ -54,6 +54,7 @@ fn look_back(recording: &Recording, rig: &Rig<MAX_SENSORS>) -> Option<Recording>
     Some(moved(recording, &keyframes.path(recording, &graph.poses()), graph.walls()?))
 }
 
+/// The record with this path and map.
 fn moved(recording: &Recording, path: &[Pose2], walls: Vec<WallView>) -> Recording {
     let mut back = recording.clone();
     let per_step = recording.sensors.len().max(1);
