@@ -123,6 +123,49 @@ fn readings_that_were_given_to_a_wrong_wall_are_outweighed() {
 }
 
 #[test]
+fn readings_that_the_filter_could_not_place_are_placed() {
+    let mut recording = misled(2, 1.05);
+    // It knew no wall in its second lap, but for a few readings.
+    let second = recording.readings.len() / 2;
+    for (i, reading) in recording.readings.iter_mut().enumerate().skip(second) {
+        if i % 20 > 3 {
+            reading.outcome = Outcome::Unexplained;
+        }
+    }
+    let back = hindsight::add(&mut recording, &rig()).expect("there are walls");
+    let on_walls: u32 = back.walls().iter().map(|wall| wall.updates).sum();
+    // In the corners beams graze the walls.
+    assert_eq!((back.walls().len(), on_walls as usize * 100 / recording.readings.len()), (4, 98));
+}
+
+#[test]
+fn a_wall_that_readings_went_through_is_not_there() {
+    let mut recording = misled(3, 1.0);
+    // In the second of three laps somebody stands half a metre before a wall: too short to be that wall in another place.
+    let lap = recording.readings.len() / 3;
+    let poses: Vec<Pose2> = recording.steps.iter().map(|step| step.pose).collect();
+    let mut stood = 0;
+    for (i, reading) in recording.readings.iter_mut().enumerate().skip(lap).take(lap) {
+        let (Outcome::Updated { wall: wall @ 4, .. }, Some(hit_m)) = (&mut reading.outcome, &mut reading.hit_m) else {
+            continue;
+        };
+        let pose = poses[i / 4];
+        let [dx, dy] = [f64::from(hit_m[0]) - pose.x_m, f64::from(hit_m[1]) - pose.y_m];
+        let share = (dy + 0.5) / dy;
+        let before_m = [pose.x_m + share * dx, pose.y_m + share * dy];
+        if !(-0.2..0.2).contains(&before_m[0]) {
+            continue;
+        }
+        *hit_m = before_m.map(|metres| metres as f32);
+        *wall = 99;
+        stood += 1;
+    }
+    assert!(stood > 10, "{stood}");
+    let back = hindsight::add(&mut recording, &rig()).expect("there are walls");
+    assert_eq!(back.walls().len(), 4);
+}
+
+#[test]
 fn where_there_is_nothing_to_see_there_is_no_look_back() {
     assert!(hindsight::add(&mut Recording::default(), &rig()).is_none());
     let mut blind = misled(1, 1.0);

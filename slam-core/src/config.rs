@@ -93,7 +93,7 @@ pub struct Config {
 
 /// The relief of built walls, metres: door frames, skirting boards, panels. In the Freiburg offices a laser's readings lie
 /// 2.2 cm from the line of their wall (docs/real-logs.md), whatever the incidence; a good centimetre is the laser's own.
-const BUILT_RELIEF_M: f32 = 0.015;
+pub const BUILT_RELIEF_M: f32 = 0.015;
 
 impl Config {
     /// For rooms as they are built, where there is room for two states a wall.

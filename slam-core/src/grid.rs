@@ -27,7 +27,7 @@ const GRID_TOLERANCE: f32 = 1e-3;
 
 /// Built walls are to within this: half a degree. Those of the Freiburg offices scatter by 1.7 degrees along the path that
 /// is given as true, which has its share of that; up to 0.03 the results there are the same.
-const BUILT_TOLERANCE: f32 = 0.01;
+pub const BUILT_TOLERANCE: f32 = 0.01;
 
 /// Largest sigma of the angle between two walls that may found the grid, radians: two degrees.
 const FOUNDING_SIGMA: f32 = 0.035;

@@ -69,8 +69,11 @@ mod verdict;
 mod view;
 mod wall;
 
-pub use config::{Clustering, Config, Linearisation, MapFrame, WallPolicy};
+pub use config::{BUILT_RELIEF_M, Clustering, Config, Linearisation, MapFrame, WallPolicy};
+pub use grid::BUILT_TOLERANCE;
+pub use motion::{SLIP_M2_PER_RAD, SLIP_RUNS};
 pub use pose::Pose;
+pub use range::SURFACE_M;
 pub use report::{Counters, Outcome, ReadingReport, Refusal, StepReport};
 pub use rig::{Adc, DriveModel, Mount, RangeModel, RangeSensor, Rig, RigError};
 pub use sample::{Increment, Motion, RangeInput, Sample, Ticks};

@@ -215,11 +215,11 @@ fn wheel_step(track_m: f32, noise_m2_per_m: f32, left_m: f32, right_m: f32, fact
 
 /// Slips come in runs: over ten seconds they add up to so many times the variance that steps of a second have. From the dead
 /// reckoning of olsson-demo, held against a path on which all its passes agree (docs/real-logs.md).
-const SLIP_RUNS: f32 = 4.0;
+pub const SLIP_RUNS: f32 = 4.0;
 
 /// What a robot slides while it turns, m^2 of each axis per radian: a point of rotation that is four centimetres off. From the
 /// same.
-const SLIP_M2_PER_RAD: f32 = 2e-3;
+pub const SLIP_M2_PER_RAD: f32 = 2e-3;
 
 impl Step {
     /// With the noise of the position that real floors add to what a rig states.

@@ -3,32 +3,26 @@
 //! State: `[x, y, theta of each keyframe, rho and beta of each wall, alpha, scales of distance and turning, veer]`. Poses
 //! come first: each is tied to the next only, so that a Cholesky factor in this order fills in no more than the walls' rows.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{DMatrix, DVector};
 use nalgebra_sparse::factorization::CscCholesky;
 use nalgebra_sparse::{CooMatrix, CscMatrix};
-use slam_core::{DriveModel, Rig, WallKind, WallView};
+use slam_core::{BUILT_TOLERANCE, DriveModel, Rig, SLIP_M2_PER_RAD, SLIP_RUNS, WallKind, WallView};
 
 use super::keyframes::Keyframes;
-use super::sightings::{Fit, Noise, Sighting, mergers, met};
+use super::line::Points;
+use super::seen::{Beam, SIGMAS, Seen};
+use super::sightings::{Noise, Sighting, ended_on};
 use crate::recording::{Pose2, Recording, wrap};
 use crate::rig_file::MAX_SENSORS;
 
-/// Slips of an odometry, as the estimator has them: so many times the stated variance, and this much per radian, m^2.
-const SLIP_RUNS: f64 = 4.0;
-const SLIP_M2_PER_RAD: f64 = 2e-3;
-
-/// Built walls are on the grid to within this, radians, and those that are farther than six degrees from it are not on it.
-const BUILT_TOLERANCE: f64 = 0.01;
+/// Walls that are farther than six degrees from the grid are not on it, radians.
 const OFF_GRID_RAD: f64 = 0.1;
 
 /// A wall that fewer readings met is noise.
 const FEWEST: usize = 10;
-
-/// Where on a wall readings ended is told in pieces of this length, metres.
-pub const STRETCH_M: f64 = 0.25;
 
 /// Residuals of so many sigmas count half (Cauchy).
 const HALF_AT: f64 = 2.0;
@@ -62,49 +56,25 @@ pub struct Graph {
     information: Option<CscCholesky<f64>>,
 }
 
-/// A wall's line and what was seen of it.
-#[derive(Clone, Debug)]
-pub struct Seen {
-    /// Its place in the state.
-    pub wall: usize,
-    /// Offset and direction.
-    pub rho_m: f64,
-    /// Direction of the normal, radians.
-    pub beta_rad: f64,
-    /// Where along it readings ended, metres.
-    pub span_m: [f64; 2],
-    /// Which stretches of [`STRETCH_M`] along it they were on.
-    pub stretches: BTreeSet<i64>,
-    /// How many.
-    pub count: usize,
-}
-
 impl Graph {
     /// Of a record; none where there is nothing to place.
     pub fn new(recording: &Recording, rig: &Rig<MAX_SENSORS>, keyframes: &Keyframes) -> Option<Self> {
-        let became = mergers(&recording.maps);
-        // Identifiers come again after 65,536 births: then a chain of mergers may have no end.
-        let chain = |id: u16| std::iter::successors(Some(id), |id| became.get(id).copied()).take(became.len() + 1);
-        let root = |id: u16| chain(id).last().unwrap_or(id);
-        let met = met(recording).map(|(step, sensor, id, hit_m)| (step, sensor, root(id), hit_m));
-        let met: Vec<(usize, usize, u16, [f64; 2])> = met.collect();
+        let ended = ended_on(recording);
         let mut counts: BTreeMap<u16, usize> = BTreeMap::new();
-        for (_, _, id, _) in &met {
-            *counts.entry(*id).or_default() += 1;
+        for id in ended.iter().filter_map(|end| end.wall) {
+            *counts.entry(id).or_default() += 1;
         }
         let ids: Vec<u16> = counts.into_iter().filter(|(_, count)| *count >= FEWEST).map(|(id, _)| id).collect();
         let keys = keyframes.steps().len();
         let mut sightings = Vec::new();
-        let mut drawn = vec![Fit::default(); ids.len()];
-        for (step, sensor, id, hit_m) in met {
-            let Ok(wall) = ids.binary_search(&id) else { continue };
-            let pose = recording.steps[step].pose;
-            let local = pose.relative(&Pose2::new(hit_m[0], hit_m[1], 0.0));
-            let range_m = local.x_m.hypot(local.y_m);
-            let Some(noise) = rig.sensors.get(sensor).map(|sensor| Noise::of(sensor, range_m)) else { continue };
-            let end_m = keyframes.local(recording, step).transform([local.x_m, local.y_m]);
-            sightings.push(Sighting { key: keyframes.before(step), wall, end_m, noise });
-            drawn[wall].add(hit_m, [hit_m[0] - pose.x_m, hit_m[1] - pose.y_m]);
+        let mut drawn = vec![Points::default(); ids.len()];
+        for end in &ended {
+            let wall = end.wall.and_then(|id| ids.binary_search(&id).ok());
+            sightings.extend(Sighting::of(recording, rig, keyframes, end, wall));
+            if let Some(wall) = wall {
+                let pose = recording.steps[end.step].pose;
+                drawn[wall].add(end.at_m, [end.at_m[0] - pose.x_m, end.at_m[1] - pose.y_m]);
+            }
         }
         let alpha = recording.steps.last()?.alpha.map(|(alpha, _)| f64::from(alpha));
         let mut state = DVector::zeros(3 * keys + 2 * ids.len() + 4);
@@ -113,8 +83,8 @@ impl Graph {
             state.as_mut_slice()[3 * key..3 * key + 3].copy_from_slice(&[pose.x_m, pose.y_m, pose.theta_rad]);
         }
         let mut on_grid = Vec::new();
-        for (wall, fit) in drawn.iter().enumerate() {
-            let (rho_m, beta_rad) = fit.line();
+        for (wall, points) in drawn.iter().enumerate() {
+            let (rho_m, beta_rad) = points.line();
             state[3 * keys + 2 * wall] = rho_m;
             state[3 * keys + 2 * wall + 1] = beta_rad;
             on_grid.push(alpha.is_some_and(|alpha| off_grid(beta_rad, alpha).abs() < OFF_GRID_RAD));
@@ -215,16 +185,17 @@ impl Graph {
 
     fn add_sightings(&self, normal: &mut Normal) {
         for sighting in &self.sightings {
-            let (residual, terms) = self.residual(sighting);
+            let Some(wall) = sighting.wall else { continue };
+            let (residual, terms) = self.residual(sighting, wall);
             let Noise { sigma_m, alike } = sighting.noise;
             let halves = residual / (HALF_AT * sigma_m);
             normal.add(residual, 1.0 / (alike * sigma_m * sigma_m * (1.0 + halves * halves)), &terms);
         }
     }
 
-    /// How far before its wall a reading ended, and the derivatives of that.
-    fn residual(&self, sighting: &Sighting) -> (f64, [(usize, f64); 5]) {
-        let (k, w) = (3 * sighting.key, self.wall_at(sighting.wall));
+    /// How far before a wall a reading ended, and the derivatives of that.
+    fn residual(&self, sighting: &Sighting, wall: usize) -> (f64, [(usize, f64); 5]) {
+        let (k, w) = (3 * sighting.key, self.wall_at(wall));
         let pose = self.pose(sighting.key);
         let [x, y] = pose.transform(sighting.end_m);
         let (ny, nx) = self.state[w + 1].sin_cos();
@@ -242,8 +213,25 @@ impl Graph {
             normal.add(0.0, 1.0 / FREE, &[(rho + 1, 1.0)]);
             if *on_grid {
                 let off = off_grid(self.state[rho + 1], self.state[alpha]);
-                normal.add(off, 1.0 / BUILT_TOLERANCE.powi(2), &[(rho + 1, 1.0), (alpha, -1.0)]);
+                normal.add(off, 1.0 / f64::from(BUILT_TOLERANCE).powi(2), &[(rho + 1, 1.0), (alpha, -1.0)]);
             }
+        }
+    }
+
+    /// Every reading as it lies at present.
+    pub fn beams(&self) -> Vec<Beam> {
+        let beam = |sighting: &Sighting| {
+            let Sighting { key, wall, from_m, end_m, min_cos, noise } = *sighting;
+            let [from_m, end_m] = [from_m, end_m].map(|at_m| self.pose(key).transform(at_m));
+            Beam { from_m, end_m, sigma_m: noise.sigma_m, min_cos, wall }
+        };
+        self.sightings.iter().map(beam).collect()
+    }
+
+    /// Gives each reading, in the order of [`Self::beams`], to a wall.
+    pub fn give(&mut self, walls: &[Option<usize>]) {
+        for (sighting, wall) in self.sightings.iter_mut().zip(walls) {
+            sighting.wall = *wall;
         }
     }
 
@@ -251,11 +239,12 @@ impl Graph {
     pub fn seen(&self) -> Vec<Seen> {
         let mut places = vec![Vec::new(); self.ids.len()];
         for sighting in &self.sightings {
-            let (residual, _) = self.residual(sighting);
-            if residual.abs() < 3.0 * sighting.noise.alike.sqrt() * sighting.noise.sigma_m {
+            let Some(wall) = sighting.wall else { continue };
+            let (residual, _) = self.residual(sighting, wall);
+            if residual.abs() < SIGMAS * sighting.noise.alike.sqrt() * sighting.noise.sigma_m {
                 let [x, y] = self.pose(sighting.key).transform(sighting.end_m);
-                let (ny, nx) = self.state[self.wall_at(sighting.wall) + 1].sin_cos();
-                places[sighting.wall].push(nx * y - ny * x);
+                let (ny, nx) = self.state[self.wall_at(wall) + 1].sin_cos();
+                places[wall].push(nx * y - ny * x);
             }
         }
         let seen = places.iter().enumerate().filter(|(_, along)| along.len() >= FEWEST);
@@ -263,7 +252,7 @@ impl Graph {
             let at = self.wall_at(wall);
             let ends = |a: [f64; 2], t: &f64| [a[0].min(*t), a[1].max(*t)];
             let span_m = along.iter().fold([f64::INFINITY, f64::NEG_INFINITY], ends);
-            let stretches = along.iter().map(|t| (t / STRETCH_M).floor() as i64).collect();
+            let stretches = along.iter().map(|t| Seen::stretch(*t)).collect();
             let (rho_m, beta_rad) = (self.state[at], wrap(self.state[at + 1]));
             Seen { wall, rho_m, beta_rad, span_m, stretches, count: along.len() }
         })
@@ -287,8 +276,8 @@ impl Graph {
 
     /// The readings of wall `gone` are wall `kept`'s.
     pub fn unite(&mut self, kept: usize, gone: usize) {
-        for sighting in self.sightings.iter_mut().filter(|sighting| sighting.wall == gone) {
-            sighting.wall = kept;
+        for sighting in self.sightings.iter_mut().filter(|sighting| sighting.wall == Some(gone)) {
+            sighting.wall = Some(kept);
         }
     }
 
@@ -354,7 +343,7 @@ fn stretch_noise(drive: &DriveModel, path_m: f64, turning_rad: f64) -> StretchNo
             (0.5 * wheel_m2, 2.0 * wheel_m2 / f64::from(track_m).powi(2))
         }
         DriveModel::Odometry { noise_m2_per_m, noise_rad2_per_m, noise_rad2_per_rad, .. } => (
-            SLIP_RUNS * f64::from(noise_m2_per_m) * path_m + SLIP_M2_PER_RAD * turning_rad,
+            f64::from(SLIP_RUNS * noise_m2_per_m) * path_m + f64::from(SLIP_M2_PER_RAD) * turning_rad,
             f64::from(noise_rad2_per_m) * path_m + f64::from(noise_rad2_per_rad) * turning_rad,
         ),
     };

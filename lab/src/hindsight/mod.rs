@@ -2,14 +2,17 @@
 //!
 //! The robot's filter knows at each moment what was sensed until then. What it drew before a loop closed stays where it was
 //! drawn. A workbench has the whole log: here all poses, all walls and the scales of the odometry are placed together so
-//! that the motion that was sensed and the readings that the filter used are likeliest, each reading on the wall that the
-//! filter took it for (full SLAM: Thrun and Montemerlo 2006; robust weights: Cauchy). Readings that the filter took for the
-//! wrong wall stay so but for their weight; walls that turn out to be one become one.
+//! that the motion that was sensed and the readings are likeliest (full SLAM: Thrun and Montemerlo 2006; robust weights:
+//! Cauchy): first each reading on the wall that the filter took it for, until walls that turn out to be one have become one;
+//! then on the wall that it ended on, in rounds, as the points of a scan are matched (Besl and McKay 1992).
 //!
 //! It is a look back, never an input: nothing of it reaches the filter.
 
 mod graph;
 mod keyframes;
+mod labels;
+mod line;
+mod seen;
 mod sightings;
 mod twins;
 
@@ -23,6 +26,9 @@ use keyframes::Keyframes;
 
 /// Rounds of merging walls that turn out to be one, at most.
 const MERGING_ROUNDS: usize = 40;
+
+/// Rounds of giving readings to the walls that they ended on, at most.
+const LABELLING_ROUNDS: usize = 8;
 
 /// Rounds until it is settled, at most, and between two mergers, when it need not be.
 const ROUNDS: usize = 25;
@@ -44,14 +50,28 @@ fn look_back(recording: &Recording, rig: &Rig<MAX_SENSORS>) -> Option<Recording>
     let keyframes = Keyframes::of(recording);
     let mut graph = Graph::new(recording, rig, &keyframes)?;
     graph.solve(ROUNDS)?;
+    unite(&mut graph)?;
+    for _ in 0..LABELLING_ROUNDS {
+        let changed = labels::renew(&mut graph);
+        graph.solve(ROUNDS_BETWEEN)?;
+        unite(&mut graph)?;
+        if changed == 0 {
+            break;
+        }
+    }
+    graph.solve(ROUNDS)?;
+    Some(moved(recording, &keyframes.path(recording, &graph.poses()), graph.walls()?))
+}
+
+/// Makes walls one that turn out to be one, as long as there are any.
+fn unite(graph: &mut Graph) -> Option<()> {
     for _ in 0..MERGING_ROUNDS {
-        if !twins::merge(&mut graph) {
+        if !twins::merge(graph) {
             break;
         }
         graph.solve(ROUNDS_BETWEEN)?;
     }
-    graph.solve(ROUNDS)?;
-    Some(moved(recording, &keyframes.path(recording, &graph.poses()), graph.walls()?))
+    Some(())
 }
 
 /// The record with this path and map.

@@ -1,31 +1,31 @@
-//! What the filter saw of its walls: each reading that it used, and on which wall of the end it is.
+//! What was seen from each keyframe: every reading that ended on something, and on which wall of the end the filter had it.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::f64::consts::FRAC_PI_2;
 
-use slam_core::{Outcome, RangeModel, RangeSensor, WallView};
+use slam_core::{BUILT_RELIEF_M, Outcome, RangeModel, RangeSensor, Rig, SURFACE_M, WallView};
 
-use crate::recording::{MapSnapshot, Recording, wrap};
-
-/// Relief of built walls where sensors report metres, and of those that an analogue sensor sees, metres, as the estimator has
-/// them.
-const RELIEF_M: f64 = 0.015;
-const SURFACE_M: f64 = 0.003;
+use super::keyframes::Keyframes;
+use crate::recording::{MapSnapshot, Pose2, Recording, wrap};
+use crate::rig_file::MAX_SENSORS;
 
 /// Of so many readings of a sensor that reports metres, which say the same, one is one: as the estimator finds on real logs,
 /// three to five. An analogue sensor's noise is new each time.
 const ALIKE: f64 = 4.0;
 
-/// One reading: where it ended in its keyframe's frame, and on which wall.
+/// One reading, in its keyframe's frame, and on which wall it is.
 #[derive(Clone, Copy, Debug)]
 pub struct Sighting {
     /// The keyframe.
     pub key: usize,
-    /// The wall.
-    pub wall: usize,
+    /// The wall; none where it is on something else.
+    pub wall: Option<usize>,
+    /// Where its beam began, metres.
+    pub from_m: [f64; 2],
     /// Where it ended, metres.
     pub end_m: [f64; 2],
-    /// How sure that is.
+    /// Least cosine of the incidence at which its sensor sees a wall.
+    pub min_cos: f64,
+    /// How sure its end is.
     pub noise: Noise,
 }
 
@@ -44,64 +44,77 @@ impl Noise {
         match sensor.model {
             RangeModel::Metric { noise_m, noise_rel } => {
                 let own_m = f64::from(noise_m).hypot(f64::from(noise_rel) * range_m);
-                Self { sigma_m: own_m.hypot(RELIEF_M), alike: ALIKE }
+                Self { sigma_m: own_m.hypot(BUILT_RELIEF_M.into()), alike: ALIKE }
             }
             RangeModel::Sharp { scale_m, exponent, noise_v } => {
                 let volts = (range_m / f64::from(scale_m)).powf(1.0 / f64::from(exponent));
                 let own_m = f64::from(exponent) * range_m / volts * f64::from(noise_v);
-                Self { sigma_m: own_m.hypot(SURFACE_M), alike: 1.0 }
+                Self { sigma_m: own_m.hypot(SURFACE_M.into()), alike: 1.0 }
             }
         }
     }
 }
 
-/// A line through points by least squares across it.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Fit {
-    n: f64,
-    sum: [f64; 2],
-    squares: [f64; 3],
-    beams: [f64; 2],
+/// A reading that ended somewhere.
+#[derive(Clone, Copy, Debug)]
+pub struct End {
+    /// Its step.
+    pub step: usize,
+    /// Its sensor.
+    pub sensor: usize,
+    /// The wall that the filter used it for, by the identifier that this has in the end.
+    pub wall: Option<u16>,
+    /// Where, in the map frame of the moment, metres.
+    pub at_m: [f64; 2],
 }
 
-impl Fit {
-    /// Adds a point that a beam of this direction met.
-    pub fn add(&mut self, [x, y]: [f64; 2], beam: [f64; 2]) {
-        self.n += 1.0;
-        self.sum = [self.sum[0] + x, self.sum[1] + y];
-        self.squares = [self.squares[0] + x * x, self.squares[1] + x * y, self.squares[2] + y * y];
-        self.beams = [self.beams[0] + beam[0], self.beams[1] + beam[1]];
-    }
-
-    /// Offset and direction of the normal, which points along the beams.
-    pub fn line(&self) -> (f64, f64) {
-        let mean = self.sum.map(|sum| sum / self.n);
-        let xx = self.squares[0] / self.n - mean[0] * mean[0];
-        let xy = self.squares[1] / self.n - mean[0] * mean[1];
-        let yy = self.squares[2] / self.n - mean[1] * mean[1];
-        let along = 0.5 * (2.0 * xy).atan2(xx - yy);
-        let beta = along + FRAC_PI_2;
-        let faces = self.beams[0] * beta.cos() + self.beams[1] * beta.sin() > 0.0;
-        let beta = if faces { beta } else { along - FRAC_PI_2 };
-        (mean[0] * beta.cos() + mean[1] * beta.sin(), wrap(beta))
-    }
-}
-
-/// Every reading that the filter used: step, sensor, wall, end point.
-pub fn met(recording: &Recording) -> impl Iterator<Item = (usize, usize, u16, [f64; 2])> + '_ {
-    (0..recording.steps.len()).flat_map(move |step| {
-        let readings = recording.readings(step).iter().enumerate();
-        readings.filter_map(move |(sensor, reading)| match (reading.outcome, reading.hit_m) {
-            (Outcome::Updated { wall, .. }, Some(hit_m)) if hit_m.iter().all(|metres| metres.is_finite()) => {
-                Some((step, sensor, wall, hit_m.map(f64::from)))
-            }
-            _ => None,
+impl Sighting {
+    /// None where the rig has no such sensor.
+    pub fn of(
+        recording: &Recording,
+        rig: &Rig<MAX_SENSORS>,
+        keyframes: &Keyframes,
+        end: &End,
+        wall: Option<usize>,
+    ) -> Option<Self> {
+        let sensor = rig.sensors.get(end.sensor)?;
+        let from_robot = recording.steps[end.step].pose.relative(&Pose2::new(end.at_m[0], end.at_m[1], 0.0));
+        let robot = keyframes.local(recording, end.step);
+        Some(Self {
+            key: keyframes.before(end.step),
+            wall,
+            from_m: robot.transform([sensor.mount.x_m.into(), sensor.mount.y_m.into()]),
+            end_m: robot.transform([from_robot.x_m, from_robot.y_m]),
+            min_cos: f64::from(sensor.max_incidence_rad).cos(),
+            noise: Noise::of(sensor, from_robot.x_m.hypot(from_robot.y_m)),
         })
-    })
+    }
+}
+
+/// Every reading that ended somewhere.
+pub fn ended_on(recording: &Recording) -> Vec<End> {
+    let became = mergers(&recording.maps);
+    // Identifiers come again after 65,536 births: then a chain of mergers may have no end.
+    let chain = |id: u16| std::iter::successors(Some(id), |id| became.get(id).copied()).take(became.len() + 1);
+    let root = |id: u16| chain(id).last().unwrap_or(id);
+    let mut ends = Vec::new();
+    for step in 0..recording.steps.len() {
+        for (sensor, reading) in recording.readings(step).iter().enumerate() {
+            let wall = match reading.outcome {
+                Outcome::Updated { wall, .. } => Some(root(wall)),
+                Outcome::Gated { .. } | Outcome::Unexplained => None,
+                Outcome::Missing | Outcome::Refused(_) => continue,
+            };
+            if let Some(hit_m) = reading.hit_m.filter(|hit_m| hit_m.iter().all(|metres| metres.is_finite())) {
+                ends.push(End { step, sensor, wall, at_m: hit_m.map(f64::from) });
+            }
+        }
+    }
+    ends
 }
 
 /// Which wall each merged one became part of: one beside it that has its readings from then on.
-pub fn mergers(maps: &[MapSnapshot]) -> BTreeMap<u16, u16> {
+fn mergers(maps: &[MapSnapshot]) -> BTreeMap<u16, u16> {
     let mut became = BTreeMap::new();
     for pair in maps.windows(2) {
         let [before, after] = pair else { continue };
