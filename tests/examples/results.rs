@@ -6,7 +6,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use hal_sim::{SimOptions, default_rig};
-use lab::recording::Figures;
+use lab::recording::{Figures, LookingBack, PathScore};
 use slam_core::{Config, HostSlam, RobotSlam};
 use tests::frames::recorded;
 use tests::real_logs::{CORRIDOR, FREIBURG, HALLWAYS};
@@ -88,18 +88,17 @@ fn real(text: &mut String) -> std::fmt::Result {
          |---|---|---|---|---|---|---|---|---|---|---|---|"
     )?;
     let logs = [FREIBURG, HALLWAYS, CORRIDOR];
+    let mut looking_back = Vec::new();
     for log in logs {
         let figures = log.replay().expect("this page shows the real logs").recording.figures;
-        let centimetres =
-            |metres: Option<f64>| metres.map_or("no truth".to_owned(), |m| format!("{:.0} cm", 100.0 * m));
         let consistency = figures.consistency.unwrap_or_default();
         writeln!(
             text,
             "| {} | {:.0} m | {} | {} | {} | {:.2} | {} | {} | {} | {:.2} | {:.2} | {:.0} cm |",
             log.name,
             figures.path_m,
-            centimetres(figures.estimate.map(|score| score.ate_m)),
-            centimetres(figures.odometry.map(|score| score.ate_m)),
+            centimetres(figures.estimate),
+            centimetres(figures.odometry),
             figures.estimate.map_or("no truth".to_owned(), |score| format!("{:.1}°", score.heading_deg)),
             figures.mean_nis.unwrap_or(f64::NAN),
             figures.walls,
@@ -109,12 +108,40 @@ fn real(text: &mut String) -> std::fmt::Result {
             consistency.odometry_entropy_nats,
             100.0 * consistency.widest_gap_m.unwrap_or(0.0),
         )?;
+        looking_back.push((log.name, figures.looking_back.expect("a replay looks back")));
     }
     writeln!(text)?;
+    hindsight(text, &looking_back)?;
     for log in logs {
         writeln!(text, "- {}: {}", log.name, log.about)?;
     }
     writeln!(text)
+}
+
+fn hindsight(text: &mut String, logs: &[(&str, LookingBack)]) -> std::fmt::Result {
+    writeln!(
+        text,
+        "The same paths and maps placed with the whole log at hand ([looking back](formats.md#looking-back)); visits apart is\n\
+         the median over all places that were visited again.\n\n\
+         | log | aligned RMSE | entropy | visits apart | widest gap |\n\
+         |---|---|---|---|---|"
+    )?;
+    for (name, LookingBack { estimate, consistency }) in logs {
+        let consistency = consistency.clone().unwrap_or_default();
+        writeln!(
+            text,
+            "| {name} | {} | {:.2} | {:.1} cm | {:.0} cm |",
+            centimetres(*estimate),
+            consistency.entropy_nats,
+            100.0 * consistency.surfels.unwrap_or_default().median_m,
+            100.0 * consistency.widest_gap_m.unwrap_or(0.0),
+        )?;
+    }
+    writeln!(text)
+}
+
+fn centimetres(score: Option<PathScore>) -> String {
+    score.map_or("no truth".to_owned(), |score| format!("{:.0} cm", 100.0 * score.ate_m))
 }
 
 fn speed(text: &mut String) -> std::fmt::Result {

@@ -15,9 +15,10 @@ const GATE: f64 = 6.63;
 const SHARED_GATE: f64 = 25.0;
 const SHARED_M: f64 = 0.5;
 
-/// Over a metre it is no door's leaf: where beams to one went through the other there cannot be two, whatever the odometry
-/// says.
-const IMPOSSIBLE_M: f64 = 1.0;
+/// Over a metre it is no door's leaf: where beams to one went through the other there cannot be two. Thirty sigma, for an
+/// odometry worse than its rig file says had them 24 apart; what is farther away is a cupboard before a wall.
+const HIDDEN_GATE: f64 = 900.0;
+const HIDDEN_M: f64 = 1.0;
 
 /// Farther apart, one may be another room's, metres: no corridor is narrower (escape routes: DIN 18040-1).
 const REACH_M: f64 = 1.5;
@@ -81,7 +82,7 @@ fn pair(graph: &Graph, a: &Seen, b: &Seen, crossed: &Crossed) -> Option<Pair> {
     let shared_m = STRETCH_M * a.stretches.intersection(&b.stretches).count() as f64;
     let hides = crossed.contains(&(a.wall, b.wall)) || crossed.contains(&(b.wall, a.wall));
     let gate = match shared_m {
-        IMPOSSIBLE_M.. if hides => f64::INFINITY,
+        HIDDEN_M.. if hides => HIDDEN_GATE,
         _ if apart_m.abs() > REACH_M => return None,
         SHARED_M.. => SHARED_GATE,
         _ => GATE,
