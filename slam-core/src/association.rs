@@ -11,6 +11,12 @@ pub const GAP_M: f32 = 0.4;
 /// One reading alone may prolong a wall by half of that, metres: over a wider gap it takes a line of them.
 const PROLONGATION_M: f32 = 0.5 * GAP_M;
 
+/// Nor by as much as the narrowest door, metres.
+const DOOR_M: f32 = 0.6;
+
+/// Where a robot drives along a wall, two readings of it that follow each other are a step apart, give or take what it turns.
+const STEPS: f32 = 1.25;
+
 /// Beams flatter than this (cosine of 85 degrees) neither hit nor cross a wall in any useful sense.
 const GRAZING_COS: f32 = 0.087;
 
@@ -31,7 +37,13 @@ pub struct Candidate {
     pub inside_m: f32,
 }
 
-/// The nearest wall that the beam meets at more than `beyond_m`, within its extent plus [`PROLONGATION_M`].
+/// How far one reading alone may prolong a wall, metres, for a robot that moves so far in a step.
+pub fn prolongation_m(step_m: f32) -> f32 {
+    (STEPS * step_m).clamp(PROLONGATION_M, DOOR_M)
+}
+
+/// The nearest wall that the beam meets at more than `beyond_m` and less than `within_m`, within its extent and
+/// `prolongation_m` more.
 pub fn first_met<const NB: usize, const BLOCKS: usize>(
     ekf: &Ekf<NB, BLOCKS>,
     grid: &GridDirection,
@@ -39,6 +51,7 @@ pub fn first_met<const NB: usize, const BLOCKS: usize>(
     beam: &Beam,
     beyond_m: f32,
     within_m: f32,
+    prolongation_m: f32,
 ) -> Option<Candidate> {
     // The grid has four directions: what a wall needs of them is computed once for all walls.
     let facing = [0, 1, 2, 3].map(|quarter| Facing::new(grid.normal(quarter), beam));
@@ -66,7 +79,7 @@ pub fn first_met<const NB: usize, const BLOCKS: usize>(
         let line = wall.line(ekf, grid);
         let along_m = line.along(beam.at(range_m));
         let inside_m = (along_m - wall.lo_m).min(wall.hi_m - along_m);
-        if inside_m > -PROLONGATION_M {
+        if inside_m > -prolongation_m {
             limit_m = range_m;
             nearest = Some(Candidate { index, line, range_m, cos_incidence: facing.cos_incidence, along_m, inside_m });
         }

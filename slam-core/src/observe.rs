@@ -1,7 +1,7 @@
 //! One scalar update for every reading: association, gate, Jacobian (report 3.1 and 3.2).
 
 use crate::angle::sin_cos;
-use crate::association::{Candidate, first_met};
+use crate::association::{Candidate, first_met, prolongation_m};
 use crate::beam::{Beam, FixedMount, Prediction};
 use crate::clutter;
 use crate::config::WallPolicy;
@@ -209,6 +209,12 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         if nearly { Err(Refusal::Ambiguous) } else { Ok(outcome) }
     }
 
+    fn first_met(&self, beam: &Beam, beyond_m: f32, within_m: f32) -> Option<Candidate> {
+        let grid = GridDirection::of(&self.ekf);
+        let prolongation_m = prolongation_m(self.last_step.path_m);
+        first_met(&self.ekf, &grid, self.map.walls(), beam, beyond_m, within_m, prolongation_m)
+    }
+
     /// The next wall along the beam, and how the reading would fit it.
     fn hypothesis(
         &self,
@@ -220,8 +226,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
     ) -> Option<Hypothesis> {
         let limits = self.rig.sensors.get(sensor)?;
         let within_m = 1.5 * limits.max_m;
-        let grid = GridDirection::of(&self.ekf);
-        let candidate = first_met(&self.ekf, &grid, self.map.walls(), beam, beyond_m, within_m)?;
+        let candidate = self.first_met(beam, beyond_m, within_m)?;
         let wall = self.map.walls().get(candidate.index)?;
         let gain = self.gain(sensor);
         let prediction = beam.predict(&candidate.line);
@@ -321,9 +326,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         let (Some(limits), Some(&min_cos)) = (self.rig.sensors.get(sensor), self.min_cos.get(sensor)) else { return };
         let heading = sin_cos(self.ekf.mean(THETA));
         let beam = self.mount_then(sensor).beam(self.position(), heading);
-        let grid = GridDirection::of(&self.ekf);
-        let within_m = ABSENCE_SHARE * limits.max_m;
-        let Some(met) = first_met(&self.ekf, &grid, self.map.walls(), &beam, 0.0, within_m) else { return };
+        let Some(met) = self.first_met(&beam, 0.0, ABSENCE_SHARE * limits.max_m) else { return };
         if met.inside_m > ABSENCE_M && met.cos_incidence > min_cos {
             self.map.passed_through(met.index);
         }

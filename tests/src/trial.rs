@@ -7,7 +7,7 @@ use lab::recording::Recording;
 use lab::rig_file::Robot;
 use lab::score;
 use lab::session::Session;
-use slam_core::{Config, RangeInput, RangeModel};
+use slam_core::{Config, Increment, Motion, Pose, RangeInput, RangeModel};
 
 use crate::real_logs::RealLog;
 
@@ -24,11 +24,13 @@ pub struct Trial {
     pub from_s: f64,
     /// Of so many sensors only the first is used.
     pub every: usize,
+    /// Of so many rows only the last is used, with the motion of all of them.
+    pub rows: usize,
 }
 
 impl Default for Trial {
     fn default() -> Self {
-        Self { config: Config::real_rooms(), cap_m: f32::INFINITY, noise: 1.0, from_s: 0.0, every: 1 }
+        Self { config: Config::real_rooms(), cap_m: f32::INFINITY, noise: 1.0, from_s: 0.0, every: 1, rows: 1 }
     }
 }
 
@@ -63,8 +65,10 @@ impl LoadedLog {
         let mut session = Session::new(&trial.robot(&self.robot), trial.config, "").expect("a robot that can be");
         let begin_s = self.rows.first().map_or(0.0, |row| row.t_s + trial.from_s);
         let mut times_s = Vec::new();
-        for row in self.rows.iter().filter(|row| row.t_s >= begin_s) {
-            session.push(&trial.row(row));
+        let begin = self.rows.partition_point(|row| row.t_s < begin_s);
+        for rows in self.rows[begin..].chunks(trial.rows) {
+            let row = trial.row(rows);
+            session.push(&row);
             times_s.push(row.t_s);
         }
         let mut recording = session.finish();
@@ -90,13 +94,27 @@ impl Trial {
         robot
     }
 
-    fn row(&self, own: &Row) -> Row {
-        let mut row = own.clone();
+    /// The last of these rows, with the motion of all of them.
+    fn row(&self, rows: &[Row]) -> Row {
+        let mut row = rows.last().expect("a chunk has a row").clone();
+        if let Motion::Increment(motion) = &mut row.sample.motion {
+            *motion = together(rows);
+        }
         for (_, range) in row.sample.ranges.iter_mut().enumerate().filter(|(sensor, _)| sensor % self.every != 0) {
             *range = RangeInput::Missing;
         }
         row
     }
+}
+
+/// Motions one after the other, as one. Wheel ticks add up by themselves.
+fn together(rows: &[Row]) -> Increment {
+    let poses = rows.iter().filter_map(|row| match row.sample.motion {
+        Motion::Increment(i) => Some(Pose { x_m: i.forward_m, y_m: i.left_m, theta_rad: i.turn_rad }),
+        Motion::Ticks(_) => None,
+    });
+    let pose = poses.fold(Pose::ORIGIN, |all, pose| all.compose(&pose));
+    Increment { forward_m: pose.x_m, left_m: pose.y_m, turn_rad: pose.theta_rad }
 }
 
 #[cfg(test)]
@@ -121,5 +139,20 @@ mod tests {
         let few = log.replay(&Trial { every: 2, ..Trial::default() });
         let is_silent = |step: usize| few.readings(step)[1].outcome == Outcome::Missing;
         assert!((0..few.steps.len()).all(is_silent) && used(&few) > 0);
+        let slow = log.replay(&Trial { rows: 5, ..Trial::default() });
+        assert_eq!(slow.steps.len(), own.steps.len().div_ceil(5));
+        assert!(slow.figures.path_m > 0.95 * own.figures.path_m, "the motion of all rows but the first few is there");
+    }
+
+    #[test]
+    fn four_sides_of_a_square_lead_back() {
+        let side = Motion::Increment(Increment { forward_m: 1.0, left_m: 0.0, turn_rad: core::f32::consts::FRAC_PI_2 });
+        let mut rows = rows("room", 0.01, 1);
+        rows.truncate(4);
+        rows.iter_mut().for_each(|row| row.sample.motion = side);
+        let all = together(&rows);
+        assert!(all.forward_m.abs() < 1e-5 && all.left_m.abs() < 1e-5 && all.turn_rad.abs() < 1e-5, "{all:?}");
+        let two = together(&rows[..2]);
+        assert!((two.forward_m - 1.0).abs() < 1e-5 && (two.left_m - 1.0).abs() < 1e-5, "{two:?}");
     }
 }

@@ -25,5 +25,6 @@ mod ranges;
 mod repeats;
 mod rigs;
 mod runs;
+mod strides;
 mod verdicts;
 mod walls;

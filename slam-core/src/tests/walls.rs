@@ -252,7 +252,7 @@ fn the_first_wall_met_is_the_nearest_that_faces_the_beam() {
             let phi = random.uniform(-f64::from(PI), f64::from(PI)) as f32;
             let at = [0, 1].map(|_| random.uniform(-1.5, 1.5) as f32);
             let beam = FixedMount::new(&crate::Mount::default()).beam(at, sin_cos(phi));
-            let found = first_met(&ekf, &grid, map.walls(), &beam, 0.0, 5.0);
+            let found = first_met(&ekf, &grid, map.walls(), &beam, 0.0, 5.0, 0.2);
             // Ranges on every wall, in f64, with how clearly they are on it.
             let ranges: Vec<(f64, f64, usize)> = (map.walls().iter().enumerate())
                 .filter_map(|(i, wall)| {

@@ -42,15 +42,18 @@ const LOGS: [Case; 4] = [
     Case { title: "wean-1", log: CORRIDOR, trial: |trial| trial },
 ];
 
-/// The same logs begun later and with fewer sensors: what no part was made for.
-const VARIATIONS: [Case; 7] = [
+/// The same logs begun later, with fewer sensors and fewer rows: what no part was made for.
+const VARIATIONS: [Case; 10] = [
     Case { title: "fr079-first from 120 s", log: FREIBURG, trial: |trial| Trial { from_s: 120.0, ..trial } },
     Case { title: "fr079-first, four beams", log: FREIBURG, trial: |trial| Trial { every: 2, ..trial } },
     Case { title: "fr079-first up to 2 m", log: FREIBURG, trial: |trial| Trial { cap_m: 2.0, ..trial } },
+    Case { title: "fr079-first, every second row", log: FREIBURG, trial: |trial| Trial { rows: 2, ..trial } },
     Case { title: "olsson-demo from 60 s", log: HALLWAYS, trial: |trial| Trial { from_s: 60.0, ..trial } },
     Case { title: "olsson-demo up to 1.5 m", log: HALLWAYS, trial: |trial| Trial { cap_m: 1.5, ..trial } },
+    Case { title: "olsson-demo, every third row", log: HALLWAYS, trial: |trial| Trial { rows: 3, ..trial } },
     Case { title: "wean-1, four beams", log: CORRIDOR, trial: |trial| Trial { every: 2, ..trial } },
     Case { title: "wean-1 up to 2 m", log: CORRIDOR, trial: |trial| Trial { cap_m: 2.0, ..trial } },
+    Case { title: "wean-1, every fourth row", log: CORRIDOR, trial: |trial| Trial { rows: 4, ..trial } },
 ];
 
 impl Case {
@@ -141,7 +144,7 @@ fn table(text: &mut String, case: &Case, default: &[Recording], parts: &[&Part])
 fn variations(text: &mut String) -> std::fmt::Result {
     writeln!(
         text,
-        "### The same logs otherwise\n\nBegun later, with every second sensor, with shorter ranges.\n\n{}",
+        "### The same logs otherwise\n\nBegun later, with every second sensor, with shorter ranges, with rows left out as of a faster robot.\n\n{}",
         cells::header("log")
     )?;
     for case in VARIATIONS {
