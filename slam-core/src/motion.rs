@@ -213,6 +213,9 @@ fn wheel_step(track_m: f32, noise_m2_per_m: f32, left_m: f32, right_m: f32, fact
     }
 }
 
+/// For so long wheels keep their speed, seconds: a small gear motor's time constant is 50 to 100 ms.
+const STEADY_S: f32 = 0.1;
+
 /// Slips come in runs: over ten seconds they add up to so many times the variance that steps of a second have. From the dead
 /// reckoning of olsson-demo, held against a path on which all its passes agree (docs/real-logs.md).
 pub const SLIP_RUNS: f32 = 4.0;
@@ -228,6 +231,23 @@ impl Step {
         let slip_m2 = (SLIP_RUNS - 1.0) * stated_m2 + SLIP_M2_PER_RAD * self.increment.turn_rad.abs();
         self.noise[0][0] += slip_m2;
         self.noise[1][1] += slip_m2;
+        self
+    }
+
+    /// With what an arc leaves out where the wheels could change their speeds between two samples: a robot that turned before
+    /// it drove, or after, ends beside the arc, by half of the turn seen from where it was.
+    pub fn unsteady(mut self, dt_s: f32) -> Self {
+        let share = 1.0 - STEADY_S / dt_s;
+        if share > 0.0 {
+            let (s, c) = sin_cos(0.5 * self.increment.turn_rad);
+            let aside_m = share * self.path_m * s;
+            let across = [-aside_m * s, aside_m * c];
+            for (row, a) in self.noise.iter_mut().zip(across) {
+                for (entry, b) in row.iter_mut().zip(across) {
+                    *entry += a * b;
+                }
+            }
+        }
         self
     }
 

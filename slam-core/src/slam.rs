@@ -239,7 +239,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
     /// The step that was travelled, as real floors and odometry make it.
     fn real_step(&mut self, travel: &Travel, factors: &Factors) -> Step {
         let mut step = motion::step(&self.rig.drive, travel, factors);
-        let Travel::Body(raw) = *travel else { return step };
+        let Travel::Body(raw) = *travel else { return step.unsteady(self.dt_s) };
         if self.config.slip {
             step = step.slipping();
         }

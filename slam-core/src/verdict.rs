@@ -117,7 +117,8 @@ pub fn judge<const NB: usize, const BLOCKS: usize>(
     let share = if is_exact && line.length_m < SHORT_M { SHORT_SHARE } else { GRID_SHARE };
     let lean =
         Lean { off_rad: off, variance: line.direction_variance, quarter, seen_m: line.seen_m, path_m: line.path_m };
-    let is_agreed = policy == WallPolicy::NearGrid && doubts.agree(lean, relative);
+    // The report's method is left as it is.
+    let is_agreed = !matches!(policy, WallPolicy::Snapped { .. }) && doubts.agree(lean, relative);
     let on_grid = if is_agreed { Some(true) } else { decide(off, variance, share) };
     match (on_grid, policy) {
         (Some(true), WallPolicy::Snapped { .. }) => Verdict::Snapped,

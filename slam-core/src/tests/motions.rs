@@ -201,3 +201,36 @@ fn a_slipping_robot_knows_less_of_its_place_and_as_much_of_its_heading() {
     assert_eq!((slipping.noise[2], slipping.noise[0][1]), (stated.noise[2], 0.0));
     assert_eq!(Step::default().slipping().noise, [[0.0; 3]; 3], "who stands still slips nowhere");
 }
+
+/// A robot that turns and drives in one step, in any order and any shares, ends where the arc ends, give or take what the step
+/// allows for it: NEES of the place across the chord.
+#[test]
+fn an_arc_over_a_long_step_is_a_guess() {
+    let known = Factor { value: 1.0, state: None };
+    let factors = Factors { first: known, second: known, track: known };
+    let mut random = Random::new(3);
+    let mut nees = [0.0; 2];
+    const DRIVES: usize = 400;
+    for _ in 0..DRIVES {
+        let (forward_m, turn_rad) = (random.uniform(0.05, 0.3), random.uniform(-1.5, 1.5));
+        // Some of the turn, the drive, and the rest of the turn.
+        let before = turn_rad * random.uniform(-0.2, 1.2).clamp(0.0, 1.0);
+        let end = [forward_m * before.cos(), forward_m * before.sin()];
+        let half_m = 0.5 * TRACK_M * turn_rad;
+        let travel = Travel::Wheels { left_m: (forward_m - half_m) as f32, right_m: (forward_m + half_m) as f32 };
+        let chord = 0.5 * turn_rad;
+        let across = [-chord.sin(), chord.cos()];
+        for (nees, dt_s) in nees.iter_mut().zip([0.1, 10.0]) {
+            let step = step(&WHEELS, &travel, &factors).unsteady(dt_s);
+            let error = [f64::from(step.increment.forward_m) - end[0], f64::from(step.increment.left_m) - end[1]];
+            let off_m = error[0] * across[0] + error[1] * across[1];
+            let variance: f64 = (0..2)
+                .flat_map(|i| (0..2).map(move |j| (i, j)))
+                .map(|(i, j)| across[i] * f64::from(step.noise[i][j]) * across[j])
+                .sum();
+            *nees += off_m * off_m / variance / DRIVES as f64;
+        }
+    }
+    assert!(nees[0] > 100.0, "steps of a steady robot are arcs, and have a drive's noise only: {}", nees[0]);
+    assert!((0.3..1.0).contains(&nees[1]), "{}", nees[1]);
+}

@@ -15,16 +15,17 @@ const DEGREE: f32 = PI / 180.0;
 /// A heading known to three degrees, a grid along it, and a line seen `off` degrees from a grid direction.
 struct Case {
     ekf: Ekf<3, { blocks(3) }>,
+    policy: WallPolicy,
     doubts: Doubts,
 }
 
 impl Case {
-    fn new() -> Self {
+    fn new(policy: WallPolicy) -> Self {
         let mut ekf = Ekf::EMPTY;
         for i in 0..4 {
             ekf.augment(0.0, &Jacobian::new(), if i == THETA { 9.0 * DEGREE * DEGREE } else { 0.0 });
         }
-        Self { ekf, doubts: Doubts::NONE }
+        Self { ekf, policy, doubts: Doubts::NONE }
     }
 
     fn judge(&mut self, quarter: f32, off_deg: f32, seen_m: [f32; 2], path_m: f32) -> Verdict {
@@ -40,14 +41,14 @@ impl Case {
             by_calibration: heapless::Vec::new(),
         };
         let grid = GridDirection::of(&self.ekf);
-        judge(&self.ekf, WallPolicy::NearGrid, Some(&grid), &line, &mut self.doubts)
+        judge(&self.ekf, self.policy, Some(&grid), &line, &mut self.doubts)
     }
 }
 
 #[test]
 fn a_line_that_may_be_off_because_the_heading_is_waits() {
-    for off_deg in [9.5, -9.5] {
-        let mut case = Case::new();
+    for (off_deg, policy) in [(9.5, WallPolicy::NearGrid), (-9.5, WallPolicy::NearGrid), (9.5, WallPolicy::Grid)] {
+        let mut case = Case::new(policy);
         assert_eq!(case.judge(0.0, off_deg, [2.0, 0.0], 1.0), Verdict::Wait);
         // The same wall again tells nothing new.
         assert_eq!(case.judge(0.0, off_deg, [2.0, 2.0], 2.0), Verdict::Wait);
@@ -56,20 +57,25 @@ fn a_line_that_may_be_off_because_the_heading_is_waits() {
 
 #[test]
 fn two_walls_off_by_the_same_angle_show_that_the_heading_is() {
-    let mut case = Case::new();
-    assert_eq!(case.judge(0.0, 9.5, [2.0, 0.0], 1.0), Verdict::Wait);
-    assert_eq!(case.judge(1.0, 9.0, [0.0, 2.0], 2.0), Verdict::NearGrid(1));
+    let snapped = WallPolicy::Snapped { theta_moves: false };
+    for (policy, verdict) in
+        [(WallPolicy::NearGrid, Verdict::NearGrid(1)), (WallPolicy::Grid, Verdict::OnGrid(1)), (snapped, Verdict::Wait)]
+    {
+        let mut case = Case::new(policy);
+        assert_eq!(case.judge(0.0, 9.5, [2.0, 0.0], 1.0), Verdict::Wait);
+        assert_eq!(case.judge(1.0, 9.0, [0.0, 2.0], 2.0), verdict);
+    }
 }
 
 #[test]
 fn two_sides_of_one_thing_or_other_angles_do_not() {
     for (off_deg, seen_m, path_m) in [(9.5, [2.0, 0.5], 2.0), (-9.5, [0.0, 2.0], 2.0), (9.5, [0.0, 2.0], 20.0)] {
-        let mut case = Case::new();
+        let mut case = Case::new(WallPolicy::NearGrid);
         assert_eq!(case.judge(0.0, 9.5, [2.0, 0.0], 1.0), Verdict::Wait);
         assert_eq!(case.judge(1.0, off_deg, seen_m, path_m), Verdict::Wait, "{off_deg} {seen_m:?} {path_m}");
     }
     // Nor do walls that stand farther off than the heading can be.
-    let mut case = Case::new();
+    let mut case = Case::new(WallPolicy::NearGrid);
     case.judge(0.0, 20.0, [2.0, 0.0], 1.0);
     assert_eq!(case.judge(1.0, 20.0, [0.0, 2.0], 2.0), Verdict::Free);
 }

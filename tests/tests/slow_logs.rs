@@ -1,0 +1,51 @@
+//! A robot whose samples come a few times a second: between two of them its wheels change their speeds, walls are seen
+//! seldom, and the heading is known badly for long.
+
+use lab::recording::PathScore;
+use slam_core::Config;
+use tests::simulated::{estimated, rows};
+
+const MINUTES: f64 = 4.0;
+const SEEDS: std::ops::RangeInclusive<u64> = 19..=24;
+
+/// Scores of every drive with one row of so many at 25 Hz: the estimate's and dead reckoning's.
+fn scores(every: usize) -> Vec<(String, PathScore, PathScore)> {
+    let mut scores = Vec::new();
+    for plan in ["flat", "clutter"] {
+        for seed in SEEDS {
+            let rows: Vec<_> = rows(plan, MINUTES, seed).into_iter().step_by(every).collect();
+            let figures = estimated(&rows, Config::default());
+            let of = |score: Option<PathScore>| score.expect("a simulated drive has its truth");
+            scores.push((format!("{plan} {seed}"), of(figures.estimate), of(figures.odometry)));
+        }
+    }
+    scores
+}
+
+fn assert_honest(every: usize) {
+    let scores = scores(every);
+    for (drive, estimate, odometry) in &scores {
+        assert!(
+            estimate.ate_m < 0.5 * odometry.ate_m,
+            "{drive}, every {every}th row: {} m, dead reckoning {} m",
+            estimate.ate_m,
+            odometry.ate_m
+        );
+    }
+    let mut nees: Vec<f64> = scores.iter().filter_map(|(_, estimate, _)| estimate.nees).collect();
+    nees.sort_by(f64::total_cmp);
+    println!("every {every}th row: {nees:?}");
+    let median = nees[nees.len() / 2];
+    // 3 is ideal.
+    assert!(median < 6.0, "every {every}th row: median NEES {median}");
+}
+
+#[test]
+fn five_samples_a_second_are_enough() {
+    assert_honest(5);
+}
+
+#[test]
+fn three_samples_a_second_are_enough() {
+    assert_honest(8);
+}
