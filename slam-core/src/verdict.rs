@@ -82,6 +82,7 @@ impl Doubts {
         }
         let agrees = self.0.is_some_and(|last| {
             let [x, y] = [line.seen_m[0] - last.seen_m[0], line.seen_m[1] - last.seen_m[1]];
+            // Walls as they are built stand off each other by so much, whatever the policy.
             let variance = line.variance + last.variance + 2.0 * grid::deviation(WallPolicy::NearGrid);
             line.quarter != last.quarter
                 && line.path_m - last.path_m < TOGETHER_M

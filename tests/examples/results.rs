@@ -6,6 +6,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use hal_sim::{SimOptions, default_rig};
+use lab::experiment::statistics::median;
 use lab::recording::{Figures, LookingBack, PathScore};
 use slam_core::{Config, HostSlam, RobotSlam};
 use tests::frames::recorded;
@@ -35,11 +36,6 @@ fn main() {
     fs::write(&path, format!("{before}{BEGIN}\n{text}\n{END}{after}")).expect("docs/results.md can be written");
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
-}
-
 fn simulated(text: &mut String) -> std::fmt::Result {
     writeln!(
         text,
@@ -54,7 +50,9 @@ fn simulated(text: &mut String) -> std::fmt::Result {
     )?;
     for (plan, _) in hal_sim::plan_file::BUILT_IN {
         let runs: Vec<Figures> = SEEDS.map(|seed| drive(plan, MINUTES, seed).figures).collect();
-        let middle = |value: &dyn Fn(&Figures) -> Option<f64>| median(runs.iter().filter_map(value).collect());
+        let middle = |value: &dyn Fn(&Figures) -> Option<f64>| {
+            median(&runs.iter().filter_map(value).collect::<Vec<_>>()).expect("each run has it")
+        };
         let sum = |value: &dyn Fn(&Figures) -> Option<usize>| runs.iter().filter_map(value).sum::<usize>();
         writeln!(
             text,
@@ -111,14 +109,14 @@ fn real(text: &mut String) -> std::fmt::Result {
         looking_back.push((log.name, figures.looking_back.expect("a replay looks back")));
     }
     writeln!(text)?;
-    hindsight(text, &looking_back)?;
+    hindsight(text, looking_back)?;
     for log in logs {
         writeln!(text, "- {}: {}", log.name, log.about)?;
     }
     writeln!(text)
 }
 
-fn hindsight(text: &mut String, logs: &[(&str, LookingBack)]) -> std::fmt::Result {
+fn hindsight(text: &mut String, logs: Vec<(&str, LookingBack)>) -> std::fmt::Result {
     writeln!(
         text,
         "The same paths and maps placed with the whole log at hand ([looking back](formats.md#looking-back)); visits apart is\n\
@@ -127,11 +125,11 @@ fn hindsight(text: &mut String, logs: &[(&str, LookingBack)]) -> std::fmt::Resul
          |---|---|---|---|---|"
     )?;
     for (name, LookingBack { estimate, consistency }) in logs {
-        let consistency = consistency.clone().unwrap_or_default();
+        let consistency = consistency.unwrap_or_default();
         writeln!(
             text,
             "| {name} | {} | {:.2} | {:.1} cm | {:.0} cm |",
-            centimetres(*estimate),
+            centimetres(estimate),
             consistency.entropy_nats,
             100.0 * consistency.surfels.unwrap_or_default().median_m,
             100.0 * consistency.widest_gap_m.unwrap_or(0.0),

@@ -1,12 +1,8 @@
 //! What must hold for the built-in robot in the four-room flat: 1 % gain and 0.5 % wheel errors, drawn anew by each seed.
 
+use lab::experiment::statistics::median;
 use lab::recording::Recording;
 use tests::simulated::drive;
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
-}
 
 #[test]
 fn five_seeds_of_the_flat() {
@@ -18,10 +14,11 @@ fn five_seeds_of_the_flat() {
         let map = run.figures.map.expect("there is a plan");
         assert_eq!(map.missed, 0, "{map:?}");
     }
-    let ate_m = median(scores().map(|score| score.ate_m).collect());
-    let heading_deg = median(scores().map(|score| score.heading_deg).collect());
+    let middle = |values: Vec<f64>| median(&values).expect("there are runs");
+    let ate_m = middle(scores().map(|score| score.ate_m).collect());
+    let heading_deg = middle(scores().map(|score| score.heading_deg).collect());
     assert!(ate_m <= 0.03, "median aligned RMSE {ate_m} m");
     assert!(heading_deg <= 1.5, "median heading RMSE {heading_deg} degrees");
     let odometry = runs.iter().map(|run| run.figures.odometry.expect("there is a truth").ate_m);
-    assert!(median(odometry.collect()) > 10.0 * ate_m, "dead reckoning must be the worse one by far");
+    assert!(middle(odometry.collect()) > 10.0 * ate_m, "dead reckoning must be the worse one by far");
 }
