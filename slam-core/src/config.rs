@@ -1,6 +1,6 @@
 //! How the estimator works: one type whose defaults work.
 
-use crate::{RangeModel, Rig};
+use crate::rig::{RangeModel, Rig};
 
 /// Which kinds of wall the map may have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

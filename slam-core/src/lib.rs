@@ -9,11 +9,13 @@
 //! | layer | what it makes |
 //! |---|---|
 //! | [`sample`], [`rig`] | what was sensed, and what by |
-//! | motion, pace, range | checked travel and readings, with their noise; what cannot be is refused here and counted |
-//! | beam, association, clutter, repeats, noise level, latency, linearise, observe | which wall a reading came from, and what it should have been |
-//! | [`ekf`], [`covariance`] | the state: predict, update, add, remove; knows nothing of robots and walls |
-//! | buffer, cluster, line fit, verdict, birth | new walls from the readings that fit none |
-//! | grid, map | the home's directions; walls merged and removed |
+//! | `geometry` | angles, poses, lines |
+//! | `filter` | the state: predict, update, add, remove ([`ekf`], [`covariance`]); which state stands where |
+//! | `motion` | checked travel, and the step that it makes, with its noise (report 3.1) |
+//! | `sensing` | checked readings, and what is known of their errors; what cannot be is refused here and counted |
+//! | `walls` | the walls, the grid that they stand on, the map frame that they hold (report 3.2) |
+//! | `measurement` | which wall a reading came from, and what it should have been (report eqs. 1, 3, 5) |
+//! | `births` | new walls from the readings that fit none (report 3.3) |
 //! | [`report`], [`WallView`] | what became of each reading, and what is known |
 //!
 //! One rule: the crate is pure. Time and samples are arguments; there is no clock, no randomness, no hardware, no heap and
@@ -31,52 +33,33 @@
 #[cfg(test)]
 extern crate std;
 
-pub mod angle;
-mod association;
-mod beam;
-mod birth;
-mod buffer;
-mod cluster;
-mod clutter;
+mod births;
 pub mod config;
-pub mod covariance;
-pub mod dbscan;
-pub mod ekf;
-mod extend;
-mod frame;
-mod grid;
-mod jacobian;
-mod latency;
-mod layout;
-mod line_fit;
-mod linearise;
-mod map;
+mod filter;
+mod geometry;
+mod measurement;
 mod motion;
-mod noise_level;
-mod observe;
-mod odometry;
-mod pace;
-pub mod pose;
-mod range;
-mod repeats;
 pub mod report;
 pub mod rig;
 pub mod sample;
+mod sensing;
 mod slam;
 #[cfg(test)]
 mod tests;
-mod verdict;
 mod view;
-mod wall;
+mod walls;
 
+pub use births::dbscan;
 pub use config::{BUILT_RELIEF_M, Clustering, Config, Linearisation, MapFrame, WallPolicy};
-pub use grid::BUILT_TOLERANCE;
-pub use motion::{SLIP_M2_PER_RAD, SLIP_RUNS};
-pub use pose::Pose;
-pub use range::SURFACE_M;
+pub use filter::{covariance, ekf};
+pub use geometry::pose::Pose;
+pub use geometry::{angle, pose};
+pub use motion::step::{SLIP_M2_PER_RAD, SLIP_RUNS};
 pub use report::{Counters, Outcome, ReadingReport, Refusal, StepReport};
 pub use rig::{Adc, DriveModel, Mount, RangeModel, RangeSensor, Rig, RigError};
 pub use sample::{Increment, Motion, RangeInput, Sample, Ticks};
+pub use sensing::range::SURFACE_M;
 pub use slam::{HostSlam, RobotSlam, Slam};
 pub use view::{Parameter, WallView};
-pub use wall::WallKind;
+pub use walls::decision::BUILT_TOLERANCE;
+pub use walls::wall::WallKind;

@@ -1,24 +1,25 @@
 //! The whole pipeline, in the order of the report's section 3: predict, observe, extend the map.
 
-use crate::angle::{sin_cos, wrap};
-use crate::beam::FixedMount;
-use crate::buffer::OutlierBuffer;
-use crate::ekf::{Ekf, Jacobian};
-use crate::layout::{Layout, THETA};
-use crate::linearise::First;
-use crate::map::Map;
-use crate::motion::{self, Encoders, Factor, Factors, Step, Travel};
-use crate::noise_level::NoiseLevels;
-use crate::odometry::Odometry;
-use crate::pace::Pace;
-use crate::range::FrontEnd;
-use crate::repeats::Repeats;
-use crate::report::ReadingReport;
-use crate::verdict::Doubts;
-use crate::{
-    Clustering, Config, Counters, DriveModel, Linearisation, MapFrame, Pose, Rig, RigError, Sample, StepReport,
-    WallPolicy,
-};
+use crate::births::buffer::OutlierBuffer;
+use crate::births::verdict::Doubts;
+use crate::config::{Clustering, Config, Linearisation, MapFrame, WallPolicy};
+use crate::filter::ekf::{Ekf, Jacobian};
+use crate::filter::layout::{Layout, THETA};
+use crate::geometry::angle::{sin_cos, wrap};
+use crate::geometry::pose::Pose;
+use crate::measurement::beam::FixedMount;
+use crate::measurement::first_estimates::First;
+use crate::motion::dead_reckoning::Odometry;
+use crate::motion::mean_motion::Pace;
+use crate::motion::step::{self, Factor, Factors, Step};
+use crate::motion::travel::{Encoders, Travel};
+use crate::report::{Counters, ReadingReport, StepReport};
+use crate::rig::{DriveModel, Rig, RigError};
+use crate::sample::Sample;
+use crate::sensing::correlation::Repeats;
+use crate::sensing::noise_level::NoiseLevels;
+use crate::sensing::range::FrontEnd;
+use crate::walls::list::Map;
 use heapless::Vec;
 
 /// What scales multiply is an average of the motion over this time, seconds: noise of a fifteenth of a step's square, ten
@@ -32,7 +33,7 @@ pub type RobotSlam = Slam<8, 64, 128, 10, 480>;
 pub type HostSlam = Slam<16, 64, 128, 20, 1760>;
 
 /// The estimator: at most `S` range sensors, `W` walls, `B` buffered outliers and `8 NB` states; `BLOCKS` must be
-/// [`covariance::blocks`](crate::covariance::blocks)`(NB)`.
+/// [`covariance::blocks`](crate::filter::covariance::blocks)`(NB)`.
 pub struct Slam<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOCKS: usize> {
     pub(crate) rig: Rig<S>,
     pub(crate) config: Config,
@@ -147,7 +148,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         const { assert!(S <= 16 && B <= 255 && 4 + 3 + S < 8 * NB, "S <= 16, B <= 255, room for the calibration") };
         rig.validate()?;
         self.ekf.clear();
-        for variance in motion::start_variance(&rig.drive).into_iter().chain([0.0]) {
+        for variance in step::start_variance(&rig.drive).into_iter().chain([0.0]) {
             self.ekf.augment(0.0, &Jacobian::new(), variance);
         }
         let ekf = &mut self.ekf;
@@ -232,20 +233,20 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         self.keep_pace();
         let Some(travel) = travel else { return };
         let known = Factor { value: 1.0, state: None };
-        let nominal = motion::step(&self.rig.drive, &travel, &Factors { first: known, second: known, track: known });
+        let nominal = step::step(&self.rig.drive, &travel, &Factors { first: known, second: known, track: known });
         self.nominal = nominal.applied_to(&self.nominal);
     }
 
     /// The step that was travelled, as real floors and odometry make it.
     fn real_step(&mut self, travel: &Travel, factors: &Factors) -> Step {
-        let mut step = motion::step(&self.rig.drive, travel, factors);
+        let mut step = step::step(&self.rig.drive, travel, factors);
         let Travel::Body(raw) = *travel else { return step.unsteady(self.dt_s) };
         if self.config.slip {
             step = step.slipping();
         }
         if self.config.mean_travel {
             self.travel.follow(raw, self.dt_s, TRAVEL_S);
-            step.by_factor = motion::by_scales(self.travel.over(self.dt_s));
+            step.by_factor = step::by_scales(self.travel.over(self.dt_s));
         }
         step
     }

@@ -1,11 +1,14 @@
 //! What the estimator shows of itself.
 
-use crate::grid::GridDirection;
-use crate::layout::{ALPHA, THETA, X, Y};
-use crate::wall::WallKind;
+use crate::config::MapFrame;
+use crate::filter::layout::{ALPHA, THETA, X, Y};
+use crate::geometry::pose::Pose;
+use crate::report::Counters;
+use crate::rig::{DriveModel, Rig};
+use crate::slam::Slam;
+use crate::walls::manhattan::GridDirection;
+use crate::walls::wall::WallKind;
 use nalgebra::Matrix3;
-
-use crate::{Counters, DriveModel, MapFrame, Pose, Rig, Slam};
 
 /// A calibration state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 
 use core::f32::consts::PI;
 
-use crate::angle::{sin_cos, wrap};
+use crate::geometry::angle::{sin_cos, wrap};
 
 /// FNV-1a over the bits of every value.
 fn hash(values: impl Iterator<Item = f32>) -> u64 {

@@ -3,9 +3,9 @@
 use super::numeric::{beam, derivative, ray_to_line};
 use super::random::Random;
 use crate::Mount;
-use crate::angle::sin_cos;
-use crate::beam::FixedMount;
-use crate::wall::Line;
+use crate::geometry::angle::sin_cos;
+use crate::geometry::line::Line;
+use crate::measurement::beam::FixedMount;
 
 /// (x, y, theta, rho, beta) and a mount such that the beam meets the line under less than 70 degrees.
 fn geometry(random: &mut Random) -> ([f64; 5], [f64; 3]) {

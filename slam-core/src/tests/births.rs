@@ -6,12 +6,12 @@ use std::vec::Vec;
 use super::numeric::derivative;
 use super::oracle::{Matrix, Oracle, multiply, sandwich, transpose};
 use super::random::Random;
-use crate::birth::{LocalLine, add_states};
-use crate::covariance::blocks;
-use crate::ekf::{Ekf, Jacobian};
-use crate::layout::{ALPHA, THETA, X, Y};
-use crate::verdict::Verdict;
-use crate::wall::Direction;
+use crate::births::birth::{LocalLine, add_states};
+use crate::births::verdict::Verdict;
+use crate::filter::covariance::blocks;
+use crate::filter::ekf::{Ekf, Jacobian};
+use crate::filter::layout::{ALPHA, THETA, X, Y};
+use crate::walls::wall::Direction;
 
 type Filter = Ekf<3, { blocks(3) }>;
 

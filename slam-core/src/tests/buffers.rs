@@ -3,7 +3,7 @@
 use std::vec::Vec;
 
 use super::outliers::OUTLIER;
-use crate::buffer::{Outlier, OutlierBuffer};
+use crate::births::buffer::{Outlier, OutlierBuffer};
 
 /// A point that is told apart by its x.
 fn outlier(sensor: u8, x: f32) -> Outlier {

@@ -6,9 +6,9 @@ use std::vec::Vec;
 use super::outliers::OUTLIER;
 use super::random::Random;
 use crate::Clustering;
-use crate::buffer::{Outlier, OutlierBuffer};
-use crate::cluster::newest_line;
-use crate::dbscan::{NOISE, dbscan};
+use crate::births::buffer::{Outlier, OutlierBuffer};
+use crate::births::cluster::newest_line;
+use crate::births::dbscan::{NOISE, dbscan};
 
 const B: usize = 96;
 

@@ -1,6 +1,6 @@
 //! Whether a reading is the wall's, by what else it may be.
 
-use crate::clutter::{noise_m2, odds};
+use crate::measurement::data_association::{noise_m2, odds};
 
 /// Largest innovation that is likelier the wall's than anything's, in standard deviations, over a span of 3 m.
 fn gate(sigma_m: f32) -> f32 {

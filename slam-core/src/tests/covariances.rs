@@ -4,7 +4,7 @@ use std::vec;
 use std::vec::Vec;
 
 use super::random::Random;
-use crate::covariance::{Covariance, HEAD, LANES, Vector, blocks};
+use crate::filter::covariance::{Covariance, HEAD, LANES, Vector, blocks};
 
 /// Two whole tiles and half a one.
 const NB: usize = 5;

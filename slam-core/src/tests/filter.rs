@@ -5,8 +5,8 @@ use std::vec::Vec;
 
 use super::oracle::{Oracle, dense, is_positive};
 use super::random::Random;
-use crate::covariance::blocks;
-use crate::ekf::{Ekf, Jacobian, LEADING, MotionJacobian};
+use crate::filter::covariance::blocks;
+use crate::filter::ekf::{Ekf, Jacobian, LEADING, MotionJacobian};
 
 /// Both filters, and a truth for them to estimate.
 struct Pair<const NB: usize, const BLOCKS: usize> {

@@ -3,11 +3,13 @@
 use core::f32::consts::{FRAC_PI_2, PI};
 
 use super::random::Random;
-use crate::covariance::blocks;
-use crate::frame::CommonMotion;
-use crate::wall::Line;
-use crate::{Config, DriveModel, Increment, MapFrame, Motion, Mount, Pose, RangeInput, RangeModel, RangeSensor, Rig};
-use crate::{Sample, Slam};
+use crate::filter::covariance::blocks;
+use crate::geometry::line::Line;
+use crate::walls::map_frame::CommonMotion;
+use crate::{
+    Config, DriveModel, Increment, MapFrame, Motion, Mount, Pose, RangeInput, RangeModel, RangeSensor, Rig, Sample,
+    Slam,
+};
 
 fn line(rho_m: f32, beta_rad: f32) -> Line {
     Line { rho_m, beta_rad, normal: [beta_rad.cos(), beta_rad.sin()] }

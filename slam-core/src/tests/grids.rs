@@ -2,14 +2,16 @@
 
 use core::f32::consts::FRAC_PI_2;
 
-use crate::angle::wrap;
 use crate::config::WallPolicy;
-use crate::covariance::blocks;
-use crate::ekf::{Ekf, Jacobian};
-use crate::grid::{GRID_SHARE, GridDirection, decide, upkeep};
-use crate::layout::{ALPHA, THETA};
-use crate::map::Map;
-use crate::wall::{Direction, WallKind};
+use crate::filter::covariance::blocks;
+use crate::filter::ekf::{Ekf, Jacobian};
+use crate::filter::layout::{ALPHA, THETA};
+use crate::geometry::angle::wrap;
+use crate::walls::decision::{GRID_SHARE, decide};
+use crate::walls::founding::upkeep;
+use crate::walls::list::Map;
+use crate::walls::manhattan::GridDirection;
+use crate::walls::wall::{Direction, WallKind};
 
 type Filter = Ekf<3, { blocks(3) }>;
 

@@ -8,9 +8,9 @@ use std::vec::Vec;
 use super::numeric::{beam, derivative, ray_to_line};
 use super::random::Random;
 use crate::config::WallPolicy;
-use crate::ekf::{Ekf, Jacobian};
-use crate::layout::{ALPHA, THETA, X, Y};
-use crate::wall::Direction;
+use crate::filter::ekf::{Ekf, Jacobian};
+use crate::filter::layout::{ALPHA, THETA, X, Y};
+use crate::walls::wall::Direction;
 use crate::{
     Config, DriveModel, Linearisation, Motion, Mount, Outcome, RangeInput, RangeModel, RangeSensor, Rig, Sample, Slam,
 };

@@ -4,9 +4,9 @@ use std::vec::Vec;
 
 use super::outliers::OUTLIER;
 use super::random::Random;
-use crate::buffer::Outlier;
-use crate::line_fit::{FittedLine, Influence, Moments, Scatter, fit};
-use crate::range::SURFACE_M;
+use crate::births::buffer::Outlier;
+use crate::births::line_fit::{FittedLine, Influence, Moments, Scatter, fit};
+use crate::sensing::range::SURFACE_M;
 
 const SURFACE: f64 = SURFACE_M as f64;
 

@@ -3,8 +3,9 @@
 use super::numeric::{arc, derivative};
 use super::oracle::{Matrix, sandwich};
 use super::random::Random;
-use crate::angle::sin_cos;
-use crate::motion::{Encoders, Factor, Factors, Step, Travel, step};
+use crate::geometry::angle::sin_cos;
+use crate::motion::step::{Factor, Factors, Step, step};
+use crate::motion::travel::{Encoders, Travel};
 use crate::{DriveModel, Increment, Motion, Pose, Ticks};
 
 const TRACK_M: f64 = 0.235;

@@ -1,7 +1,7 @@
 //! How large the noise is, learned from the innovations.
 
 use super::random::Random;
-use crate::noise_level::{Expected, NoiseLevels};
+use crate::sensing::noise_level::{Expected, NoiseLevels};
 
 /// Levels after innovations of which the state's part has the variance that is expected, and the reading's part, of so much
 /// beforehand, another one.

@@ -3,8 +3,9 @@
 use super::numeric::{arc, slope};
 use super::random::Random;
 use crate::DriveModel;
-use crate::motion::{Factor, Factors, Travel, step};
-use crate::odometry::Odometry;
+use crate::motion::dead_reckoning::Odometry;
+use crate::motion::step::{Factor, Factors, step};
+use crate::motion::travel::Travel;
 
 const TRACK_M: f64 = 0.2;
 

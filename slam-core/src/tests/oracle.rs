@@ -3,7 +3,7 @@
 use std::vec;
 use std::vec::Vec;
 
-use crate::ekf::{Ekf, Jacobian};
+use crate::filter::ekf::{Ekf, Jacobian};
 
 /// A dense matrix by rows.
 pub type Matrix = Vec<Vec<f64>>;

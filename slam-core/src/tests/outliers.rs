@@ -1,6 +1,6 @@
 //! An outlier to start from.
 
-use crate::buffer::Outlier;
+use crate::births::buffer::Outlier;
 
 /// Seen by sensor 0 from 1 m, straight along x, 1 cm of noise, no error of the odometry.
 pub const OUTLIER: Outlier = Outlier {

@@ -1,8 +1,9 @@
 //! Motion on average, and what it is for.
 
 use super::random::Random;
-use crate::motion::{Factor, Factors, Travel, by_scales, step};
-use crate::pace::Pace;
+use crate::motion::mean_motion::Pace;
+use crate::motion::step::{Factor, Factors, by_scales, step};
+use crate::motion::travel::Travel;
 use crate::{DriveModel, Increment};
 
 #[test]

@@ -1,7 +1,7 @@
 //! The analogue sensor's curve: innovation and noise against the curve itself in f64.
 
 use super::random::Random;
-use crate::range::{Noise, Reading};
+use crate::sensing::range::{Noise, Reading};
 
 const SCALE_M: f64 = 0.60374;
 const EXPONENT: f64 = -1.16;

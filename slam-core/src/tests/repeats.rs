@@ -1,7 +1,7 @@
 //! Readings that repeat one another: what is learned of them, and what one of them counts.
 
 use super::random::Random;
-use crate::repeats::{Hit, Repeats};
+use crate::sensing::correlation::{Hit, Repeats};
 
 const WALL: u16 = 3;
 const SPACING_M: f32 = 0.05;

@@ -11,8 +11,8 @@ use super::numeric::{arc, beam, ray_to_line, slope};
 use super::oracle::{Matrix, Oracle, dot, is_positive, sandwich};
 use super::random::Random;
 use crate::config::WallPolicy;
-use crate::layout::{ALPHA, THETA, X, Y};
-use crate::wall::{Direction, Wall};
+use crate::filter::layout::{ALPHA, THETA, X, Y};
+use crate::walls::wall::{Direction, Wall};
 use crate::{
     Config, DriveModel, Linearisation, Motion, Mount, Outcome, RangeInput, RangeModel, RangeSensor, Rig, RobotSlam,
     Sample, StepReport, Ticks,

@@ -2,13 +2,13 @@
 
 use core::f32::consts::{FRAC_PI_2, PI};
 
-use crate::birth::LocalLine;
+use crate::births::birth::LocalLine;
+use crate::births::verdict::{Doubts, Verdict, judge};
 use crate::config::WallPolicy;
-use crate::covariance::blocks;
-use crate::ekf::{Ekf, Jacobian};
-use crate::grid::GridDirection;
-use crate::layout::THETA;
-use crate::verdict::{Doubts, Verdict, judge};
+use crate::filter::covariance::blocks;
+use crate::filter::ekf::{Ekf, Jacobian};
+use crate::filter::layout::THETA;
+use crate::walls::manhattan::GridDirection;
 
 const DEGREE: f32 = PI / 180.0;
 

@@ -5,15 +5,15 @@ use std::vec::Vec;
 
 use super::numeric::ray_to_line;
 use super::random::Random;
-use crate::angle::{sin_cos, wrap};
-use crate::association::first_met;
-use crate::beam::FixedMount;
-use crate::covariance::blocks;
-use crate::ekf::{Ekf, Jacobian};
-use crate::grid::GridDirection;
-use crate::layout::ALPHA;
-use crate::map::Map;
-use crate::wall::Direction;
+use crate::filter::covariance::blocks;
+use crate::filter::ekf::{Ekf, Jacobian};
+use crate::filter::layout::ALPHA;
+use crate::geometry::angle::{sin_cos, wrap};
+use crate::measurement::beam::FixedMount;
+use crate::measurement::line_of_sight::first_met;
+use crate::walls::list::Map;
+use crate::walls::manhattan::GridDirection;
+use crate::walls::wall::Direction;
 
 const CAPACITY: usize = 16;
 type Filter = Ekf<5, { blocks(5) }>;

@@ -1,0 +1,9 @@
+//! New walls from the readings that fit none (report 3.3).
+
+pub mod birth;
+pub mod buffer;
+pub mod cluster;
+pub mod dbscan;
+pub mod extend;
+pub mod line_fit;
+pub mod verdict;

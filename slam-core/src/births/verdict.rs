@@ -1,0 +1,133 @@
+//! What a line is: on the grid, off it, or not clear yet (report 3.3).
+
+use crate::births::birth::LocalLine;
+use crate::config::WallPolicy;
+use crate::filter::ekf::Ekf;
+use crate::filter::layout::{ALPHA, THETA};
+use crate::geometry::angle::wrap;
+use crate::walls::decision;
+use crate::walls::decision::{GRID_SHARE, SHORT_SHARE, decide};
+use crate::walls::manhattan::GridDirection;
+
+/// Largest direction sigma of a free line, radians: two degrees.
+const DIRECTION_SIGMA: f32 = 0.035;
+
+/// Shortest free wall, metres: a few points from around a corner turn a line of half the length by ten degrees, and no
+/// grid is there to tell.
+const FREE_LENGTH_M: f32 = 0.5;
+
+/// Shortest free wall where there is an exact grid, metres: what is shorter may be two sides of a thing, or a side and a
+/// chair leg, and turns the heading.
+const ASKEW_LENGTH_M: f32 = 1.0;
+
+/// A shorter one may be furniture or a row of things, metres.
+pub const SHORT_M: f32 = 0.75;
+
+/// Fewest points of a free wall.
+const FREE_POINTS: u32 = 8;
+
+/// Two lines off the grid by the same angle show that it is the heading that is off, if both were seen within so much
+/// path, metres, while the heading wanders on.
+const TOGETHER_M: f32 = 10.0;
+
+/// And if they are so far apart that they are not two sides of one thing that stands askew, metres.
+const APART_M: f32 = 1.5;
+
+/// And if the heading can be off by so many of its standard deviations.
+const SIGMAS: f32 = 4.0;
+
+/// What a line is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Verdict {
+    /// Not yet clear; more points will tell.
+    Wait,
+    /// On the grid, this many quarter turns from alpha.
+    OnGrid(u8),
+    /// On the grid but for a deviation of its own.
+    NearGrid(u8),
+    /// Off the grid, or there is none in this policy.
+    Free,
+    /// The report's snapped wall.
+    Snapped,
+}
+
+/// How a line stands to the grid.
+#[derive(Clone, Copy, Debug)]
+struct Lean {
+    /// Angle from the nearest grid direction, radians.
+    off_rad: f32,
+    /// Variance of the line's own direction, rad^2.
+    variance: f32,
+    /// That grid direction, in quarter turns from alpha.
+    quarter: u8,
+    /// Centroid in the frame of dead reckoning, metres.
+    seen_m: [f32; 2],
+    /// Path length when it was seen, metres.
+    path_m: f32,
+}
+
+/// The last line that may have been off the grid because the heading was.
+#[derive(Clone, Copy, Debug)]
+pub struct Doubts(Option<Lean>);
+
+impl Doubts {
+    /// None yet.
+    pub const NONE: Self = Self(None);
+
+    /// Whether this line and the last one agree on how far the heading is off, its variance against the grid being
+    /// `heading`. Each alone may well stand askew; that two walls of different directions do so by the same angle is less
+    /// likely than that the robot does not know its own.
+    fn agree(&mut self, line: Lean, heading: f32) -> bool {
+        let possible = line.off_rad * line.off_rad < SIGMAS * SIGMAS * heading;
+        if !possible || line.variance > DIRECTION_SIGMA * DIRECTION_SIGMA {
+            return false;
+        }
+        let agrees = self.0.is_some_and(|last| {
+            let [x, y] = [line.seen_m[0] - last.seen_m[0], line.seen_m[1] - last.seen_m[1]];
+            // Walls as they are built stand off each other by so much, whatever the policy.
+            let variance = line.variance + last.variance + 2.0 * decision::deviation(WallPolicy::NearGrid);
+            line.quarter != last.quarter
+                && line.path_m - last.path_m < TOGETHER_M
+                && x * x + y * y > APART_M * APART_M
+                && decide(line.off_rad - last.off_rad, variance, GRID_SHARE) == Some(true)
+        });
+        self.0 = Some(line);
+        agrees
+    }
+}
+
+/// Maximum likelihood between the grid's directions and a free line (report 3.3).
+pub fn judge<const NB: usize, const BLOCKS: usize>(
+    ekf: &Ekf<NB, BLOCKS>,
+    policy: WallPolicy,
+    grid: Option<&GridDirection>,
+    line: &LocalLine,
+    doubts: &mut Doubts,
+) -> Verdict {
+    // A wall near the grid keeps a direction of its own: nothing is turned by taking one for it.
+    let is_exact = grid.is_some() && policy != WallPolicy::NearGrid;
+    let shortest_m = if is_exact { ASKEW_LENGTH_M } else { FREE_LENGTH_M };
+    let determined = line.direction_variance < DIRECTION_SIGMA * DIRECTION_SIGMA
+        && line.length_m >= shortest_m
+        && line.count >= FREE_POINTS;
+    let free = if determined { Verdict::Free } else { Verdict::Wait };
+    let Some(grid) = grid.filter(|_| policy != WallPolicy::Free) else { return free };
+    let theta = ekf.mean(THETA) + line.normal_rad;
+    let quarter = grid.quarter(theta);
+    let off = wrap(theta - grid.beta(quarter));
+    let relative = decision::relative_variance(ekf, THETA, ALPHA);
+    let variance = line.direction_variance + relative + decision::deviation(policy);
+    let share = if is_exact && line.length_m < SHORT_M { SHORT_SHARE } else { GRID_SHARE };
+    let lean =
+        Lean { off_rad: off, variance: line.direction_variance, quarter, seen_m: line.seen_m, path_m: line.path_m };
+    // The report's method is left as it is.
+    let is_agreed = !matches!(policy, WallPolicy::Snapped { .. }) && doubts.agree(lean, relative);
+    let on_grid = if is_agreed { Some(true) } else { decide(off, variance, share) };
+    match (on_grid, policy) {
+        (Some(true), WallPolicy::Snapped { .. }) => Verdict::Snapped,
+        (Some(true), WallPolicy::NearGrid) => Verdict::NearGrid(quarter),
+        (Some(true), _) => Verdict::OnGrid(quarter),
+        (Some(false), _) => free,
+        (None, _) => Verdict::Wait,
+    }
+}

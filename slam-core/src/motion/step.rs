@@ -1,0 +1,227 @@
+//! From travel to a step in the robot's frame, its Jacobian and its noise.
+//!
+//! Differential drive as in Zunino and Christensen (2001), sec. 2, with the exact arc instead of its chord's direction
+//! only, and with the wheels' scales and the track as parameters.
+
+use crate::filter::ekf::MotionJacobian;
+use crate::filter::layout::{THETA, X, Y};
+use crate::geometry::angle::sin_cos;
+use crate::geometry::pose::Pose;
+use crate::motion::travel::Travel;
+use crate::rig::DriveModel;
+use crate::sample::Increment;
+
+/// Calibration factors in use, and where their derivatives go.
+#[derive(Clone, Copy, Debug)]
+pub struct Factor {
+    /// Present value.
+    pub value: f32,
+    /// State index; none where the factor is known.
+    pub state: Option<usize>,
+}
+
+/// The calibration factors of a drive model.
+#[derive(Clone, Copy, Debug)]
+pub struct Factors {
+    /// Scale of the left wheel, or of distance.
+    pub first: Factor,
+    /// Scale of the right wheel, or of turning.
+    pub second: Factor,
+    /// Factor of the track.
+    pub track: Factor,
+}
+
+/// One step of motion in the robot's frame, with its derivatives and noise.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Step {
+    /// Displacement and turn in the robot's frame at the step's start.
+    pub increment: Increment,
+    /// d(forward, left, turn) by the first scale, the second scale and the track.
+    pub by_factor: [[f32; 3]; 3],
+    /// Covariance of (forward, left, turn).
+    pub noise: [[f32; 3]; 3],
+    /// Length of the path, metres.
+    pub path_m: f32,
+}
+
+impl Step {
+    /// What is known of the step after this one when its motion is lost: the robot stood or went on as before, so it is
+    /// where it was, give or take that much: at least a centimetre and a degree, at most what a cleaning robot does in a
+    /// fifth of a second.
+    pub fn lost(&self) -> Self {
+        let along = self.path_m.clamp(0.01, 0.1);
+        let turn = self.increment.turn_rad.abs().clamp(0.02, 0.2);
+        let noise = [[along * along, 0.0, 0.0], [0.0, along * along, 0.0], [0.0, 0.0, turn * turn]];
+        Self { noise, path_m: along, ..Self::default() }
+    }
+
+    /// No motion.
+    pub const STILL: Self = Self {
+        increment: Increment { forward_m: 0.0, left_m: 0.0, turn_rad: 0.0 },
+        by_factor: [[0.0; 3]; 3],
+        noise: [[0.0; 3]; 3],
+        path_m: 0.0,
+    };
+}
+
+/// Variance of (x, y, theta) at the start: the map frame's origin is where the robot stands, but an encoder tells only
+/// to one tick where that is, then and at any later time. The error, the difference of two uniform ones, does not grow.
+pub fn start_variance(drive: &DriveModel) -> [f32; 3] {
+    match *drive {
+        DriveModel::Wheels { track_m, metres_per_tick, .. } => {
+            let wheel = metres_per_tick * metres_per_tick * (1.0 / 6.0);
+            [0.5 * wheel, 0.0, 2.0 * wheel / (track_m * track_m)]
+        }
+        DriveModel::Odometry { .. } => [0.0; 3],
+    }
+}
+
+/// sin(h) / h and its derivative, for the half turn h of one step.
+fn sinc(h: f32) -> (f32, f32) {
+    let h2 = h * h;
+    // To 2e-4 at the largest half turn, and far better at those that occur.
+    let value = 1.0 - h2 * (1.0 / 6.0 - h2 * (1.0 / 120.0 - h2 * (1.0 / 5040.0)));
+    (value, -h * (1.0 / 3.0 - h2 * (1.0 / 30.0 - h2 * (1.0 / 840.0))))
+}
+
+/// The step that `travel` makes with the factors at hand.
+pub fn step(drive: &DriveModel, travel: &Travel, factors: &Factors) -> Step {
+    match (drive, travel) {
+        (&DriveModel::Wheels { track_m, noise_m2_per_m, .. }, &Travel::Wheels { left_m, right_m }) => {
+            wheel_step(track_m, noise_m2_per_m, left_m, right_m, factors)
+        }
+        (&DriveModel::Odometry { noise_m2_per_m, noise_rad2_per_m, noise_rad2_per_rad, .. }, &Travel::Body(raw)) => {
+            let (distance, turn) = (factors.first.value, factors.second.value);
+            let path_m = distance * libm::sqrtf(raw.forward_m * raw.forward_m + raw.left_m * raw.left_m);
+            let position = noise_m2_per_m * path_m;
+            let heading = noise_rad2_per_m * path_m + noise_rad2_per_rad * (turn * raw.turn_rad).abs();
+            Step {
+                increment: Increment {
+                    forward_m: distance * raw.forward_m,
+                    left_m: distance * raw.left_m,
+                    turn_rad: turn * raw.turn_rad,
+                },
+                by_factor: by_scales(raw),
+                noise: [[position, 0.0, 0.0], [0.0, position, 0.0], [0.0, 0.0, heading]],
+                path_m,
+            }
+        }
+        _ => Step::default(),
+    }
+}
+
+/// d(forward, left, turn) by the scales of distance and of turning, for this motion as the odometry says it.
+pub fn by_scales(raw: Increment) -> [[f32; 3]; 3] {
+    [[raw.forward_m, raw.left_m, 0.0], [0.0, 0.0, raw.turn_rad], [0.0; 3]]
+}
+
+fn wheel_step(track_m: f32, noise_m2_per_m: f32, left_m: f32, right_m: f32, factors: &Factors) -> Step {
+    let track_m = track_m * factors.track.value;
+    let (left, right) = (factors.first.value * left_m, factors.second.value * right_m);
+    let distance = 0.5 * (left + right);
+    let turn = (right - left) / track_m;
+    // The chord of the arc: length distance * sinc(turn / 2), direction turn / 2.
+    let (sin, cos) = sin_cos(0.5 * turn);
+    let (chord, chord_slope) = sinc(0.5 * turn);
+    let (forward_m, left_m_body) = (distance * chord * cos, distance * chord * sin);
+    // Derivatives of (forward, left, turn) by distance and by turn.
+    let by_distance = [chord * cos, chord * sin, 0.0];
+    let by_turn =
+        [0.5 * distance * (chord_slope * cos - chord * sin), 0.5 * distance * (chord_slope * sin + chord * cos), 1.0];
+    let mut by_left = [0.0; 3];
+    let mut by_right = [0.0; 3];
+    for i in 0..3 {
+        by_left[i] = 0.5 * by_distance[i] - by_turn[i] / track_m;
+        by_right[i] = 0.5 * by_distance[i] + by_turn[i] / track_m;
+    }
+    let (left_variance, right_variance) = (noise_m2_per_m * left.abs(), noise_m2_per_m * right.abs());
+    let mut noise = [[0.0; 3]; 3];
+    for i in 0..3 {
+        for j in 0..3 {
+            noise[i][j] = left_variance * by_left[i] * by_left[j] + right_variance * by_right[i] * by_right[j];
+        }
+    }
+    let by_track = by_turn.map(|d| -d * turn / factors.track.value);
+    Step {
+        increment: Increment { forward_m, left_m: left_m_body, turn_rad: turn },
+        by_factor: [by_left.map(|d| d * left_m), by_right.map(|d| d * right_m), by_track],
+        noise,
+        path_m: distance.abs(),
+    }
+}
+
+/// For so long wheels keep their speed, seconds: a small gear motor's time constant is 50 to 100 ms.
+const STEADY_S: f32 = 0.1;
+
+/// Slips come in runs: over ten seconds they add up to so many times the variance that steps of a second have. From the dead
+/// reckoning of olsson-demo, held against a path on which all its passes agree (docs/real-logs.md).
+pub const SLIP_RUNS: f32 = 4.0;
+
+/// What a robot slides while it turns, m^2 of each axis per radian: a point of rotation that is four centimetres off. From the
+/// same.
+pub const SLIP_M2_PER_RAD: f32 = 2e-3;
+
+impl Step {
+    /// With the noise of the position that real floors add to what a rig states.
+    pub fn slipping(mut self) -> Self {
+        let stated_m2 = self.noise[0][0].max(self.noise[1][1]);
+        let slip_m2 = (SLIP_RUNS - 1.0) * stated_m2 + SLIP_M2_PER_RAD * self.increment.turn_rad.abs();
+        self.noise[0][0] += slip_m2;
+        self.noise[1][1] += slip_m2;
+        self
+    }
+
+    /// With what an arc leaves out where the wheels could change their speeds between two samples: a robot that turned before
+    /// it drove, or after, ends beside the arc, by half of the turn seen from where it was.
+    pub fn unsteady(mut self, dt_s: f32) -> Self {
+        let share = 1.0 - STEADY_S / dt_s;
+        if share > 0.0 {
+            let (s, c) = sin_cos(0.5 * self.increment.turn_rad);
+            let aside_m = share * self.path_m * s;
+            let across = [-aside_m * s, aside_m * c];
+            for (row, a) in self.noise.iter_mut().zip(across) {
+                for (entry, b) in row.iter_mut().zip(across) {
+                    *entry += a * b;
+                }
+            }
+        }
+        self
+    }
+
+    /// The pose that this step leads to.
+    pub fn applied_to(&self, pose: &Pose) -> Pose {
+        let i = self.increment;
+        pose.compose(&Pose { x_m: i.forward_m, y_m: i.left_m, theta_rad: i.turn_rad })
+    }
+
+    /// The pose Jacobian and noise in the map frame, for a robot whose heading at the step's start has this sine and
+    /// cosine.
+    pub fn in_map(&self, (sin, cos): (f32, f32), factors: &Factors) -> (MotionJacobian, [[f32; 3]; 3]) {
+        let rotate = |v: [f32; 3]| [cos * v[0] - sin * v[1], sin * v[0] + cos * v[1], v[2]];
+        let moved = rotate([self.increment.forward_m, self.increment.left_m, 0.0]);
+        let mut jacobian = MotionJacobian::default();
+        jacobian[X][X] = 1.0;
+        jacobian[Y][Y] = 1.0;
+        jacobian[THETA][THETA] = 1.0;
+        jacobian[X][THETA] = -moved[1];
+        jacobian[Y][THETA] = moved[0];
+        for (factor, derivative) in [factors.first, factors.second, factors.track].iter().zip(self.by_factor) {
+            let derivative = rotate(derivative);
+            for (row, d) in jacobian.iter_mut().zip(derivative) {
+                if let Some(entry) = factor.state.and_then(|i| row.get_mut(i)) {
+                    *entry = d;
+                }
+            }
+        }
+        // R Q R^T: first the rows, then the columns.
+        let half = [rotate(self.noise[0]), rotate(self.noise[1]), rotate(self.noise[2])];
+        let mut noise = [[0.0; 3]; 3];
+        for i in 0..3 {
+            let column = rotate([half[0][i], half[1][i], half[2][i]]);
+            for j in 0..3 {
+                noise[j][i] = column[j];
+            }
+        }
+        (jacobian, noise)
+    }
+}

@@ -1,0 +1,70 @@
+//! From ticks or dead-reckoned increments to checked travel.
+
+use crate::rig::DriveModel;
+use crate::sample::{Increment, Motion, Ticks};
+
+/// Fastest motion that is believed, metres per second: no cleaning robot drives at 10 m/s, so more is a broken counter.
+const MAX_SPEED_M_S: f32 = 10.0;
+
+/// Longest time over which that limit is taken, seconds: ten metres between two samples are no drive any more.
+const MAX_STEP_S: f32 = 1.0;
+
+/// Largest turn between two samples, radians: beyond a half the encoders cannot tell which way it was.
+const MAX_TURN_RAD: f32 = core::f32::consts::PI;
+
+/// Travel of the two wheels, or a body-frame increment, before calibration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Travel {
+    /// Metres of each wheel.
+    Wheels {
+        /// Left wheel.
+        left_m: f32,
+        /// Right wheel.
+        right_m: f32,
+    },
+    /// Motion in the robot's frame.
+    Body(Increment),
+}
+
+/// Remembers the last ticks and turns inputs into travel.
+#[derive(Clone, Debug, Default)]
+pub struct Encoders {
+    last: Option<Ticks>,
+}
+
+impl Motion {
+    /// Whether it is of the drive's kind.
+    pub(crate) fn fits(&self, drive: &DriveModel) -> bool {
+        matches!(
+            (drive, self),
+            (DriveModel::Wheels { .. }, Self::Ticks(_)) | (DriveModel::Odometry { .. }, Self::Increment(_))
+        )
+    }
+}
+
+impl Encoders {
+    /// Nothing read yet.
+    pub const NEW: Self = Self { last: None };
+
+    /// Travel since the last sample, nothing for the first one; none where the input is not a motion of this drive.
+    pub fn travel(&mut self, drive: &DriveModel, motion: &Motion, dt_s: f32) -> Option<Travel> {
+        let limit_m = MAX_SPEED_M_S * dt_s.clamp(0.01, MAX_STEP_S);
+        match (drive, motion) {
+            (DriveModel::Wheels { metres_per_tick, track_m, .. }, Motion::Ticks(now)) => {
+                let last = self.last.replace(*now).unwrap_or(*now);
+                let left_m = now.left.wrapping_sub(last.left) as f32 * metres_per_tick;
+                let right_m = now.right.wrapping_sub(last.right) as f32 * metres_per_tick;
+                let possible = left_m.abs() <= limit_m
+                    && right_m.abs() <= limit_m
+                    && (right_m - left_m).abs() <= MAX_TURN_RAD * track_m;
+                possible.then_some(Travel::Wheels { left_m, right_m })
+            }
+            (DriveModel::Odometry { .. }, Motion::Increment(i)) => {
+                let possible =
+                    i.forward_m.abs() <= limit_m && i.left_m.abs() <= limit_m && i.turn_rad.abs() <= MAX_TURN_RAD;
+                possible.then_some(Travel::Body(*i))
+            }
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,218 @@
+//! From a range sensor's input to a reading: checks at the door, and the sensor's curve.
+
+use crate::report::Refusal;
+use crate::rig::{Adc, RangeModel, RangeSensor};
+use crate::sample::RangeInput;
+
+/// A Sharp sensor makes a new reading every 38.3 +- 9.6 ms (GP2Y0A21YK0F data sheet, timing chart) and holds it.
+pub const SHARP_HOLD_S: f32 = 0.0383;
+/// Longest time for which it may hold one, from the same chart.
+pub const SHARP_HOLD_MAX_S: f32 = 0.0479;
+
+/// A wall's surface and a sensor's mount are true to this, metres (1-sigma): plaster, wallpaper, screws. It keeps a
+/// sensor that is precise at close range from knowing more than there is to know.
+pub const SURFACE_M: f32 = 0.003;
+
+/// A reading that passed the checks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading {
+    /// What the sensor reports, metres: gain times true range.
+    pub range_m: f32,
+    /// The noise as the sensor makes it.
+    pub noise: Noise,
+}
+
+/// Noise of a reading, as a function of the range that was to be read.
+///
+/// The variance must not depend on the reading itself: readings that came out short would be trusted more than those
+/// that came out long, and every wall would be pulled towards the robot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Noise {
+    /// Constant in volts.
+    Volts {
+        /// Variance, V^2.
+        variance_v2: f32,
+        /// The voltage read, V.
+        volts: f32,
+        /// Power of the voltage in the sensor's curve; negative.
+        exponent: f32,
+    },
+    /// A constant part and one proportional to range, in quadrature.
+    Metres {
+        /// Standard deviation, metres.
+        noise_m: f32,
+        /// Standard deviation per metre.
+        noise_rel: f32,
+    },
+}
+
+/// Measured minus predicted, and the noise variance at the prediction, both in metres of range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Innovation {
+    /// Measured minus predicted, metres.
+    pub value_m: f32,
+    /// Noise variance, m^2.
+    pub noise_m2: f32,
+}
+
+impl Reading {
+    /// Standard deviation at the reading itself, metres: for points that no prediction exists for.
+    pub fn sigma_m(&self) -> f32 {
+        libm::sqrtf(self.innovation(self.range_m).noise_m2)
+    }
+
+    /// The innovation against a predicted report (gain times range), metres.
+    ///
+    /// For a voltage the comparison is made in volts, where the noise is Gaussian and constant, and scaled back to
+    /// metres at the prediction. The curve V(r) is expanded around the reading to second order, in the ratio
+    /// x = predicted / read - 1.
+    pub fn innovation(&self, predicted_m: f32) -> Innovation {
+        match self.noise {
+            Noise::Volts { variance_v2, volts, exponent } => {
+                // V(r) / V = (1 + x)^p with p = 1 / exponent.
+                let p = 1.0 / exponent;
+                let x = (predicted_m / self.range_m - 1.0).clamp(-0.5, 0.5);
+                let curvature = 0.5 * (p - 1.0);
+                let drop = p * x * (1.0 + curvature * x * (1.0 + (p - 2.0) * (1.0 / 3.0) * x));
+                let slope = p * (1.0 + (p - 1.0) * x * (1.0 + (p - 2.0) * 0.5 * x));
+                // dV/dr at the prediction, V/m; negative.
+                let volts_per_m = volts * slope / self.range_m;
+                let value_m = -volts * drop / volts_per_m;
+                Innovation { value_m, noise_m2: variance_v2 / (volts_per_m * volts_per_m) }
+            }
+            Noise::Metres { noise_m, noise_rel } => {
+                let proportional = noise_rel * predicted_m;
+                Innovation {
+                    value_m: self.range_m - predicted_m,
+                    noise_m2: noise_m * noise_m + proportional * proportional,
+                }
+            }
+        }
+    }
+}
+
+/// What one sensor's inputs were so far.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FrontEnd {
+    last_counts: Option<u16>,
+    /// Time since `last_counts` was first seen, seconds.
+    age_s: f32,
+    /// Last accepted range and the path length then, metres.
+    last_m: Option<(f32, f32)>,
+    /// Path length at which the output was seen to fold back, metres.
+    folded_at_m: Option<f32>,
+}
+
+impl FrontEnd {
+    /// Nothing read yet.
+    pub const NEW: Self = Self { last_counts: None, age_s: 0.0, last_m: None, folded_at_m: None };
+
+    /// Checks one input and converts it.
+    ///
+    /// `path_m` is the robot's path length so far.
+    ///
+    /// # Errors
+    /// Why it is no reading.
+    pub fn read(
+        &mut self,
+        sensor: &RangeSensor,
+        adc: Option<&Adc>,
+        input: RangeInput,
+        dt_s: f32,
+        path_m: f32,
+    ) -> Result<Reading, Refusal> {
+        match (input, &sensor.model, adc) {
+            (RangeInput::Counts(counts), &RangeModel::Sharp { scale_m, exponent, noise_v }, Some(adc)) => {
+                self.read_counts(sensor, adc, counts, dt_s, path_m, (scale_m, exponent, noise_v))
+            }
+            (RangeInput::Metres(range_m), &RangeModel::Metric { noise_m, noise_rel }, _) => {
+                if !range_m.is_finite() || range_m < 0.0 {
+                    return Err(Refusal::Invalid);
+                }
+                in_limits(sensor, range_m)?;
+                Ok(Reading { range_m, noise: Noise::Metres { noise_m, noise_rel } })
+            }
+            _ => Err(Refusal::Invalid),
+        }
+    }
+
+    fn read_counts(
+        &mut self,
+        sensor: &RangeSensor,
+        adc: &Adc,
+        counts: u16,
+        dt_s: f32,
+        path_m: f32,
+        (scale_m, exponent, noise_v): (f32, f32, f32),
+    ) -> Result<Reading, Refusal> {
+        let full_scale = adc.full_scale();
+        if u32::from(counts) > full_scale {
+            return Err(Refusal::Invalid);
+        }
+        // One count of converter noise on a held output is still the same reading.
+        let repeats = self.last_counts.is_some_and(|last| counts.abs_diff(last) <= 1);
+        self.age_s += dt_s;
+        if repeats && self.age_s < SHARP_HOLD_MAX_S {
+            return Err(Refusal::Held);
+        }
+        self.last_counts = Some(counts);
+        self.age_s = 0.0;
+        if counts == 0 {
+            return Err(Refusal::Floor);
+        }
+        let lsb_v = adc.vref_v / full_scale as f32;
+        let volts = f32::from(counts) * lsb_v;
+        let range_m = scale_m * libm::powf(volts, exponent);
+        // An output under that of twice the maximum range carries no range at all.
+        if range_m > 2.0 * sensor.max_m {
+            return Err(Refusal::Floor);
+        }
+        in_limits(sensor, range_m)?;
+        // A quantisation step adds a uniform error.
+        let variance_v2 = noise_v * noise_v + lsb_v * lsb_v * (1.0 / 12.0);
+        let reading = Reading { range_m, noise: Noise::Volts { variance_v2, volts, exponent } };
+        self.check_fold(sensor, &reading, path_m)?;
+        self.last_m = Some((range_m, path_m));
+        Ok(reading)
+    }
+
+    /// Under its minimum range the output falls again and reads like a longer range. One sample cannot tell: the way
+    /// there can. The range had come so near that the robot's motion could have taken it under the minimum, and then it
+    /// grew by more than that motion explains. It is believed again once it has come down to where it left, or once the
+    /// robot is far enough for anything to have changed.
+    fn check_fold(&mut self, sensor: &RangeSensor, reading: &Reading, path_m: f32) -> Result<(), Refusal> {
+        let noise_m = 3.0 * reading.sigma_m();
+        if let Some(folded_at_m) = self.folded_at_m {
+            let near = reading.range_m <= sensor.min_m + noise_m;
+            if !near && path_m - folded_at_m < 2.0 * sensor.min_m {
+                return Err(Refusal::FoldBack);
+            }
+            self.folded_at_m = None;
+        } else if let Some((last_m, last_path_m)) = self.last_m {
+            let motion_m = path_m - last_path_m;
+            let could_be_under = last_m - motion_m - noise_m < sensor.min_m;
+            if could_be_under && reading.range_m > last_m + motion_m + noise_m {
+                self.folded_at_m = Some(path_m);
+                return Err(Refusal::FoldBack);
+            }
+        }
+        Ok(())
+    }
+}
+
+fn in_limits(sensor: &RangeSensor, range_m: f32) -> Result<(), Refusal> {
+    if range_m < sensor.min_m {
+        Err(Refusal::TooNear)
+    } else if range_m > sensor.max_m {
+        Err(Refusal::TooFar)
+    } else {
+        Ok(())
+    }
+}
+
+impl Adc {
+    /// Counts at the reference voltage.
+    pub fn full_scale(&self) -> u32 {
+        (1u32 << self.bits.min(16)) - 1
+    }
+}

@@ -1,0 +1,130 @@
+//! How the grid of the home's walls is founded, and how walls are taken into it.
+//!
+//! Every wall is born free or on a grid that exists. The grid is founded by walls that agree with one another on a
+//! direction modulo a quarter turn: a first wall alone may be a sofa set askew. A free wall costs one more state and
+//! holds the heading just as well, so nothing is lost by waiting.
+
+use crate::config::WallPolicy;
+use crate::filter::ekf::{Ekf, Jacobian};
+use crate::filter::layout::ALPHA;
+use crate::geometry::angle::wrap;
+use crate::walls::decision::{GRID_SHARE, GRID_TOLERANCE, decide, deviation, relative_variance};
+use crate::walls::list::Map;
+use crate::walls::manhattan::GridDirection;
+use crate::walls::wall::{Direction, Wall};
+use core::f32::consts::FRAC_PI_2;
+
+/// Largest sigma of the angle between two walls that may found the grid, radians: two degrees.
+const FOUNDING_SIGMA: f32 = 0.035;
+
+/// Length of the walls that found the grid, metres, together.
+const FOUNDING_LENGTH_M: f32 = 1.0;
+
+/// Founds the grid where there is none, or takes one free wall into it.
+pub fn upkeep<const W: usize, const NB: usize, const BLOCKS: usize>(
+    map: &mut Map<W>,
+    ekf: &mut Ekf<NB, BLOCKS>,
+    has_grid: &mut bool,
+    policy: WallPolicy,
+    turn: usize,
+) {
+    if policy == WallPolicy::Free || map.walls().is_empty() {
+        return;
+    }
+    if !*has_grid {
+        let Some(theta) = founder(map.walls(), ekf, policy) else { return };
+        let mut jacobian = Jacobian::new();
+        let _ = jacobian.push((theta, 1.0));
+        let direction = ekf.mean(theta);
+        let quarters = libm::roundf(direction * (1.0 / FRAC_PI_2));
+        ekf.initialise(ALPHA, direction - quarters * FRAC_PI_2, &jacobian, deviation(policy));
+        *has_grid = true;
+        for index in (0..map.walls().len()).rev() {
+            take_in(map, ekf, policy, index);
+        }
+    } else {
+        take_in(map, ekf, policy, turn % map.walls().len());
+    }
+}
+
+/// Angle between two directions modulo a quarter turn, in (-pi/4, pi/4].
+fn off_quarter(a: f32, b: f32) -> f32 {
+    let difference = a - b;
+    difference - libm::roundf(difference * (1.0 / FRAC_PI_2)) * FRAC_PI_2
+}
+
+/// The direction state of the free wall with which the most length of wall agrees, where that is enough and a majority.
+fn founder<const NB: usize, const BLOCKS: usize>(
+    walls: &[Wall],
+    ekf: &Ekf<NB, BLOCKS>,
+    policy: WallPolicy,
+) -> Option<usize> {
+    let mut best: Option<(f32, usize)> = None;
+    let mut total_m = 0.0;
+    for (i, wall) in walls.iter().enumerate() {
+        total_m += wall.length_m();
+        let Direction::Free(theta) = wall.direction else { continue };
+        let mut support_m = wall.length_m();
+        let mut others = 0;
+        for (j, other) in walls.iter().enumerate() {
+            let Direction::Free(other_theta) = other.direction else { continue };
+            if i == j {
+                continue;
+            }
+            let variance = relative_variance(ekf, theta, other_theta);
+            let off = off_quarter(ekf.mean(theta), ekf.mean(other_theta));
+            let agrees = decide(off, variance + deviation(policy), GRID_SHARE) == Some(true);
+            if variance < FOUNDING_SIGMA * FOUNDING_SIGMA && agrees {
+                support_m += other.length_m();
+                others += 1;
+            }
+        }
+        if others > 0 && support_m >= FOUNDING_LENGTH_M && best.is_none_or(|(most, _)| support_m > most) {
+            best = Some((support_m, theta));
+        }
+    }
+    best.filter(|(support_m, _)| *support_m > 0.5 * total_m).map(|(_, theta)| theta)
+}
+
+/// Takes a free wall into the grid where the odds are for it.
+fn take_in<const W: usize, const NB: usize, const BLOCKS: usize>(
+    map: &mut Map<W>,
+    ekf: &mut Ekf<NB, BLOCKS>,
+    policy: WallPolicy,
+    index: usize,
+) {
+    let Some(Direction::Free(theta)) = map.walls().get(index).map(|w| w.direction) else { return };
+    let grid = GridDirection::of(ekf);
+    let quarter = grid.quarter(ekf.mean(theta));
+    let off = wrap(ekf.mean(theta) - grid.beta(quarter));
+    let variance = relative_variance(ekf, theta, ALPHA);
+    let on_grid = decide(off, variance + deviation(policy), GRID_SHARE);
+    if variance > FOUNDING_SIGMA * FOUNDING_SIGMA || on_grid != Some(true) {
+        return;
+    }
+    // A tie that is numerically impossible leaves the wall free.
+    if tie(ekf, theta, off, policy) {
+        match policy {
+            WallPolicy::NearGrid => map.set_direction(index, Direction::NearGrid(theta, quarter)),
+            WallPolicy::Snapped { .. } => map.set_direction(index, Direction::Snapped(theta)),
+            _ => {
+                map.set_direction(index, Direction::Grid(quarter));
+                map.remove_state(ekf, theta);
+            }
+        }
+    }
+}
+
+/// The scalar measurement that a wall's direction, `off_rad` from one of the grid's, is that one. False where it is
+/// numerically impossible.
+pub fn tie<const NB: usize, const BLOCKS: usize>(
+    ekf: &mut Ekf<NB, BLOCKS>,
+    theta: usize,
+    off_rad: f32,
+    policy: WallPolicy,
+) -> bool {
+    let mut jacobian = Jacobian::new();
+    let _ = jacobian.push((theta, 1.0));
+    let _ = jacobian.push((ALPHA, -1.0));
+    ekf.update(-off_rad, &jacobian, GRID_TOLERANCE * GRID_TOLERANCE + deviation(policy)).is_ok()
+}

@@ -1,0 +1,155 @@
+//! The list of walls: adding, removing, and what happens when it is full.
+
+use crate::filter::ekf::Ekf;
+use crate::geometry::line::Line;
+use crate::walls::wall::{Direction, Wall};
+use heapless::Vec;
+
+/// Score of a new wall: so many more beams must pass through it than meet it before it goes.
+const BIRTH_SCORE: i8 = 5;
+/// So many that a short run of wrong associations does not take a wall that was seen all day.
+const MAX_SCORE: i8 = 100;
+
+/// A wall that was met by fewer readings than this, and not for [`FORGET_AFTER_M`] of path, was noise.
+const FORGET_BELOW: u32 = 10;
+const FORGET_AFTER_M: f32 = 3.0;
+
+/// A newborn's points were picked, a known wall's readings were not: how many of these one of those outweighs.
+const WORTH: u32 = 4;
+
+/// At most `W` walls.
+#[derive(Clone, Debug, Default)]
+pub struct Map<const W: usize> {
+    walls: Vec<Wall, W>,
+    next_id: u16,
+}
+
+impl<const W: usize> Map<W> {
+    /// No walls.
+    pub const EMPTY: Self = Self { walls: Vec::new(), next_id: 0 };
+
+    /// Forgets every wall.
+    pub fn clear(&mut self) {
+        self.walls.clear();
+        self.next_id = 0;
+    }
+
+    /// The walls.
+    pub fn walls(&self) -> &[Wall] {
+        &self.walls
+    }
+
+    /// Wall `index` is drawn here, in the map frame, from now on.
+    pub fn draw(&mut self, index: usize, line: Line) {
+        if let Some(wall) = self.walls.get_mut(index) {
+            wall.drawn = Some(line);
+        }
+    }
+
+    /// True where no wall can be added.
+    pub fn is_full(&self) -> bool {
+        self.walls.is_full()
+    }
+
+    /// Adds a wall whose states exist.
+    pub fn add(&mut self, rho: usize, direction: Direction, (lo_m, hi_m): (f32, f32), updates: u32, path_m: f32) {
+        let id = self.next_id;
+        self.next_id = self.next_id.wrapping_add(1);
+        let wall = Wall { id, rho, direction, lo_m, hi_m, updates, score: BIRTH_SCORE, seen_at_m: path_m, drawn: None };
+        let _ = self.walls.push(wall);
+    }
+
+    /// A reading met wall `index` at `along_m`.
+    pub fn met(&mut self, index: usize, along_m: f32, path_m: f32) {
+        if let Some(wall) = self.walls.get_mut(index) {
+            wall.lo_m = wall.lo_m.min(along_m);
+            wall.hi_m = wall.hi_m.max(along_m);
+            wall.updates = wall.updates.saturating_add(1);
+            wall.score = wall.score.saturating_add(1).min(MAX_SCORE);
+            wall.seen_at_m = path_m;
+        }
+    }
+
+    /// A reading went through wall `index`.
+    pub fn passed_through(&mut self, index: usize) {
+        if let Some(wall) = self.walls.get_mut(index) {
+            wall.score = wall.score.saturating_sub(1);
+        }
+    }
+
+    /// Removes the first wall that beams pass through or that was noise; true where there was one.
+    pub fn prune<const NB: usize, const BLOCKS: usize>(&mut self, ekf: &mut Ekf<NB, BLOCKS>, path_m: f32) -> bool {
+        let gone = self
+            .walls
+            .iter()
+            .position(|w| w.score < 0 || (w.updates < FORGET_BELOW && path_m - w.seen_at_m > FORGET_AFTER_M));
+        gone.is_some_and(|index| {
+            self.remove(ekf, index);
+            true
+        })
+    }
+
+    /// Makes room where the map is full: removes the wall that the fewest readings met of those not seen for
+    /// [`FORGET_AFTER_M`], if they are fewer than `points` of the newborn times [`WORTH`]. True where one went.
+    pub fn evict<const NB: usize, const BLOCKS: usize>(
+        &mut self,
+        ekf: &mut Ekf<NB, BLOCKS>,
+        points: u32,
+        path_m: f32,
+    ) -> bool {
+        let unseen = self.walls.iter().enumerate().filter(|(_, w)| path_m - w.seen_at_m > FORGET_AFTER_M);
+        let least = unseen.min_by_key(|(_, w)| w.updates).filter(|(_, w)| w.updates < WORTH.saturating_mul(points));
+        let Some(index) = least.map(|(index, _)| index) else { return false };
+        self.remove(ekf, index);
+        true
+    }
+
+    /// Gives what was seen of wall `gone` to wall `kept`, and removes it.
+    pub fn unite<const NB: usize, const BLOCKS: usize>(&mut self, ekf: &mut Ekf<NB, BLOCKS>, kept: usize, gone: usize) {
+        let Some(&lost) = self.walls.get(gone) else { return };
+        if let Some(kept) = self.walls.get_mut(kept) {
+            kept.lo_m = kept.lo_m.min(lost.lo_m);
+            kept.hi_m = kept.hi_m.max(lost.hi_m);
+            kept.updates = kept.updates.saturating_add(lost.updates);
+            kept.score = kept.score.max(lost.score);
+            kept.seen_at_m = kept.seen_at_m.max(lost.seen_at_m);
+        }
+        self.remove(ekf, gone);
+    }
+
+    /// Removes wall `index` and its states.
+    fn remove<const NB: usize, const BLOCKS: usize>(&mut self, ekf: &mut Ekf<NB, BLOCKS>, index: usize) {
+        let Some(&wall) = self.walls.get(index) else { return };
+        let last = self.walls.len() - 1;
+        let moved = self.walls.get(last).copied();
+        if let (Some(moved), Some(slot)) = (moved, self.walls.get_mut(index)) {
+            *slot = moved;
+        }
+        self.walls.truncate(last);
+        let mut states: Vec<usize, 2> = Vec::new();
+        let _ = states.push(wall.rho);
+        if let Some(theta) = wall.direction.state() {
+            let _ = states.push(theta);
+        }
+        // The higher index first: the state moved into its place is then never the other one.
+        states.sort_unstable_by(|a, b| b.cmp(a));
+        for state in states {
+            self.remove_state(ekf, state);
+        }
+    }
+
+    /// Removes a state that no wall needs any more; another state moves into its place.
+    pub fn remove_state<const NB: usize, const BLOCKS: usize>(&mut self, ekf: &mut Ekf<NB, BLOCKS>, state: usize) {
+        let moved = ekf.remove(state);
+        for wall in &mut self.walls {
+            wall.follow(moved, state);
+        }
+    }
+
+    /// Changes where a wall's direction comes from.
+    pub fn set_direction(&mut self, index: usize, direction: Direction) {
+        if let Some(wall) = self.walls.get_mut(index) {
+            wall.direction = direction;
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! The map frame, and what holds it.
+//!
+//! The filter's states are in the frame of the start pose. How the map as a whole lies in that frame is what is known
+//! least: the first turns, made before there was a wall, have an error that no reading tells, until a loop or a scale does.
+//! Then the map turns about the start pose, with the robot in it, and what was drawn before lies askew. Nobody needs to
+//! know where the robot started to a degree; where it is in its map is what a map is for. So walls can hold the frame: a
+//! wall that is known well enough to be drawn stays, in the frame, where it was first drawn; the walls in view more than the
+//! others, since it is there that the robot is. Where they disagree, each weighs less the farther it is off, as least absolute
+//! deviations have it: a few that a closing loop moves do not take the frame along. The start pose is what moves.
+
+use crate::config::MapFrame;
+use crate::filter::layout::{X, Y};
+use crate::geometry::angle::{sin_cos, wrap};
+use crate::geometry::line::Line;
+use crate::geometry::pose::Pose;
+use crate::slam::Slam;
+use crate::walls::manhattan::GridDirection;
+
+/// Walls that are off by less than this stay, metres; those that are off by more have the less weight for it.
+const STAY_M: f32 = 0.002;
+
+/// What the frame weighs itself: as much as an end of a wall that is a decimetre off. It holds the directions that no wall
+/// does.
+const INERTIA: f32 = 10.0;
+
+/// A wall is drawn once so many readings have met it: twice those without which it would be forgotten as noise.
+const DRAWN_AFTER: u32 = 20;
+
+/// A wall met within this length of path is in view, metres: about the range of the sensors.
+const IN_VIEW_M: f32 = 3.0;
+
+/// Weight of the others: there are many more of them than walls in view.
+const OUT_OF_VIEW: f32 = 0.1;
+
+/// The motion that brings lines closest to others, by weighted least squares: normal equations of (turn, dx, dy) about a
+/// pivot.
+pub struct CommonMotion {
+    pivot: [f32; 2],
+    /// Matrix and right-hand side.
+    rows: [[f32; 4]; 3],
+}
+
+impl CommonMotion {
+    /// None yet, about a point.
+    pub fn about(pivot: [f32; 2]) -> Self {
+        let mut rows = [[0.0; 4]; 3];
+        for (i, row) in rows.iter_mut().enumerate() {
+            row[i] = INERTIA;
+        }
+        Self { pivot, rows }
+    }
+
+    /// A point of a wall's line must come to lie on another one; of so much importance.
+    pub fn add(&mut self, from: &Line, to: &Line, along_m: f32, importance: f32) {
+        let point = from.at(along_m);
+        let off_m = to.distance(point);
+        let arm = [point[0] - self.pivot[0], point[1] - self.pivot[1]];
+        let derivatives = [to.normal[1] * arm[0] - to.normal[0] * arm[1], to.normal[0], to.normal[1]];
+        let weight = importance / (off_m.abs() + STAY_M);
+        for (row, a) in self.rows.iter_mut().zip(derivatives) {
+            for (entry, b) in row.iter_mut().zip(derivatives.into_iter().chain([off_m])) {
+                *entry += weight * a * b;
+            }
+        }
+    }
+
+    /// The motion; none where it is not a number.
+    pub fn solve(mut self) -> Option<Pose> {
+        // Gauss and Jordan: the matrix is positive definite, the diagonal is pivot enough.
+        for i in 0..3 {
+            let inverse = 1.0 / self.rows[i][i];
+            let row = self.rows[i].map(|entry| entry * inverse);
+            self.rows[i] = row;
+            for (_, other) in self.rows.iter_mut().enumerate().filter(|(j, _)| *j != i) {
+                let factor = other[i];
+                for (entry, pivot) in other.iter_mut().zip(row) {
+                    *entry -= factor * pivot;
+                }
+            }
+        }
+        let [turn, dx, dy] = self.rows.map(|row| row[3]);
+        let (s, c) = sin_cos(turn);
+        let [x, y] = self.pivot;
+        let motion = Pose { x_m: x + dx - (c * x - s * y), y_m: y + dy - (s * x + c * y), theta_rad: turn };
+        (motion.x_m.is_finite() && motion.y_m.is_finite() && turn.is_finite()).then_some(motion)
+    }
+}
+
+impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOCKS: usize> Slam<S, W, B, NB, BLOCKS> {
+    /// Moves the start pose so that walls stay where they were first drawn.
+    pub(crate) fn hold_frame(&mut self) {
+        if self.config.frame == MapFrame::Start {
+            return;
+        }
+        let grid = GridDirection::of(&self.ekf);
+        let mut motion = CommonMotion::about(self.point_in_map([self.ekf.mean(X), self.ekf.mean(Y)]));
+        for index in 0..self.map.walls().len() {
+            let Some(wall) = self.map.walls().get(index) else { break };
+            let (line, origin_m) = self.in_map(&wall.line(&self.ekf, &grid));
+            let is_in_view = self.odometry.path_m - wall.seen_at_m < IN_VIEW_M;
+            let importance = if is_in_view { 1.0 } else { OUT_OF_VIEW };
+            if let Some(drawn) = &wall.drawn {
+                motion.add(&line, drawn, wall.lo_m + origin_m, importance);
+                motion.add(&line, drawn, wall.hi_m + origin_m, importance);
+            } else if wall.updates >= DRAWN_AFTER {
+                self.map.draw(index, line);
+            }
+        }
+        if let Some(motion) = motion.solve() {
+            self.start = motion.compose(&self.start);
+        }
+    }
+
+    /// A line of the start pose's frame in the map frame, and how much its coordinates along it grow.
+    pub(crate) fn in_map(&self, line: &Line) -> (Line, f32) {
+        if self.config.frame == MapFrame::Start {
+            return (*line, 0.0);
+        }
+        let Pose { x_m, y_m, theta_rad } = self.start;
+        let (s, c) = sin_cos(theta_rad);
+        let [nx, ny] = line.normal;
+        let normal = [c * nx - s * ny, s * nx + c * ny];
+        let rho_m = line.rho_m + x_m * normal[0] + y_m * normal[1];
+        let beta_rad = wrap(line.beta_rad + theta_rad);
+        (Line { rho_m, beta_rad, normal }, y_m * normal[0] - x_m * normal[1])
+    }
+
+    /// A point of the start pose's frame in the map frame.
+    pub(crate) fn point_in_map(&self, point: [f32; 2]) -> [f32; 2] {
+        if self.config.frame == MapFrame::Start { point } else { self.start.transform(point) }
+    }
+}

@@ -1,0 +1,133 @@
+//! A wall of the map: where its states are, and what is kept about it outside the filter.
+
+use crate::filter::ekf::Ekf;
+use crate::geometry::angle::sin_cos;
+use crate::geometry::line::Line;
+use crate::walls::manhattan::GridDirection;
+
+/// Points this far apart along a line are of one wall: the gap is too narrow for a door, metres. Doors start at 0.6 m.
+pub const GAP_M: f32 = 0.4;
+
+/// How a wall is represented in the state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum WallKind {
+    /// rho and theta are states.
+    Free,
+    /// rho and theta are states; the direction used is the grid's nearest to theta.
+    Snapped,
+    /// rho is a state; the direction is alpha plus a whole number of quarter turns, but for a deviation where walls may
+    /// have one.
+    Grid,
+}
+
+/// Where a wall's direction comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// The state with this index.
+    Free(usize),
+    /// The grid direction nearest to the state with this index (report eq. 4).
+    Snapped(usize),
+    /// alpha plus this many quarter turns, counter-clockwise, 0 to 3.
+    Grid(u8),
+    /// The state with this index, which was tied to alpha plus that many quarter turns.
+    NearGrid(usize, u8),
+}
+
+impl Direction {
+    /// The index of its own state, if it has one.
+    pub fn state(self) -> Option<usize> {
+        match self {
+            Self::Free(theta) | Self::Snapped(theta) | Self::NearGrid(theta, _) => Some(theta),
+            Self::Grid(_) => None,
+        }
+    }
+
+    /// The grid direction that it was found to be, counted in quarter turns from alpha.
+    pub fn quarter(self) -> Option<u8> {
+        match self {
+            Self::Grid(quarter) | Self::NearGrid(_, quarter) => Some(quarter),
+            Self::Free(_) | Self::Snapped(_) => None,
+        }
+    }
+}
+
+/// A wall. Its normal points from the side it was seen from into the wall, so rho - p . n is positive for a robot at p
+/// that can see it: the two faces of a partition are two walls.
+#[derive(Clone, Copy, Debug)]
+pub struct Wall {
+    /// Identifier, never used again.
+    pub id: u16,
+    /// State index of rho.
+    pub rho: usize,
+    /// Where the direction comes from.
+    pub direction: Direction,
+    /// Start of the observed extent along (-sin beta, cos beta), metres.
+    pub lo_m: f32,
+    /// End of the observed extent, metres.
+    pub hi_m: f32,
+    /// Readings that updated it.
+    pub updates: u32,
+    /// Confidence in its existence: up with readings that meet it, down with those that pass through.
+    pub score: i8,
+    /// Path length at which it was last seen, metres.
+    pub seen_at_m: f32,
+    /// Its line in the map frame when it was first drawn, where walls hold that frame.
+    pub drawn: Option<Line>,
+}
+
+impl Wall {
+    /// A wall without states or extent.
+    pub const NEW: Self = Self {
+        id: 0,
+        rho: 0,
+        direction: Direction::Grid(0),
+        lo_m: 0.0,
+        hi_m: 0.0,
+        updates: 0,
+        score: 0,
+        seen_at_m: 0.0,
+        drawn: None,
+    };
+
+    /// Its line at the filter's present estimate.
+    pub fn line<const NB: usize, const BLOCKS: usize>(&self, ekf: &Ekf<NB, BLOCKS>, grid: &GridDirection) -> Line {
+        let rho_m = ekf.mean(self.rho);
+        let on_grid = |quarter| Line { rho_m, beta_rad: grid.beta(quarter), normal: grid.normal(quarter) };
+        match self.direction {
+            Direction::Grid(quarter) => on_grid(quarter),
+            Direction::Snapped(theta) => on_grid(grid.quarter(ekf.mean(theta))),
+            Direction::Free(theta) | Direction::NearGrid(theta, _) => {
+                let beta_rad = ekf.mean(theta);
+                let (s, c) = sin_cos(beta_rad);
+                Line { rho_m, beta_rad, normal: [c, s] }
+            }
+        }
+    }
+
+    /// Length of its observed extent, metres.
+    pub fn length_m(&self) -> f32 {
+        self.hi_m - self.lo_m
+    }
+
+    /// Its representation.
+    pub fn kind(&self) -> WallKind {
+        match self.direction {
+            Direction::Free(_) => WallKind::Free,
+            Direction::Snapped(_) => WallKind::Snapped,
+            Direction::Grid(_) | Direction::NearGrid(..) => WallKind::Grid,
+        }
+    }
+
+    /// Follows a state that moved from index `from` to `to`.
+    pub fn follow(&mut self, from: usize, to: usize) {
+        if self.rho == from {
+            self.rho = to;
+        }
+        if let Direction::Free(theta) | Direction::Snapped(theta) | Direction::NearGrid(theta, _) = &mut self.direction
+            && *theta == from
+        {
+            *theta = to;
+        }
+    }
+}
