@@ -22,3 +22,8 @@ pub use h_bridge::{HBridge, HBridgeError, MotorPair};
 pub use pilot::{Activity, Pilot, PilotConfig, Senses};
 pub use traits::{DriveMotors, Duty, RangeSensorBank, WheelCounter, WheelEncoders, WheelSpeeds};
 pub use wheel_control::{WheelControl, WheelControlConfig};
+
+/// The examples of the README, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

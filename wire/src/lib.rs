@@ -22,3 +22,8 @@ pub use frames::{
     BoardFaults, Calibration, Command, Contacts, Estimate, Factor, Faults, Frame, Motors, Parameter, SENSORS, Sample,
     SlamFaults, Wall, WallKind,
 };
+
+/// The examples of the README, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
