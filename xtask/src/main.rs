@@ -5,6 +5,7 @@ mod apt;
 #[cfg(test)]
 mod documents;
 mod elf;
+mod fail_safe;
 mod figures;
 mod hil;
 mod panic_check;

@@ -6,13 +6,15 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Runs a bare program that ends by semihosting, one clock tick per instruction, and returns what it printed.
-pub fn run(elf: &Path, limit: Duration) -> Result<String> {
+/// Runs a bare program that ends by semihosting, one clock tick per instruction, and returns what it printed. The
+/// emulator gets the other arguments.
+pub fn run(elf: &Path, arguments: &[&str], limit: Duration) -> Result<String> {
     let mut command = Command::new("qemu-system-arm");
     command.args(["-machine", "olimex-stm32-h405", "-display", "none", "-monitor", "none", "-serial", "null"]);
-    command.args(["-semihosting-config", "enable=on,target=native", "-icount", "shift=0,sleep=off", "-kernel"]);
+    command.args(["-semihosting-config", "enable=on,target=native", "-icount", "shift=0,sleep=off"]).args(arguments);
     let failed = |error: std::io::Error| format!("qemu-system-arm: {error}");
-    let mut child = command.arg(elf).stdin(Stdio::null()).stdout(Stdio::piped()).spawn().map_err(failed)?;
+    let mut child =
+        command.arg("-kernel").arg(elf).stdin(Stdio::null()).stdout(Stdio::piped()).spawn().map_err(failed)?;
     let mut printed = child.stdout.take().ok_or("qemu-system-arm has no output")?;
     let reader = std::thread::spawn(move || {
         let mut text = String::new();

@@ -1,5 +1,6 @@
 //! Every test and check, in the order of how soon they fail.
 
+use crate::fail_safe;
 use crate::hil;
 use crate::panic_check::panic_check;
 use crate::run::{Result, cargo, run, target_dir};
@@ -19,6 +20,7 @@ const STEPS: &[Step] = &[
     ("host", host),
     ("firmware-lint", firmware_lint),
     ("firmware-host", firmware_host),
+    ("fail-safe", fail_safe::test),
     ("hil", hil::test),
     ("panic-check", panic_check),
     ("size", size::size),
@@ -75,9 +77,10 @@ fn no_std() -> Result {
 /// Clippy of the firmware's workspace; Debian's compiler comes without clippy, so that one checks with its own warnings.
 fn firmware_lint() -> Result {
     let thumb = Thumb::require()?;
-    let checks: [&[&str]; 4] = [
+    let checks: [&[&str]; 5] = [
         &["--package", "timing", "--package", "panic-check"],
         &["--package", "firmware", "--bin", "robot", "--features", "board"],
+        &["--package", "firmware", "--bin", "fail_safe", "--features", "fail-safe"],
         &["--package", "firmware", "--bin", "hil", "--features", "hil"],
         &["--package", "firmware", "--bin", "hil", "--features", "hil-usart"],
     ];

@@ -59,7 +59,7 @@ pub fn measure() -> Result<(BTreeMap<String, u32>, String)> {
     let thumb = Thumb::require()?;
     run(thumb.cargo("firmware", "build").args(["--release", "--package", "timing"]))?;
     let elf = thumb.target_dir().join(TARGET).join("release/timing");
-    Ok((parse_output(&qemu::run(&elf, Duration::from_secs(300))?)?, thumb.version()?))
+    Ok((parse_output(&qemu::run(&elf, &[], Duration::from_secs(300))?)?, thumb.version()?))
 }
 
 /// Share of a core at 168 MHz that something takes 25 times a second, percent.

@@ -4,11 +4,14 @@
 #![deny(unsafe_code)]
 
 mod board;
+#[path = "../../fail_safe.rs"]
+mod fail_safe;
 mod interrupt_level;
+mod last_words;
 #[path = "../../stack.rs"]
 mod stack;
 
-use board::{ActiveLow, Board, Encoders, Motor, SharpSensors};
+use board::{Board, Contacts, Encoders, Motor, SharpSensors};
 use defmt_rtt as _;
 use embassy_executor::Spawner;
 use embassy_stm32::gpio::Output;
@@ -19,9 +22,8 @@ use embassy_stm32::wdg::IndependentWatchdog;
 use firmware::burst::BurstBank;
 use firmware::tasks::{self, Platform};
 use firmware::{Pilot, Shared};
-use panic_probe as _;
 use robot::rig::default_rig;
-use robot::{ContactPins, MotorPair, PilotConfig, WheelControl, WheelControlConfig};
+use robot::{MotorPair, PilotConfig, WheelControl, WheelControlConfig};
 use slam_core::{Config, RobotSlam};
 use static_cell::{ConstStaticCell, StaticCell};
 
@@ -49,7 +51,7 @@ async fn main(spawner: Spawner) {
 }
 
 #[embassy_executor::task]
-async fn guard(inputs: ContactPins<ActiveLow, ActiveLow, ActiveLow>, mut enable: Output<'static>) -> ! {
+async fn guard(inputs: Contacts, mut enable: Output<'static>) -> ! {
     tasks::guard(inputs, &mut enable, &SHARED).await
 }
 
