@@ -39,6 +39,7 @@ impl MotorOutputs {
 struct Shared {
     simulation: Simulation,
     motors: [MotorOutputs; 2],
+    cut: Contacts,
 }
 
 impl Shared {
@@ -60,7 +61,8 @@ pub type SimMotor = HBridge<SimPwm, SimOutput, SimOutput>;
 impl Board {
     /// A board in this simulation.
     pub fn new(simulation: Simulation) -> Self {
-        Self { shared: Rc::new(RefCell::new(Shared { simulation, motors: [MotorOutputs::default(); 2] })) }
+        let (motors, cut) = ([MotorOutputs::default(); 2], Contacts::default());
+        Self { shared: Rc::new(RefCell::new(Shared { simulation, motors, cut })) }
     }
 
     /// Lets time pass, seconds.
@@ -90,6 +92,11 @@ impl Board {
         let motor =
             |wheel| HBridge::new(SimPwm { board: self.clone(), wheel }, output(wheel, false), output(wheel, true));
         MotorPair { left: motor(0), right: motor(1) }
+    }
+
+    /// Cuts the cables of these inputs: their pull-up resistors are all that is left.
+    pub fn cut(&self, cables: Contacts) {
+        self.shared.borrow_mut().cut = cables;
     }
 
     /// Bumper and cliff inputs.
@@ -199,7 +206,8 @@ impl DigitalError for SimInput {
 
 impl InputPin for SimInput {
     fn is_high(&mut self) -> Result<bool, Infallible> {
-        Ok((self.read)(self.board.with_simulation(Simulation::contacts)))
+        let shared = self.board.shared.borrow();
+        Ok((self.read)(shared.simulation.contacts()) || (self.read)(shared.cut))
     }
 
     fn is_low(&mut self) -> Result<bool, Infallible> {

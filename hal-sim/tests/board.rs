@@ -79,3 +79,18 @@ fn the_cliff_input_sees_the_stairs_before_the_wheels_do() {
     let x_m = board.with_simulation(|s| s.pose_in_plan().x_m);
     assert!(x_m > 1.8 && x_m < 1.9, "{x_m}");
 }
+
+#[test]
+fn a_cut_cable_reads_as_touched() {
+    let board = board(HALL);
+    let mut contacts = board.contacts();
+    assert_eq!(contacts.read(), Contacts::default());
+    for cables in [
+        Contacts { bump_left: true, ..Contacts::default() },
+        Contacts { bump_right: true, ..Contacts::default() },
+        Contacts { cliff: true, ..Contacts::default() },
+    ] {
+        board.cut(cables);
+        assert_eq!(contacts.read(), cables);
+    }
+}

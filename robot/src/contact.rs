@@ -22,13 +22,22 @@ impl Contacts {
         self.bump_left || self.bump_right || self.cliff
     }
 
+    /// Whether something is touched that was not touched before.
+    pub fn struck_since(&self, before: Self) -> bool {
+        let new = |now: bool, before: bool| now && !before;
+        new(self.bump_left, before.bump_left)
+            || new(self.bump_right, before.bump_right)
+            || new(self.cliff, before.cliff)
+    }
+
     /// The command that may be carried out: while anything is touched the robot may turn or back off, not advance.
     pub fn guard(&self, command: WheelSpeeds) -> WheelSpeeds {
         if self.any() && command.is_forward() { WheelSpeeds::STOP } else { command }
     }
 }
 
-/// Bumper switches and cliff sensor on digital inputs, high when pressed or when the floor is gone.
+/// Bumper switches and cliff sensor on digital inputs with pull-up resistors: a switch that is not pressed and a sensor
+/// that sees the floor hold their input low. An input is high when touched, and just so when its cable is cut.
 #[derive(Debug)]
 pub struct ContactPins<L, R, C> {
     /// Left half of the bumper.
@@ -53,6 +62,32 @@ impl<L: InputPin, R: InputPin, C: InputPin> ContactPins<L, R, C> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_release_strikes_nothing() {
+        let left = Contacts { bump_left: true, ..Contacts::default() };
+        let both = Contacts { cliff: true, ..left };
+        assert!(left.struck_since(Contacts::default()) && both.struck_since(left));
+        assert!(!left.struck_since(both) && !left.struck_since(left) && !Contacts::default().struck_since(both));
+    }
+
+    #[test]
+    fn an_input_that_cannot_be_read_counts_as_touched() {
+        struct Broken;
+        impl embedded_hal::digital::ErrorType for Broken {
+            type Error = embedded_hal::digital::ErrorKind;
+        }
+        impl InputPin for Broken {
+            fn is_high(&mut self) -> Result<bool, Self::Error> {
+                Err(embedded_hal::digital::ErrorKind::Other)
+            }
+            fn is_low(&mut self) -> Result<bool, Self::Error> {
+                Err(embedded_hal::digital::ErrorKind::Other)
+            }
+        }
+        let mut pins = ContactPins { bump_left: Broken, bump_right: Broken, cliff: Broken };
+        assert_eq!(pins.read(), Contacts { bump_left: true, bump_right: true, cliff: true });
+    }
 
     #[test]
     fn a_pressed_bumper_lets_the_robot_back_off_and_turn_only() {

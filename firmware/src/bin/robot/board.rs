@@ -9,8 +9,8 @@
 //! | PB12, PB13 | left motor forward, backward | |
 //! | PB14, PB15 | right motor forward, backward | |
 //! | PC8 | motor driver enable (standby when low) | |
-//! | PB0, PB1 | bumper left, right: closed to ground when pressed | EXTI0, EXTI1 |
-//! | PC4 | cliff sensor: low when the floor is gone | EXTI4 |
+//! | PB0, PB1 | bumper left, right: closed to ground until pressed | EXTI0, EXTI1 |
+//! | PC4 | cliff sensor: low while it sees the floor | EXTI4 |
 //! | PA2, PA3 | serial line out, in, 115200 baud | USART2 |
 //! | PA13, PA14 | debug probe (SWDIO, SWCLK) | |
 
@@ -26,8 +26,6 @@ use embassy_stm32::timer::simple_pwm::{PwmPin, SimplePwm, SimplePwmChannel};
 use embassy_stm32::usart::{self, RingBufferedUartRx, Uart, UartTx};
 use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{Config, Peri, bind_interrupts, dma, interrupt, rcc};
-use embedded_hal::digital::{ErrorType, InputPin};
-use embedded_hal_async::digital::Wait;
 use firmware::SENSORS;
 use firmware::burst::{BurstBank, Converter};
 use robot::{ContactPins, HBridge, MotorPair, WheelCounter, WheelEncoders};
@@ -52,6 +50,9 @@ static RECEIVED: ConstStaticCell<[u8; 256]> = ConstStaticCell::new([0; 256]);
 /// One motor on its H-bridge.
 pub type Motor = HBridge<SimplePwmChannel<'static, TIM1>, Output<'static>, Output<'static>>;
 
+/// Bumper and cliff.
+pub type Contacts = ContactPins<ExtiInput<'static, Async>, ExtiInput<'static, Async>, ExtiInput<'static, Async>>;
+
 /// The robot's parts.
 pub struct Board {
     /// Range sensors.
@@ -63,7 +64,7 @@ pub struct Board {
     /// Motor driver's enable input.
     pub enable: Output<'static>,
     /// Bumper and cliff.
-    pub contacts: ContactPins<ActiveLow, ActiveLow, ActiveLow>,
+    pub contacts: Contacts,
     /// Serial line, outgoing.
     pub transmitter: UartTx<'static, Async>,
     /// Serial line, incoming.
@@ -96,10 +97,11 @@ impl Board {
             left: HBridge::new(left, output(p.PB12.into()), output(p.PB13.into())),
             right: HBridge::new(right, output(p.PB14.into()), output(p.PB15.into())),
         };
+        // Pulled up: an input whose cable is cut reads as touched.
         let contacts = ContactPins {
-            bump_left: ActiveLow(ExtiInput::new(p.PB0, p.EXTI0, Pull::Up, Interrupts)),
-            bump_right: ActiveLow(ExtiInput::new(p.PB1, p.EXTI1, Pull::Up, Interrupts)),
-            cliff: ActiveLow(ExtiInput::new(p.PC4, p.EXTI4, Pull::Up, Interrupts)),
+            bump_left: ExtiInput::new(p.PB0, p.EXTI0, Pull::Up, Interrupts),
+            bump_right: ExtiInput::new(p.PB1, p.EXTI1, Pull::Up, Interrupts),
+            cliff: ExtiInput::new(p.PC4, p.EXTI4, Pull::Up, Interrupts),
         };
         let sensors = [
             p.PA0.degrade_adc(),
@@ -194,49 +196,5 @@ impl WheelEncoders for Encoders {
     fn ticks(&mut self) -> Result<Ticks, Infallible> {
         let (left, right) = (self.left.0.count(), self.right.0.count());
         Ok(Ticks { left: self.left.1.update(left), right: self.right.1.update(right) })
-    }
-}
-
-/// An input that is low when something is touched.
-pub struct ActiveLow(ExtiInput<'static, Async>);
-
-impl ErrorType for ActiveLow {
-    type Error = Infallible;
-}
-
-impl InputPin for ActiveLow {
-    fn is_high(&mut self) -> Result<bool, Infallible> {
-        Ok(self.0.is_low())
-    }
-
-    fn is_low(&mut self) -> Result<bool, Infallible> {
-        Ok(self.0.is_high())
-    }
-}
-
-impl Wait for ActiveLow {
-    async fn wait_for_high(&mut self) -> Result<(), Infallible> {
-        self.0.wait_for_low().await;
-        Ok(())
-    }
-
-    async fn wait_for_low(&mut self) -> Result<(), Infallible> {
-        self.0.wait_for_high().await;
-        Ok(())
-    }
-
-    async fn wait_for_rising_edge(&mut self) -> Result<(), Infallible> {
-        self.0.wait_for_falling_edge().await;
-        Ok(())
-    }
-
-    async fn wait_for_falling_edge(&mut self) -> Result<(), Infallible> {
-        self.0.wait_for_rising_edge().await;
-        Ok(())
-    }
-
-    async fn wait_for_any_edge(&mut self) -> Result<(), Infallible> {
-        self.0.wait_for_any_edge().await;
-        Ok(())
     }
 }
