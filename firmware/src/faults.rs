@@ -21,6 +21,7 @@ impl FaultCounts {
             commands_dropped: 0,
             bytes_lost: 0,
             contact_stops: 0,
+            dead_man_stops: 0,
             watchdog_resets: 0,
             late_tasks: 0,
             stack_used_bytes: 0,

@@ -6,7 +6,7 @@
 //! | [`tasks::sample`] | 25 Hz | reads the range sensors, each a robust reduction of a burst |
 //! | [`tasks::estimate`] | ranges | one step of slam-core; tells the pilot and the telemetry |
 //! | [`tasks::drive`] | odometry | pilot, wheel-speed control, motors |
-//! | [`tasks::guard`] | bumper and cliff inputs | stops the wheels at once, at interrupt level, waiting for nobody |
+//! | [`tasks::guard`] | bumper and cliff inputs | stops the wheels at once, at interrupt level, waiting for nobody; and when drive is silent |
 //! | [`tasks::telemetry`], [`tasks::commands`] | frames, bytes | the serial line |
 //! | [`tasks::supervise`] | 2 Hz | feeds the watchdog when every task has reported |
 //!

@@ -7,6 +7,7 @@ use embassy_sync::blocking_mutex::Mutex;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex as Raw;
 use embassy_sync::channel::Channel;
 use embassy_sync::signal::Signal;
+use embassy_time::Instant;
 use robot::{Contacts, Senses};
 use slam_core::{RangeInput, Ticks};
 use wire::{Command, Frame};
@@ -34,8 +35,8 @@ pub struct Odometry {
 pub struct Touch {
     /// The inputs now.
     pub contacts: Contacts,
-    /// The motors are off until the drive task has taken the contact into account.
-    pub held: bool,
+    /// The stop by contact, counted from 1, that keeps the motors off until the drive task has answered this one.
+    pub stop: Option<u32>,
 }
 
 /// Everything that tasks share.
@@ -56,8 +57,10 @@ pub struct Shared {
     pub reset_map: Signal<Raw, ()>,
     /// Guard to drive and estimate.
     pub touch: Mutex<Raw, Cell<Touch>>,
-    /// Drive to guard: the contact is taken into account, motors may go on.
-    pub release: Signal<Raw, ()>,
+    /// Drive to guard: the stop with this number is taken into account. It releases no other one.
+    pub release: Signal<Raw, u32>,
+    /// Drive to guard: when the motors were last given a duty; none before the first time.
+    pub driven: Mutex<Raw, Cell<Option<Instant>>>,
     /// Fault counters.
     pub faults: FaultCounts,
     /// Signs of life.
@@ -77,8 +80,9 @@ impl Shared {
             frames: Channel::new(),
             commands: Channel::new(),
             reset_map: Signal::new(),
-            touch: Mutex::new(Cell::new(Touch { contacts, held: false })),
+            touch: Mutex::new(Cell::new(Touch { contacts, stop: None })),
             release: Signal::new(),
+            driven: Mutex::new(Cell::new(None)),
             faults: FaultCounts::new(),
             reports: Reports::new(),
         }

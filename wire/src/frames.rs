@@ -185,6 +185,8 @@ pub struct BoardFaults {
     pub bytes_lost: u32,
     /// Times the bumper or the cliff sensor stopped the wheels.
     pub contact_stops: u32,
+    /// Times the wheels were stopped because the estimator or the drive task had gone silent.
+    pub dead_man_stops: u32,
     /// Starts after the watchdog bit.
     pub watchdog_resets: u32,
     /// Supervisor periods in which some task had not reported.

@@ -149,6 +149,7 @@ fn the_longest_frames_fit() {
         commands_dropped: u32::MAX,
         bytes_lost: u32::MAX,
         contact_stops: u32::MAX,
+        dead_man_stops: u32::MAX,
         watchdog_resets: u32::MAX,
         late_tasks: u32::MAX,
         stack_used_bytes: u32::MAX,

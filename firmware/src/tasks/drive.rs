@@ -5,11 +5,15 @@ use crate::faults::Task;
 use crate::periodic::CONTROL_MS;
 use crate::shared::{Odometry, Shared, Touch};
 use core::cell::Cell;
+use embassy_time::Instant;
 use robot::{DriveMotors, Duty, WheelControl, WheelSpeeds};
 use wire::Command;
 
 /// Longest time that a [`Command::Spin`] turns the wheels, in control periods: half a second.
 const SPIN_PERIODS: u32 = 500 / CONTROL_MS as u32;
+
+/// The pilot's decision stands for this long after the senses that it was made by, microseconds: two samples may be lost.
+const DECISION_US: u64 = 100_000;
 
 /// What was commanded.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,10 +23,18 @@ enum Mode {
     Spinning { duty: Duty, periods: u32 },
 }
 
-/// Drives the wheels at the odometry's beat, by the pilot's latest decision, once told to start.
+/// What the pilot decided.
+struct Decision {
+    /// When the senses were taken, microseconds.
+    time_us: u64,
+    speeds: WheelSpeeds,
+}
+
+/// Drives the wheels at the odometry's beat, by the pilot's latest decision, once told to start. Without senses the wheels
+/// stop.
 pub async fn drive(pilot: &mut Pilot, mut control: WheelControl, motors: &mut impl DriveMotors, shared: &Shared) -> ! {
     let mut mode = Mode::Stopped;
-    let mut target = WheelSpeeds::STOP;
+    let mut decision: Option<Decision> = None;
     let mut last_us = None;
     loop {
         let odometry = shared.odometry.wait().await;
@@ -30,8 +42,12 @@ pub async fn drive(pilot: &mut Pilot, mut control: WheelControl, motors: &mut im
             mode = obey(command, mode);
         }
         if let Some(senses) = shared.senses.try_take() {
-            target = pilot.step(&senses);
+            decision = Some(Decision { time_us: senses.time_us, speeds: pilot.step(&senses) });
         }
+        if decision.take_if(|made| odometry.time_us.saturating_sub(made.time_us) > DECISION_US).is_some() {
+            shared.faults.count(|faults| &mut faults.dead_man_stops);
+        }
+        let target = decision.as_ref().map_or(WheelSpeeds::STOP, |made| made.speeds);
         let period_s = period_s(last_us.replace(odometry.time_us), &odometry);
         let touch = shared.touch.lock(Cell::get);
         let duty = match mode {
@@ -43,10 +59,10 @@ pub async fn drive(pilot: &mut Pilot, mut control: WheelControl, motors: &mut im
             Mode::Spinning { duty, .. } => duty,
         };
         mode = age(mode);
-        if motors.set_duty(duty).is_err() {
-            shared.faults.count(|faults| &mut faults.motors_failed);
+        match motors.set_duty(duty) {
+            Ok(()) => tell_guard(touch, shared),
+            Err(_) => shared.faults.count(|faults| &mut faults.motors_failed),
         }
-        release(touch, shared);
         shared.reports.report(Task::Drive);
     }
 }
@@ -75,9 +91,10 @@ fn period_s(last_us: Option<u64>, odometry: &Odometry) -> f32 {
     elapsed_us as f32 * 1e-6
 }
 
-/// What was set takes the contact into account: the guard may let the motors go on.
-fn release(seen: Touch, shared: &Shared) {
-    if seen.held {
-        shared.release.signal(());
+/// The motors have a duty that takes the contact seen into account: the guard may let them go on.
+fn tell_guard(seen: Touch, shared: &Shared) {
+    shared.driven.lock(|driven| driven.set(Some(Instant::now())));
+    if let Some(stop) = seen.stop {
+        shared.release.signal(stop);
     }
 }

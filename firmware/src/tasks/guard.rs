@@ -1,20 +1,24 @@
-//! Bumper and cliff: the motors are off at the first sign, before the estimator or the pilot hear of it.
+//! Bumper, cliff and the drive task's silence: the motors are off at the first sign, whatever the estimator and the pilot do.
 //!
-//! This task runs at interrupt level. It owns the motor driver's standby input, which cuts both motors; the drive task
-//! releases it once the wheels are told something that the contact allows.
+//! This task runs at interrupt level. It owns the motor driver's standby input, which cuts both motors. They run while no
+//! stop by contact is unanswered (the drive task answers once the wheels are told something that the contact allows) and
+//! while the drive task goes on telling them something: it is the dead man's handle.
 
 use crate::faults::Task;
 use crate::shared::{Shared, Touch};
-use embassy_futures::select::{select, select4};
-use embassy_time::{Duration, Timer};
+use core::cell::Cell;
+use embassy_futures::select::{Either, select, select4};
+use embassy_time::{Duration, Instant, Timer};
 use embedded_hal::digital::{InputPin, OutputPin};
 use embedded_hal_async::digital::Wait;
 use robot::ContactPins;
 
 /// The inputs are looked at this often even without an edge.
 const LOOK: Duration = Duration::from_millis(10);
+/// The motors are off at the latest this long after the drive task told them something.
+const DEAD_MAN: Duration = Duration::from_millis(100);
 
-/// Watches bumper and cliff; `enable` is high while the motors may run.
+/// Watches bumper, cliff and drive task; `enable` is high while the motors may run.
 pub async fn guard<L, R, C>(mut inputs: ContactPins<L, R, C>, enable: &mut impl OutputPin, shared: &Shared) -> !
 where
     L: InputPin + Wait,
@@ -22,20 +26,27 @@ where
     C: InputPin + Wait,
 {
     let mut before = Touch::default();
+    let mut stops = 0_u32;
+    let mut driven = false;
+    let mut released = None;
     loop {
         let contacts = inputs.read();
-        let released = shared.release.try_take().is_some();
-        let struck = contacts.any() && contacts != before.contacts;
-        let held = struck || (before.held && !released);
+        let struck = contacts.struck_since(before.contacts);
         if struck {
+            stops = stops.wrapping_add(1);
             shared.faults.count(|faults| &mut faults.contact_stops);
         }
-        let done = if held { enable.set_low() } else { enable.set_high() };
+        let stop = if struck { Some(stops) } else { before.stop.filter(|stop| released != Some(*stop)) };
+        before = Touch { contacts, stop };
+        shared.touch.lock(|touch| touch.set(before));
+        let was_driven = core::mem::replace(&mut driven, is_driven(shared));
+        if was_driven && !driven {
+            shared.faults.count(|faults| &mut faults.dead_man_stops);
+        }
+        let done = if stop.is_none() && driven { enable.set_high() } else { enable.set_low() };
         if done.is_err() {
             shared.faults.count(|faults| &mut faults.motors_failed);
         }
-        before = Touch { contacts, held };
-        shared.touch.lock(|touch| touch.set(before));
         shared.reports.report(Task::Guard);
         let edges = select4(
             inputs.bump_left.wait_for_any_edge(),
@@ -43,12 +54,14 @@ where
             inputs.cliff.wait_for_any_edge(),
             Timer::after(LOOK),
         );
-        select(edges, wait_release(shared)).await;
+        released = match select(edges, shared.release.wait()).await {
+            Either::First(_) => None,
+            Either::Second(stop) => Some(stop),
+        };
     }
 }
 
-/// Waits until the drive task has answered, and leaves the answer there.
-async fn wait_release(shared: &Shared) {
-    shared.release.wait().await;
-    shared.release.signal(());
+/// Whether the drive task told the motors something so lately that the next look comes in time.
+fn is_driven(shared: &Shared) -> bool {
+    shared.driven.lock(Cell::get).is_some_and(|last| Instant::now() + LOOK <= last + DEAD_MAN)
 }

@@ -58,6 +58,7 @@ impl Outcome {
             ("frames_dropped", board.frames_dropped),
             ("commands_dropped", board.commands_dropped),
             ("bytes_lost", board.bytes_lost),
+            ("dead_man_stops", board.dead_man_stops),
             ("late_tasks", board.late_tasks),
             ("damaged frames", self.damaged),
         ];

@@ -140,7 +140,7 @@ impl View {
     }
 }
 
-fn named(board: &BoardFaults) -> [(&'static str, u32); 10] {
+fn named(board: &BoardFaults) -> [(&'static str, u32); 11] {
     [
         ("ranges failed", board.ranges_failed),
         ("encoders failed", board.encoders_failed),
@@ -150,6 +150,7 @@ fn named(board: &BoardFaults) -> [(&'static str, u32); 10] {
         ("commands dropped", board.commands_dropped),
         ("bytes lost", board.bytes_lost),
         ("contact stops", board.contact_stops),
+        ("dead-man stops", board.dead_man_stops),
         ("watchdog resets", board.watchdog_resets),
         ("late tasks", board.late_tasks),
     ]
