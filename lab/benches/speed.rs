@@ -3,11 +3,11 @@
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use hal_sim::SimOptions;
-use lab::drive::Drive;
-use lab::log::Row;
-use lab::rig_file::Robot;
-use lab::run::built_in_robot;
-use lab::session::Session;
+use lab::input::built_in_robot;
+use lab::input::log::Row;
+use lab::input::rig_file::Robot;
+use lab::run::Drive;
+use lab::run::Session;
 use slam_core::{Config, HostSlam, Sample};
 
 fn main() {

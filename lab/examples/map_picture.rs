@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p lab --example map_picture -- docs/map.svg [PLAN] [MINUTES] [SEED]`
 
-use lab::{report, run::Run, variant::Settings};
+use lab::{input::settings::Settings, run::Run, show::report};
 use slam_core::Config;
 use std::{env, error::Error, fs, path::PathBuf};
 

@@ -63,7 +63,7 @@ pub struct Recording {
     pub title: String,
     /// Seed of a simulated drive.
     pub seed: Option<u64>,
-    /// Whether path and map are as they look from the end, see [`crate::hindsight`].
+    /// Whether path and map are as they look from the end, see [`crate::evaluate::smoother`].
     pub looks_back: bool,
     /// The range sensors, in the rig's order.
     pub sensors: Vec<SensorInfo>,
@@ -203,7 +203,7 @@ pub struct Figures {
     pub nis_before_gate: Option<f64>,
     /// Median of these (0.45 is ideal): what the few that are far off do not move.
     pub median_nis_before_gate: Option<f64>,
-    /// The same of those that came from their wall, see [`crate::score::nis`].
+    /// The same of those that came from their wall, see [`crate::evaluate::score::nis`].
     pub nis_associated: Option<f64>,
     /// How late the readings that come in metres are, and its 1-sigma, seconds; none where it is not estimated.
     pub latency_s: Option<(f64, f64)>,
@@ -217,7 +217,7 @@ pub struct Figures {
     pub map: Option<MapScore>,
     /// The map against itself.
     pub consistency: Option<Consistency>,
-    /// The same scores of the path and the map as they look from the end, see [`crate::hindsight`].
+    /// The same scores of the path and the map as they look from the end, see [`crate::evaluate::smoother`].
     pub looking_back: Option<LookingBack>,
 }
 

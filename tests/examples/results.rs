@@ -6,7 +6,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use hal_sim::{SimOptions, default_rig};
-use lab::experiment::statistics::median;
+use lab::evaluate::statistics::median;
 use lab::recording::{Figures, LookingBack, PathScore};
 use slam_core::{Config, HostSlam, RobotSlam};
 use tests::frames::recorded;

@@ -3,8 +3,8 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use lab::replay::{Replay, Replayed};
-use lab::variant::Settings;
+use lab::input::settings::Settings;
+use lab::run::{Replay, Replayed};
 use slam_core::Config;
 
 /// A log of a real robot.

@@ -1,11 +1,11 @@
 //! A made-up but plausible recording, the same on every machine: a robot drives round a room with a partition and a
 //! slanted wall. No estimator is involved; errors and outcomes are drawn from simple formulas.
 
+use lab::evaluate::score::consistency;
 use lab::recording::{
     CalibrationSnapshot, Figures, MapScore, MapSnapshot, ParameterInfo, PathScore, Pose2, Recording, Segment,
     SensorInfo, Step,
 };
-use lab::score::consistency;
 use slam_core::{Outcome, ReadingReport, Refusal, WallKind, WallView};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

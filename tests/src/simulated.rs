@@ -3,12 +3,12 @@
 use std::convert::Infallible;
 
 use hal_sim::SimOptions;
-use lab::drive::Drive;
-use lab::log::Row;
+use lab::evaluate::score;
+use lab::input::built_in_robot;
+use lab::input::log::Row;
 use lab::recording::{Figures, Recording};
-use lab::run::built_in_robot;
-use lab::score;
-use lab::session::Session;
+use lab::run::Drive;
+use lab::run::Session;
 use slam_core::Config;
 
 /// The built-in robot's drive through a built-in plan.

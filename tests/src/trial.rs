@@ -1,12 +1,12 @@
 //! A real log, read once and replayed in many ways.
 
-use lab::hindsight;
-use lab::log::truth::{self, Truth};
-use lab::log::{self, Row};
+use lab::evaluate::score;
+use lab::evaluate::smoother;
+use lab::input::log::truth::{self, Truth};
+use lab::input::log::{self, Row};
+use lab::input::rig_file::Robot;
 use lab::recording::Recording;
-use lab::rig_file::Robot;
-use lab::score;
-use lab::session::Session;
+use lab::run::Session;
 use slam_core::{Config, Increment, Motion, Pose, RangeInput, RangeModel};
 
 use crate::real_logs::RealLog;
@@ -73,7 +73,7 @@ impl LoadedLog {
         }
         let mut recording = session.finish();
         score::score(&mut recording, &times_s, self.truth.as_ref());
-        hindsight::add(&mut recording, &trial.robot(&self.robot).rig);
+        smoother::add(&mut recording, &trial.robot(&self.robot).rig);
         recording
     }
 }
@@ -121,7 +121,7 @@ fn together(rows: &[Row]) -> Increment {
 mod tests {
     use super::*;
     use crate::simulated::rows;
-    use lab::run::built_in_robot;
+    use lab::input::built_in_robot;
     use slam_core::Outcome;
 
     #[test]

@@ -1,6 +1,6 @@
 //! What must hold for the built-in robot in the four-room flat: 1 % gain and 0.5 % wheel errors, drawn anew by each seed.
 
-use lab::experiment::statistics::median;
+use lab::evaluate::statistics::median;
 use lab::recording::Recording;
 use tests::simulated::drive;
 

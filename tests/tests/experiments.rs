@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use lab::experiment::file::Experiment;
-use lab::experiment::runner::{Runner, Shard};
-use lab::experiment::{page, table};
+use monte_carlo::file::Experiment;
+use monte_carlo::runner::{Runner, Shard};
+use monte_carlo::{page, table};
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments")

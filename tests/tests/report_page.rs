@@ -11,7 +11,7 @@ use tests::{
 
 /// Opens the page of a recording; it must load without a fault and without fetching anything.
 fn open(name: &str, recording: &Recording, hash: &str, probe: &str) -> Option<Value> {
-    let visit = Browser::find()?.visit(&folder(name), &lab::report::html(recording), hash, probe);
+    let visit = Browser::find()?.visit(&folder(name), &lab::show::report::html(recording), hash, probe);
     assert_sound(&visit);
     Some(visit.answer)
 }
@@ -281,7 +281,7 @@ fn odd_recordings_still_make_a_page() {
 fn a_phone_shows_all_of_it_without_scrolling_sideways() {
     let Some(mut browser) = Browser::find() else { return };
     browser.width_px = 500;
-    let page = lab::report::html(&sample_recording(20.0, 10.0));
+    let page = lab::show::report::html(&sample_recording(20.0, 10.0));
     let visit = browser.visit(&folder("phone"), &page, "", LOOK_AROUND);
     assert_sound(&visit);
     assert!(visit.answer["wide"].as_i64().unwrap() <= 0, "{} pixels too wide", visit.answer["wide"]);
@@ -291,7 +291,7 @@ fn a_phone_shows_all_of_it_without_scrolling_sideways() {
 #[test]
 fn the_check_notices_a_broken_page() {
     let Some(browser) = Browser::find() else { return };
-    let page = lab::report::html(&sample_recording(5.0, 5.0));
+    let page = lab::show::report::html(&sample_recording(5.0, 5.0));
     let thrown =
         browser.visit(&folder("thrown"), &page.replace("start();", "start(); noSuchFunction();"), "", "return 1;");
     assert_eq!((thrown.errors, thrown.console.len()), (Some(1), 1));
@@ -304,8 +304,8 @@ fn the_check_notices_a_broken_page() {
 
 #[test]
 fn ten_minutes_of_eight_sensors_fit_into_three_megabytes() {
-    let page = lab::report::html(&sample_recording(600.0, 25.0));
+    let page = lab::show::report::html(&sample_recording(600.0, 25.0));
     assert!(page.len() < 3_000_000, "{} bytes", page.len());
-    let hour = lab::report::html(&sample_recording(3600.0, 25.0));
+    let hour = lab::show::report::html(&sample_recording(3600.0, 25.0));
     assert!(hour.len() < 6_000_000, "{} bytes", hour.len());
 }

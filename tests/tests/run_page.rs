@@ -17,7 +17,7 @@ const PROBE: &str = r##"
 fn assert_opens(name: &str, recording: &Recording) {
     let Some(browser) = Browser::find() else { return };
     let profile = Path::new(env!("CARGO_TARGET_TMPDIR")).join("run-page").join(name);
-    let visit = browser.visit(&profile, &lab::report::html(recording), "", PROBE);
+    let visit = browser.visit(&profile, &lab::show::report::html(recording), "", PROBE);
     assert!(visit.ready && visit.errors == Some(0) && visit.console.is_empty(), "{name}: {:#?}", visit.console);
     assert_eq!(visit.answer["title"].as_str().map(str::trim), Some(recording.title.as_str()));
     assert_eq!(visit.answer["nan"], false, "{name}");

@@ -1,7 +1,7 @@
 //! A robot whose samples come a few times a second: between two of them its wheels change their speeds, walls are seen
 //! seldom, and the heading is known badly for long.
 
-use lab::experiment::statistics::median;
+use lab::evaluate::statistics::median;
 use lab::recording::PathScore;
 use slam_core::Config;
 use tests::simulated::{estimated, rows};

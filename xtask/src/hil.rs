@@ -31,7 +31,7 @@ pub fn image(kind: LinkKind) -> Result<PathBuf> {
 
 /// Builds the image and drives it with `lab hil`, which gets the other arguments.
 pub fn hil(arguments: &[&str]) -> Result {
-    drive_with(&mut cargo(&["run", "--quiet", "--package", "lab", "--"]), arguments)
+    drive_with(&mut cargo(&["run", "--quiet", "--package", "lab-cli", "--"]), arguments)
 }
 
 fn drive_with(lab: &mut Command, arguments: &[&str]) -> Result {

@@ -1,6 +1,6 @@
 //! Writes the tables of `docs/real-logs.md`: `cargo run --release --package tests --example real_logs`.
 //!
-//! Each part of the estimator that can be switched off (`lab::part::PARTS`) is a row of each table. `-- NAME...` shows
+//! Each part of the estimator that can be switched off (`lab::input::part::PARTS`) is a row of each table. `-- NAME...` shows
 //! the rows of these parts only, on the standard output, and leaves the page alone; `-- default` shows no part's.
 
 mod bars;
@@ -13,7 +13,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-use lab::part::{PARTS, Part};
+use lab::input::part::{PARTS, Part};
 use lab::recording::{Figures, Recording};
 use slam_core::Config;
 use tests::real_logs::{CORRIDOR, FREIBURG, HALLWAYS, RealLog};
@@ -82,7 +82,7 @@ fn main() {
     let wanted: Vec<String> = std::env::args().skip(1).collect();
     let part = |name: &String| {
         Part::of_name(name).unwrap_or_else(|| {
-            eprintln!("error: no part {name}; it must be {DEFAULT} or one of {}", lab::part::names());
+            eprintln!("error: no part {name}; it must be {DEFAULT} or one of {}", lab::input::part::names());
             std::process::exit(2)
         })
     };

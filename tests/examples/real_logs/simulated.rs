@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use lab::log::Row;
-use lab::part::Part;
+use lab::input::log::Row;
+use lab::input::part::Part;
 use lab::recording::Figures;
 use slam_core::Config;
 use tests::simulated::{estimated, rows};

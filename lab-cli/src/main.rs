@@ -1,0 +1,208 @@
+//! The command line of the workbench.
+
+use std::error::Error;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use lab::evaluate::compare::Compare;
+use lab::input::settings::{Settings, VariantArgs};
+use lab::recording::Recording;
+use lab::run::{Replay, Replayed, Run};
+use lab::show::closing;
+use monte_carlo::command::ExperimentArgs;
+use robot_tools::doctor::Doctor;
+use robot_tools::hil::{Hil, Target};
+use robot_tools::monitor::Monitor;
+
+/// The workbench: a simulated cleaning robot maps a flat, or a recorded log is replayed through the same estimator.
+///
+/// Without a command it simulates, as `lab run` does.
+#[derive(Debug, Parser)]
+#[command(name = "lab", version, args_conflicts_with_subcommands = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    run: RunArgs,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Let a simulated robot map a simulated home.
+    Run(RunArgs),
+    /// Replay a recorded log: log.csv or CARMEN, plain or gzipped.
+    Replay(ReplayArgs),
+    /// Set the scores of two output folders side by side: which is better, and by how much.
+    Compare(Compare),
+    /// Run the robot's firmware on its processor, emulated or real, in the loop with the simulated home.
+    Hil(HilArgs),
+    /// Show what a robot at a serial port says, and record it.
+    Monitor(Monitor),
+    /// Check a robot at a serial port part by part.
+    Doctor(Doctor),
+    /// Compare estimators over many simulated drives, as an experiment file says.
+    Experiment(ExperimentArgs),
+}
+
+#[derive(Debug, Args)]
+struct RunArgs {
+    /// Floor plan: the name of a built-in one, or a file.
+    #[arg(long, value_name = "NAME|FILE", default_value = "flat")]
+    plan: String,
+    /// Length of the drive in minutes.
+    #[arg(long, value_name = "M", default_value = "10", value_parser = minutes, allow_negative_numbers = true)]
+    minutes: f64,
+    /// Seed of everything random: the same seed gives the same drive, bit for bit.
+    #[arg(long, value_name = "S", default_value_t = 1, allow_negative_numbers = true)]
+    seed: u64,
+    /// Rig file of the robot; the built-in one has eight Sharp sensors and two encoders.
+    #[arg(long, value_name = "FILE")]
+    rig: Option<PathBuf>,
+    /// Folder for the results.
+    #[arg(long, value_name = "DIR", default_value = "out/run")]
+    out: PathBuf,
+    /// Also write readings.csv: what became of every reading.
+    #[arg(long)]
+    trace: bool,
+    #[command(flatten)]
+    variant: VariantArgs,
+}
+
+#[derive(Debug, Args)]
+struct ReplayArgs {
+    /// The log.
+    log: PathBuf,
+    /// Rig file of the robot that recorded it.
+    #[arg(long, value_name = "FILE")]
+    rig: PathBuf,
+    /// Folder for the results.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// True poses to score against; truth.csv beside the log when not given.
+    #[arg(long, value_name = "FILE")]
+    truth: Option<PathBuf>,
+    /// Also write readings.csv: what became of every reading.
+    #[arg(long)]
+    trace: bool,
+    #[command(flatten)]
+    variant: VariantArgs,
+}
+
+#[derive(Debug, Args)]
+#[command(group = clap::ArgGroup::new("where").required(true))]
+struct HilArgs {
+    /// In the emulator qemu-system-arm.
+    #[arg(long, group = "where")]
+    qemu: bool,
+    /// On a board at this serial port; reset the board first.
+    #[arg(long, group = "where", value_name = "DEV")]
+    port: Option<String>,
+    /// With --qemu: over the emulated serial line, slowly, as with a board.
+    #[arg(long, requires = "qemu")]
+    serial: bool,
+    /// With --qemu: the firmware's image; `cargo xtask hil` builds it.
+    #[arg(long, value_name = "ELF", default_value = "target/thumb/thumbv7em-none-eabihf/release/hil")]
+    image: PathBuf,
+    /// Floor plan: the name of a built-in one, or a file.
+    #[arg(long, value_name = "NAME|FILE", default_value = "flat")]
+    plan: String,
+    /// Length of the drive in minutes.
+    #[arg(long, value_name = "M", default_value = "3", value_parser = minutes, allow_negative_numbers = true)]
+    minutes: f64,
+    /// Seed of everything random: the same seed gives the same drive, bit for bit.
+    #[arg(long, value_name = "S", default_value_t = 1, allow_negative_numbers = true)]
+    seed: u64,
+    /// Folder for the results.
+    #[arg(long, value_name = "DIR", default_value = "out/hil")]
+    out: PathBuf,
+}
+
+/// Longest drive, minutes: a record of a day fills the memory.
+const MAX_MINUTES: f64 = 240.0;
+
+fn minutes(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(minutes) if minutes > 0.0 && minutes <= MAX_MINUTES => Ok(minutes),
+        _ => Err(format!("it must be a number above 0 and up to {MAX_MINUTES}")),
+    }
+}
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let done = match cli.command {
+        Some(Command::Replay(args)) => replay(args),
+        Some(Command::Run(args)) => run(args),
+        Some(Command::Compare(compare)) => compare.text().map(|text| print(&text)).map_err(Into::into),
+        Some(Command::Hil(args)) => hil(args),
+        Some(Command::Monitor(monitor)) => monitor.run().map_err(Into::into),
+        Some(Command::Doctor(doctor)) => doctor.run().map_err(Into::into),
+        Some(Command::Experiment(experiment)) => experiment.run().map_err(Into::into),
+        None => run(cli.run),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(args: RunArgs) -> Result<(), Box<dyn Error>> {
+    let RunArgs { plan, minutes, seed, rig, out, trace, variant } = args;
+    let bar = ProgressBar::new(1000).with_style(style("driving {wide_bar} {percent} %, {eta} to go"));
+    let run = Run { plan, minutes, seed, rig, out, settings: Settings::ForRig(variant), trace };
+    let recording = run.run(|share| bar.set_position((1000.0 * share) as u64));
+    bar.finish_and_clear();
+    say(&recording?, &run.out);
+    Ok(())
+}
+
+fn replay(args: ReplayArgs) -> Result<(), Box<dyn Error>> {
+    let ReplayArgs { log, rig, out, truth, trace, variant } = args;
+    let bar = ProgressBar::new_spinner().with_style(style("{spinner} {pos} rows, {elapsed}"));
+    let replay = Replay { log, rig, out, truth, settings: Settings::ForRig(variant), trace };
+    let replayed = replay.run(|rows| bar.set_position(rows as u64));
+    bar.finish_and_clear();
+    let Replayed { recording, notes, error } = replayed?;
+    for note in notes {
+        eprintln!("note: {}: {note}", replay.log.display());
+    }
+    say(&recording, &replay.out);
+    error.map_or(Ok(()), |error| Err(error.into()))
+}
+
+fn hil(args: HilArgs) -> Result<(), Box<dyn Error>> {
+    let HilArgs { port, serial, image, plan, minutes, seed, out, .. } = args;
+    let target = match port {
+        Some(device) => Target::Port { device },
+        None if serial => Target::EmulatorSerial { image },
+        None => Target::Emulator { image },
+    };
+    let bar = ProgressBar::new(1000).with_style(style("in the loop {wide_bar} {percent} %, {eta} to go"));
+    let hil = Hil { plan, minutes, seed, out, target };
+    let outcome = hil.run(|share| bar.set_position((1000.0 * share) as u64));
+    bar.finish_and_clear();
+    let outcome = outcome?;
+    print(&format!("{outcome}  results in {}\n", hil.out.display()));
+    outcome.verdict().map_err(Into::into)
+}
+
+/// Text on the standard output, where somebody still listens.
+fn print(text: &str) {
+    let _ = write!(std::io::stdout(), "{text}");
+}
+
+/// The closing table.
+fn say(recording: &Recording, out: &Path) {
+    print(&format!("{}  results in {}\n", closing::table(recording), out.display()));
+}
+
+fn style(template: &str) -> ProgressStyle {
+    // The templates are constants of this file; a bad one only loses its looks.
+    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
+}

@@ -1,0 +1,7 @@
+//! How good an estimate is: scores against the truth and against itself, the same with the whole log at hand, two runs
+//! side by side.
+
+pub mod compare;
+pub mod score;
+pub mod smoother;
+pub mod statistics;

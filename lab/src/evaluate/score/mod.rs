@@ -1,0 +1,40 @@
+//! Scores of a run against what is true.
+
+pub mod consistency;
+mod entropy;
+mod hits;
+pub mod map;
+pub mod nis;
+mod passes;
+pub mod path;
+mod surfels;
+
+use crate::input::log::truth::{Truth, pair};
+use crate::recording::{Pose2, Recording, Step};
+
+/// Puts the truth into the record, moved so that its first pose is the origin, and scores both paths against it.
+///
+/// `truth` replaces what the rows themselves carried; `times_s` are the rows' times on its clock.
+pub fn score(recording: &mut Recording, times_s: &[f64], truth: Option<&Truth>) {
+    recording.figures.consistency = consistency::score(recording);
+    if let Some(truth) = truth {
+        for (step, pose) in recording.steps.iter_mut().zip(pair(times_s, truth)) {
+            step.truth = pose;
+        }
+    }
+    let Some(first) = recording.steps.iter().find_map(|step| step.truth) else { return };
+    for truth in recording.steps.iter_mut().filter_map(|step| step.truth.as_mut()) {
+        *truth = first.relative(truth);
+    }
+    let against_truth = |path: fn(&Step) -> Pose2| -> Vec<(Pose2, Pose2)> {
+        recording.steps.iter().filter_map(|step| Some((path(step), step.truth?))).collect()
+    };
+    let estimate = path::score(&against_truth(|step| step.pose)).map(|mut score| {
+        score.nees = path::mean_nees(&recording.steps);
+        let from_start = path::score(&against_truth(Step::pose_from_start));
+        score.start_m = from_start.map_or(score.start_m, |from_start| from_start.start_m);
+        score
+    });
+    recording.figures.odometry = path::score(&against_truth(|step| step.dead_reckoning));
+    recording.figures.estimate = estimate;
+}

@@ -1,0 +1,139 @@
+//! What was seen from each keyframe: every reading that ended on something, and on which wall of the end the filter had it.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use slam_core::{BUILT_RELIEF_M, Outcome, RangeModel, RangeSensor, Rig, SURFACE_M, WallView};
+
+use super::keyframes::Keyframes;
+use crate::input::rig_file::MAX_SENSORS;
+use crate::recording::{MapSnapshot, Pose2, Recording, wrap};
+
+/// Of so many readings of a sensor that reports metres, which say the same, one is one: as the estimator finds on real logs,
+/// three to five. An analogue sensor's noise is new each time.
+const ALIKE: f64 = 4.0;
+
+/// One reading, in its keyframe's frame, and on which wall it is.
+#[derive(Clone, Copy, Debug)]
+pub struct Sighting {
+    /// The keyframe.
+    pub key: usize,
+    /// The wall; none where it is on something else.
+    pub wall: Option<usize>,
+    /// Where its beam began, metres.
+    pub from_m: [f64; 2],
+    /// Where it ended, metres.
+    pub end_m: [f64; 2],
+    /// Least cosine of the incidence at which its sensor sees a wall.
+    pub min_cos: f64,
+    /// How sure its end is.
+    pub noise: Noise,
+}
+
+/// A reading's standard deviation, metres, and of how many it is one.
+#[derive(Clone, Copy, Debug)]
+pub struct Noise {
+    /// 1-sigma, metres.
+    pub sigma_m: f64,
+    /// Of so many that say the same it is one.
+    pub alike: f64,
+}
+
+impl Noise {
+    /// Of a reading at this range.
+    pub fn of(sensor: &RangeSensor, range_m: f64) -> Self {
+        match sensor.model {
+            RangeModel::Metric { noise_m, noise_rel } => {
+                let own_m = f64::from(noise_m).hypot(f64::from(noise_rel) * range_m);
+                Self { sigma_m: own_m.hypot(BUILT_RELIEF_M.into()), alike: ALIKE }
+            }
+            RangeModel::Sharp { scale_m, exponent, noise_v } => {
+                let volts = (range_m / f64::from(scale_m)).powf(1.0 / f64::from(exponent));
+                let own_m = f64::from(exponent) * range_m / volts * f64::from(noise_v);
+                Self { sigma_m: own_m.hypot(SURFACE_M.into()), alike: 1.0 }
+            }
+        }
+    }
+}
+
+/// A reading that ended somewhere.
+#[derive(Clone, Copy, Debug)]
+pub struct End {
+    /// Its step.
+    pub step: usize,
+    /// Its sensor.
+    pub sensor: usize,
+    /// The wall that the filter used it for, by the identifier that this has in the end.
+    pub wall: Option<u16>,
+    /// Where, in the map frame of the moment, metres.
+    pub at_m: [f64; 2],
+}
+
+impl Sighting {
+    /// None where the rig has no such sensor.
+    pub fn of(
+        recording: &Recording,
+        rig: &Rig<MAX_SENSORS>,
+        keyframes: &Keyframes,
+        end: &End,
+        wall: Option<usize>,
+    ) -> Option<Self> {
+        let sensor = rig.sensors.get(end.sensor)?;
+        let from_robot = recording.steps[end.step].pose.relative(&Pose2::new(end.at_m[0], end.at_m[1], 0.0));
+        let robot = keyframes.local(recording, end.step);
+        Some(Self {
+            key: keyframes.before(end.step),
+            wall,
+            from_m: robot.transform([sensor.mount.x_m.into(), sensor.mount.y_m.into()]),
+            end_m: robot.transform([from_robot.x_m, from_robot.y_m]),
+            min_cos: f64::from(sensor.max_incidence_rad).cos(),
+            noise: Noise::of(sensor, from_robot.x_m.hypot(from_robot.y_m)),
+        })
+    }
+}
+
+/// Every reading that ended somewhere.
+pub fn ended_on(recording: &Recording) -> Vec<End> {
+    let became = mergers(&recording.maps);
+    // Identifiers come again after 65,536 births: then a chain of mergers may have no end.
+    let chain = |id: u16| std::iter::successors(Some(id), |id| became.get(id).copied()).take(became.len() + 1);
+    let root = |id: u16| chain(id).last().unwrap_or(id);
+    let mut ends = Vec::new();
+    for step in 0..recording.steps.len() {
+        for (sensor, reading) in recording.readings(step).iter().enumerate() {
+            let wall = match reading.outcome {
+                Outcome::Updated { wall, .. } => Some(root(wall)),
+                Outcome::Gated { .. } | Outcome::Unexplained => None,
+                Outcome::Missing | Outcome::Refused(_) => continue,
+            };
+            if let Some(hit_m) = reading.hit_m.filter(|hit_m| hit_m.iter().all(|metres| metres.is_finite())) {
+                ends.push(End { step, sensor, wall, at_m: hit_m.map(f64::from) });
+            }
+        }
+    }
+    ends
+}
+
+/// Which wall each merged one became part of: one beside it that has its readings from then on.
+fn mergers(maps: &[MapSnapshot]) -> BTreeMap<u16, u16> {
+    let mut became = BTreeMap::new();
+    for pair in maps.windows(2) {
+        let [before, after] = pair else { continue };
+        let ids: BTreeSet<u16> = after.walls.iter().map(|wall| wall.id).collect();
+        for gone in before.walls.iter().filter(|wall| !ids.contains(&wall.id)) {
+            let grown = |wall: &&WallView| {
+                let had = before.walls.iter().find(|old| old.id == wall.id).map_or(0, |old| old.updates);
+                let covers = wall.lo_m - 0.1 < gone.lo_m && wall.hi_m + 0.1 > gone.hi_m;
+                let turned = wrap(f64::from(wall.beta_rad - gone.beta_rad));
+                turned.abs() < 0.15 && covers && wall.updates >= had + gone.updates
+            };
+            let nearest = |a: &&WallView, b: &&WallView| {
+                let off = |wall: &WallView| (wall.rho_m - gone.rho_m).abs();
+                off(a).total_cmp(&off(b))
+            };
+            if let Some(kept) = after.walls.iter().filter(grown).min_by(nearest) {
+                became.insert(gone.id, kept.id);
+            }
+        }
+    }
+    became
+}

@@ -1,0 +1,76 @@
+//! What a robot sensed, row by row: `log.csv` and CARMEN logs, plain or gzipped, told apart by content.
+
+mod carmen;
+mod csv;
+mod lines;
+mod odometry;
+pub mod truth;
+pub mod writer;
+
+use std::path::Path;
+
+use slam_core::Sample;
+
+use crate::error::FileError;
+use crate::input::rig_file::{MAX_SENSORS, Robot};
+use crate::recording::Pose2;
+use lines::Lines;
+
+/// One row of a log.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Time as the log writes it.
+    pub t_text: String,
+    /// The same, seconds.
+    pub t_s: f64,
+    /// What the estimator gets.
+    pub sample: Sample<MAX_SENSORS>,
+    /// The true pose, in the log's own frame, where the row carries one.
+    pub truth: Option<Pose2>,
+}
+
+/// The rows of a log, in order. After an error there are none.
+pub trait Rows: Iterator<Item = Result<Row, FileError>> {
+    /// What a user should know about the log though it is no error, so far.
+    fn notes(&self) -> Vec<String>;
+}
+
+/// Opens a log for a robot, whose sensors' bearings are moved to the beams that a CARMEN log has.
+///
+/// # Errors
+/// The file cannot be read, is no log, or does not fit the robot.
+pub fn open(file: &Path, robot: &mut Robot) -> Result<Box<dyn Rows>, FileError> {
+    let mut lines = Lines::open(file)?;
+    let first = lines.peek_content()?;
+    match first.as_deref().map(carmen::is_message) {
+        Some(true) => Ok(Box::new(carmen::Reader::new(lines, robot)?)),
+        Some(false) => Ok(Box::new(csv::Reader::new(lines, robot)?)),
+        None => Err(FileError::new(file, "is empty; it must be a log.csv or a CARMEN log")),
+    }
+}
+
+/// A column or field, and what is wrong with it.
+type Fault = (String, String);
+
+/// Microseconds since the log's first row, always increasing.
+#[derive(Debug, Default)]
+struct Clock {
+    first_s: Option<f64>,
+    last: Option<(f64, u64)>,
+}
+
+impl Clock {
+    /// The time of the next row, or none where `t_s` does not increase.
+    fn tick(&mut self, t_s: f64) -> Option<u64> {
+        let since_s = t_s - *self.first_s.get_or_insert(t_s);
+        let rounded_us = (since_s * 1e6).round() as u64;
+        let time_us = match self.last {
+            Some((last_s, _)) if t_s <= last_s => return None,
+            // Rows closer than a microsecond still increase.
+            Some((_, last_us)) => rounded_us.max(last_us + 1),
+            None => rounded_us,
+        };
+        self.last = Some((t_s, time_us));
+        Some(time_us)
+    }
+}

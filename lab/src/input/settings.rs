@@ -1,0 +1,120 @@
+//! Estimator settings on the command line.
+
+use clap::{Args, ValueEnum};
+use slam_core::{Clustering, Config, Linearisation, Rig, WallPolicy};
+
+use crate::input::part::{self, Part};
+
+/// Settings of the estimator, for comparison; the defaults are the ones to use.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Estimator (the defaults are the ones to use)")]
+pub struct VariantArgs {
+    #[arg(
+        long,
+        value_enum,
+        help = "Which walls the map may have [default: near-grid where a sensor reports metres, else grid]"
+    )]
+    walls: Option<Walls>,
+    /// How unexplained readings are grouped into new walls.
+    #[arg(long, value_enum, default_value_t = Groups::Sensor)]
+    clusters: Groups,
+    /// At which estimates the models are differentiated.
+    #[arg(long, value_enum, default_value_t = Jacobians::First)]
+    jacobians: Jacobians,
+    /// Take the rig file's gains, scales and track for exact.
+    #[arg(long)]
+    no_calibration: bool,
+    /// Switch off a part of the estimator; may be given more than once.
+    #[arg(long, value_name = "PART", value_parser = part_of, long_help = part_help())]
+    without: Vec<&'static Part>,
+}
+
+fn part_of(name: &str) -> Result<&'static Part, String> {
+    Part::of_name(name).ok_or_else(|| format!("it must be one of {}", part::names()))
+}
+
+fn part_help() -> String {
+    let parts = part::PARTS.iter().map(|part| format!("\n- {}: {}", part.name, part.without));
+    format!("Switch off a part of the estimator; may be given more than once:{}", parts.collect::<String>())
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Walls {
+    /// Grid walls, and free ones where the data are off the grid.
+    Grid,
+    /// The same, a grid wall up to half a degree or so off the grid.
+    NearGrid,
+    /// Lines with their own direction.
+    Free,
+    /// Lines whose direction is snapped to the grid.
+    Snapped,
+    /// The same, each line's direction moving with the grid's.
+    SnappedMoving,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Groups {
+    /// By the sensor that made them.
+    Sensor,
+    /// By density over all sensors (DBSCAN).
+    Dbscan,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Jacobians {
+    /// The poses as they were predicted, the grid as it was founded.
+    First,
+    /// The latest ones: a plain extended Kalman filter.
+    Latest,
+}
+
+/// The estimator's settings.
+#[derive(Clone, Debug)]
+pub enum Settings {
+    /// These.
+    Exactly(Config),
+    /// What suits the rig, changed by what the command line says.
+    ForRig(VariantArgs),
+}
+
+impl Settings {
+    /// The settings for a rig.
+    pub fn config<const S: usize>(&self, rig: &Rig<S>) -> Config {
+        match self {
+            Self::Exactly(config) => *config,
+            Self::ForRig(variant) => variant.config(rig),
+        }
+    }
+}
+
+impl VariantArgs {
+    /// The settings for a rig.
+    fn config<const S: usize>(&self, rig: &Rig<S>) -> Config {
+        let base = Config::for_rig(rig);
+        let calibrate = !self.no_calibration;
+        let config = Config {
+            walls: match self.walls {
+                None => base.walls,
+                Some(Walls::Grid) => WallPolicy::Grid,
+                Some(Walls::NearGrid) => WallPolicy::NearGrid,
+                Some(Walls::Free) => WallPolicy::Free,
+                Some(Walls::Snapped) => WallPolicy::Snapped { theta_moves: false },
+                Some(Walls::SnappedMoving) => WallPolicy::Snapped { theta_moves: true },
+            },
+            clustering: match self.clusters {
+                Groups::Sensor => Clustering::BySensor,
+                Groups::Dbscan => Clustering::Dbscan,
+            },
+            linearisation: match self.jacobians {
+                Jacobians::First => Linearisation::FirstEstimates,
+                Jacobians::Latest => Linearisation::Latest,
+            },
+            calibrate_gains: calibrate,
+            calibrate_scales: calibrate,
+            calibrate_track: calibrate,
+            calibrate_latency: calibrate && base.calibrate_latency,
+            ..base
+        };
+        self.without.iter().fold(config, |config, part| part.off(config))
+    }
+}

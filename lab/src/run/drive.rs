@@ -1,0 +1,118 @@
+//! A simulated drive: the pilot steers by what the robot senses and estimates, and every sample is a log row.
+
+use hal_sim::{ClosedLoop, Estimate, Plan, SimError, SimOptions, Simulation, TruePose};
+use robot::PilotConfig;
+
+use super::session::Session;
+use crate::evaluate::score;
+use crate::evaluate::score::map::{LONG_M, PASSED_M, PassedWall};
+use crate::input::log::Row;
+use crate::input::rig_file::Robot;
+use crate::numbers::shortest;
+use crate::recording::{Pose2, Recording, Segment};
+
+/// A robot in a home, with the pilot that drives it.
+pub struct Drive {
+    robot: ClosedLoop,
+    plan: Vec<Segment>,
+}
+
+impl Drive {
+    /// A robot at the plan's start. Every random number follows from `seed`.
+    ///
+    /// # Errors
+    /// The rig cannot be simulated or the robot does not fit where the plan puts it.
+    pub fn new(plan: &Plan, robot: &Robot, options: SimOptions, seed: u64) -> Result<Self, SimError> {
+        let simulation = Simulation::new(plan, &robot.rig, options, seed)?;
+        let faces = plan.faces_in_start_frame();
+        Ok(Self {
+            robot: ClosedLoop::new(simulation, &robot.rig, PilotConfig::default()),
+            plan: faces.iter().map(|face| Segment { from_m: face.from_m, to_m: face.to_m }).collect(),
+        })
+    }
+
+    /// Drives to the next sample, which the session estimates and records; the first is taken where the robot stands.
+    pub fn step(&mut self, session: &mut Session) -> Row {
+        let mut report = None;
+        let frame = self.robot.step(&mut |sample| {
+            let done = session.estimate(sample);
+            let estimate =
+                Estimate { pose: session.slam().pose(), ranges_m: done.readings.map(|reading| reading.range_m) };
+            report = Some(done);
+            estimate
+        });
+        let t_s = frame.sample.time_us as f64 * 1e-6;
+        // Microseconds have six decimals: the text reads back as the same ones.
+        let t_text = shortest((t_s * 1e6).round() / 1e6);
+        let row = Row { t_text, t_s, sample: frame.sample, truth: Some(pose2(&frame.truth)) };
+        if let Some(report) = report {
+            session.record(&row, &report);
+        }
+        row
+    }
+
+    /// Drives for this long (seconds); `each` gets every row when it is recorded.
+    ///
+    /// # Errors
+    /// The first error of `each`, which ends the drive.
+    pub fn run<E>(
+        &mut self,
+        session: &mut Session,
+        duration_s: f64,
+        mut each: impl FnMut(&Row, &Recording) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut t_s = f64::NEG_INFINITY;
+        while t_s < duration_s {
+            let row = self.step(session);
+            t_s = row.t_s;
+            each(&row, session.recording())?;
+        }
+        Ok(())
+    }
+
+    /// Ends the session: the record with every score against what is true here.
+    pub fn finish(&self, session: Session) -> Recording {
+        let mut recording = session.finish();
+        recording.true_walls = self.plan.clone();
+        self.reveal_calibration(&mut recording);
+        score::score(&mut recording, &[], None);
+        if let Some(alignment) = recording.figures.estimate.map(|score| score.alignment) {
+            let map = score::map::score(recording.walls(), &self.plan, &self.passed(), &alignment);
+            recording.figures.map = Some(map);
+        }
+        recording
+    }
+
+    /// The true plan in the map frame.
+    pub fn plan(&self) -> &[Segment] {
+        &self.plan
+    }
+
+    /// The true walls that the robot passed so far.
+    pub fn passed(&self) -> Vec<PassedWall> {
+        let seen = self.robot.simulation.coverage().walls(LONG_M, PASSED_M);
+        seen.into_iter().map(|seen| PassedWall { wall: self.plan[seen.face], stretches_m: seen.stretches_m }).collect()
+    }
+
+    /// Puts the true values of the calibration into a record.
+    fn reveal_calibration(&self, recording: &mut Recording) {
+        let truth = self.robot.simulation.calibration();
+        let drive = [
+            ("scale_left", truth.drive.scale_left),
+            ("scale_right", truth.drive.scale_right),
+            ("track", truth.drive.track),
+        ];
+        let gains =
+            recording.sensors.iter().zip(&truth.gains).map(|(sensor, gain)| (format!("gain_{}", sensor.name), *gain));
+        let all: Vec<(String, f64)> =
+            drive.map(|(name, value)| (name.to_owned(), value)).into_iter().chain(gains).collect();
+        for parameter in &mut recording.parameters {
+            parameter.truth = all.iter().find(|(name, _)| *name == parameter.name).map(|(_, value)| *value);
+        }
+    }
+}
+
+/// The true pose as the record keeps it.
+pub fn pose2(pose: &TruePose) -> Pose2 {
+    Pose2 { x_m: pose.x_m, y_m: pose.y_m, theta_rad: pose.theta_rad }
+}

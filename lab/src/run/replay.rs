@@ -1,0 +1,126 @@
+//! `lab replay`: the estimator over a recorded log.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::json;
+
+use super::session::Session;
+use crate::error::FileError;
+use crate::evaluate::score;
+use crate::evaluate::smoother;
+use crate::input::log::truth::{self, Truth};
+use crate::input::log::{self, Rows};
+use crate::input::rig_file::{Robot, rig_error};
+use crate::input::settings::Settings;
+use crate::input::text_file;
+use crate::recording::Recording;
+use crate::show::output::folder::Folder;
+use crate::show::output::streams::Streams;
+use crate::show::output::summary::Origin;
+use crate::show::output::{self, NAMES};
+
+/// What to replay.
+#[derive(Clone, Debug)]
+pub struct Replay {
+    /// The log: `log.csv` or CARMEN, plain or gzipped.
+    pub log: PathBuf,
+    /// The rig file.
+    pub rig: PathBuf,
+    /// The output folder.
+    pub out: PathBuf,
+    /// True poses; `truth.csv` beside the log when not given.
+    pub truth: Option<PathBuf>,
+    /// The estimator's settings.
+    pub settings: Settings,
+    /// Whether to write what became of every reading.
+    pub trace: bool,
+}
+
+/// What a replay ended with.
+#[derive(Debug)]
+pub struct Replayed {
+    /// Everything that was processed.
+    pub recording: Recording,
+    /// What a user should know about the log though it is no error.
+    pub notes: Vec<String>,
+    /// The bad line that the log ended with, where it did not end well. Everything before it is processed and written.
+    pub error: Option<FileError>,
+}
+
+impl Replay {
+    /// Replays the log and writes the output folder; `progress` is told the rows so far.
+    ///
+    /// # Errors
+    /// What keeps the replay from starting, or an output from being written.
+    pub fn run(&self, mut progress: impl FnMut(usize)) -> Result<Replayed, FileError> {
+        let rig_toml = text_file::read(&self.rig)?;
+        let mut robot = Robot::parse(&self.rig, &rig_toml)?;
+        let mut rows = log::open(&self.log, &mut robot)?;
+        let truth = self.read_truth()?;
+        let config = self.settings.config(&robot.rig);
+        let mut session = Session::new(&robot, config, title_of(&self.log)).map_err(|e| rig_error(&self.rig, &e))?;
+        let folder = Folder::prepare(&self.out, &NAMES)?;
+        let mut streams = Streams::create(&folder)?;
+        let mut times_s = Vec::new();
+        let error = feed(&mut *rows, &mut session, &mut streams, &mut times_s, &mut progress)?;
+        let is_empty = error.is_none() && times_s.is_empty();
+        let error = if is_empty { Some(FileError::new(&self.log, "has a header but no rows")) } else { error };
+        streams.close()?;
+        let mut recording = session.finish();
+        score::score(&mut recording, &times_s, truth.as_ref());
+        let origin = Origin {
+            arguments: vec![
+                ("command", json!("replay")),
+                ("log", json!(self.log)),
+                ("rig", json!(self.rig)),
+                ("truth", json!(self.truth)),
+            ],
+            rig_toml,
+            config,
+            trace: self.trace,
+            error: error.as_ref().map(ToString::to_string),
+        };
+        let looking_back = smoother::add(&mut recording, &robot.rig);
+        output::finish(&folder, &recording, looking_back.as_ref(), &origin)?;
+        Ok(Replayed { recording, notes: rows.notes(), error })
+    }
+
+    fn read_truth(&self) -> Result<Option<Truth>, FileError> {
+        let beside = self.log.with_file_name("truth.csv");
+        match &self.truth {
+            Some(file) => truth::read(file).map(Some),
+            None if beside.is_file() => truth::read(&beside).map(Some),
+            None => Ok(None),
+        }
+    }
+}
+
+/// Feeds every row to the estimator; the inner error is the bad line that ended the log.
+fn feed(
+    rows: &mut dyn Rows,
+    session: &mut Session,
+    streams: &mut Streams,
+    times_s: &mut Vec<f64>,
+    progress: &mut impl FnMut(usize),
+) -> Result<Option<FileError>, FileError> {
+    for row in rows {
+        match row {
+            Ok(row) => {
+                streams.push(session.push(&row))?;
+                times_s.push(row.t_s);
+                progress(times_s.len());
+            }
+            Err(error) => return Ok(Some(error)),
+        }
+    }
+    Ok(None)
+}
+
+/// A log's name for people: its folder's and its own.
+fn title_of(log: &Path) -> String {
+    let own = log.file_name().unwrap_or(log.as_os_str()).to_string_lossy();
+    match log.parent().and_then(Path::file_name) {
+        Some(folder) => format!("{}/{own}", folder.to_string_lossy()),
+        None => own.into_owned(),
+    }
+}

@@ -1,0 +1,203 @@
+//! One estimator, fed row by row, with everything it did kept in a [`Recording`].
+
+use std::time::{Duration, Instant};
+
+use slam_core::{Config, DriveModel, HostSlam, Outcome, Parameter, RigError, Sample, StepReport};
+
+use crate::evaluate::score::{nis, path};
+use crate::input::log::Row;
+use crate::input::rig_file::{MAX_SENSORS, Robot};
+use crate::recording::{CalibrationSnapshot, MapSnapshot, ParameterInfo, Recording, SensorInfo, Step};
+
+/// How often map and calibration are recorded where nothing else asks for it, seconds of the log.
+const SNAPSHOT_EVERY_S: f64 = 1.0;
+
+/// An estimator and the record of what it did.
+pub struct Session {
+    slam: Box<HostSlam>,
+    parameters: Vec<Parameter>,
+    recording: Recording,
+    first_s: Option<f64>,
+    estimator_time: Duration,
+}
+
+impl Session {
+    /// An estimator at the origin with an empty map.
+    ///
+    /// # Errors
+    /// A value of the rig that the estimator refuses.
+    pub fn new(robot: &Robot, config: Config, title: impl Into<String>) -> Result<Self, RigError> {
+        let slam = Box::new(HostSlam::new(robot.rig.clone(), config)?);
+        let parameters = parameters_of(robot);
+        let infos = parameters
+            .iter()
+            .map(|parameter| ParameterInfo { name: parameter_name(*parameter, &robot.names), truth: None });
+        let recording = Recording {
+            title: title.into(),
+            sensors: robot.rig.sensors.iter().zip(&robot.names).map(sensor_info).collect(),
+            parameters: infos.collect(),
+            ..Recording::default()
+        };
+        Ok(Self { slam, parameters, recording, first_s: None, estimator_time: Duration::ZERO })
+    }
+
+    /// Gives one row to the estimator and records what came of it.
+    pub fn push(&mut self, row: &Row) -> &Step {
+        let report = self.estimate(&row.sample);
+        self.record(row, &report)
+    }
+
+    /// Gives one sample to the estimator.
+    pub fn estimate(&mut self, sample: &Sample<MAX_SENSORS>) -> StepReport<MAX_SENSORS> {
+        let before = Instant::now();
+        let report = self.slam.step(sample);
+        self.estimator_time += before.elapsed();
+        report
+    }
+
+    /// Records what came of the sample estimated last.
+    pub fn record(&mut self, row: &Row, report: &StepReport<MAX_SENSORS>) -> &Step {
+        let index = self.recording.steps.len();
+        let step = Step {
+            t_text: row.t_text.clone(),
+            t_s: row.t_s - *self.first_s.get_or_insert(row.t_s),
+            pose: self.slam.pose().into(),
+            start: self.slam.start_pose().into(),
+            covariance: self.slam.pose_covariance(),
+            alpha: self.slam.alpha(),
+            dead_reckoning: self.slam.dead_reckoning().into(),
+            truth: row.truth,
+            walls: self.slam.walls().count(),
+            births: report.births,
+            merges: report.merges,
+            prunes: report.prunes,
+        };
+        self.recording.readings.extend_from_slice(&report.readings[..self.recording.sensors.len()]);
+        let changed = step.births > 0 || step.merges > 0 || step.prunes > 0;
+        if changed || self.is_due(step.t_s) {
+            self.snapshot(index);
+        }
+        self.recording.steps.push(step);
+        &self.recording.steps[index]
+    }
+
+    /// The estimator.
+    pub fn slam(&self) -> &HostSlam {
+        &self.slam
+    }
+
+    /// The record so far.
+    pub fn recording(&self) -> &Recording {
+        &self.recording
+    }
+
+    /// Ends the session: the record with the figures that need no truth.
+    pub fn finish(mut self) -> Recording {
+        if let Some(last) = self.recording.steps.len().checked_sub(1)
+            && self.recording.maps.last().is_none_or(|map| map.step != last)
+        {
+            self.snapshot(last);
+        }
+        let recording = &mut self.recording;
+        recording.counters = *self.slam.counters();
+        let figures = &mut recording.figures;
+        figures.estimator_s = self.estimator_time.as_secs_f64();
+        figures.duration_s = recording.steps.last().map_or(0.0, |step| step.t_s);
+        figures.path_m = path::length_m(recording.steps.iter().map(|step| step.dead_reckoning));
+        figures.walls = recording.steps.last().map_or(0, |step| step.walls);
+        let (mut used, mut all) = (Vec::new(), Vec::new());
+        let mut outliers = 0;
+        let mut innovations = Vec::new();
+        let sensors = recording.sensors.iter().cycle();
+        for (reading, sensor) in recording.readings.iter().zip(sensors) {
+            innovations.extend(innovation(&reading.outcome, sensor));
+            let finite = crate::recording::nis(&reading.outcome).filter(|value| value.is_finite());
+            all.extend(finite);
+            match reading.outcome {
+                Outcome::Updated { .. } => used.push(finite.unwrap_or(0.0)),
+                Outcome::Gated { .. } | Outcome::Unexplained => outliers += 1,
+                Outcome::Missing | Outcome::Refused(_) => {}
+            }
+        }
+        figures.updates = used.len() as u64;
+        figures.outliers = outliers;
+        figures.mean_nis = mean(&used);
+        figures.nis_before_gate = mean(&all);
+        figures.outside_gate = (!all.is_empty()).then(|| 1.0 - used.len() as f64 / all.len() as f64);
+        figures.median_nis_before_gate = median(all);
+        figures.nis_associated = nis::of_associated(&innovations);
+        figures.latency_s = self.slam.latency().map(|(value, sigma)| (value.into(), sigma.into()));
+        self.recording
+    }
+
+    fn is_due(&self, t_s: f64) -> bool {
+        let last = self.recording.maps.last().map(|map| self.recording.steps[map.step].t_s);
+        last.is_none_or(|last_s| t_s - last_s >= SNAPSHOT_EVERY_S)
+    }
+
+    fn snapshot(&mut self, step: usize) {
+        self.recording.maps.push(MapSnapshot { step, walls: self.slam.walls().collect() });
+        // A parameter that is no state is known exactly.
+        let value = |parameter: &Parameter| {
+            let found = self.slam.calibration().find(|(state, ..)| state == parameter);
+            found.map_or((1.0, 0.0), |(_, estimate, sigma)| (estimate, sigma))
+        };
+        let values = self.parameters.iter().map(value).collect();
+        self.recording.calibration.push(CalibrationSnapshot { step, values });
+    }
+}
+
+/// The innovation of a reading that met a wall.
+fn innovation(outcome: &Outcome, sensor: &SensorInfo) -> Option<nis::Innovation> {
+    let (Outcome::Updated { innovation_m, variance_m2, .. } | Outcome::Gated { innovation_m, variance_m2, .. }) =
+        *outcome
+    else {
+        return None;
+    };
+    let possible = innovation_m.is_finite() && variance_m2.is_finite() && variance_m2 > 0.0;
+    let span_m = sensor.span_m[1] - sensor.span_m[0];
+    possible.then(|| nis::Innovation { value_m: innovation_m.into(), variance_m2: variance_m2.into(), span_m })
+}
+
+fn sensor_info((sensor, name): (&slam_core::RangeSensor, &String)) -> SensorInfo {
+    SensorInfo {
+        name: name.clone(),
+        x_m: sensor.mount.x_m.into(),
+        y_m: sensor.mount.y_m.into(),
+        bearing_rad: sensor.mount.bearing_rad.into(),
+        span_m: [sensor.min_m.into(), sensor.max_m.into()],
+    }
+}
+
+/// Every parameter that the robot could have as a state.
+fn parameters_of(robot: &Robot) -> Vec<Parameter> {
+    let drive: &[Parameter] = match robot.rig.drive {
+        DriveModel::Wheels { .. } => &[Parameter::ScaleLeft, Parameter::ScaleRight, Parameter::Track],
+        DriveModel::Odometry { .. } => &[Parameter::ScaleDistance, Parameter::ScaleTurn],
+    };
+    let gains = (0..robot.rig.sensors.len()).map(|index| Parameter::Gain(index as u8));
+    gains.chain(drive.iter().copied()).collect()
+}
+
+fn parameter_name(parameter: Parameter, sensors: &[String]) -> String {
+    match parameter {
+        Parameter::ScaleLeft => "scale_left".to_owned(),
+        Parameter::ScaleRight => "scale_right".to_owned(),
+        Parameter::Track => "track".to_owned(),
+        Parameter::ScaleDistance => "scale_distance".to_owned(),
+        Parameter::ScaleTurn => "scale_turn".to_owned(),
+        Parameter::Gain(index) => match sensors.get(usize::from(index)) {
+            Some(name) => format!("gain_{name}"),
+            None => format!("gain_{index}"),
+        },
+    }
+}
+
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}

@@ -1,0 +1,133 @@
+//! `lab run`: a simulated robot maps a simulated home.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use hal_sim::{PlanError, SimError, SimOptions};
+use serde_json::json;
+use slam_core::Config;
+
+use super::drive::Drive;
+use super::session::Session;
+use crate::error::FileError;
+use crate::evaluate::smoother;
+use crate::input::log::writer;
+use crate::input::rig_file::{Robot, rig_error};
+use crate::input::settings::Settings;
+use crate::input::{built_in_robot, text_file};
+use crate::recording::Recording;
+use crate::show::output::folder::Folder;
+use crate::show::output::streams::{LineFile, Streams};
+use crate::show::output::summary::Origin;
+use crate::show::output::{self, NAMES};
+
+/// What to run.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// Name of a built-in plan, or a plan file.
+    pub plan: String,
+    /// Length of the drive, minutes.
+    pub minutes: f64,
+    /// Everything random follows from it.
+    pub seed: u64,
+    /// A rig file; the built-in robot when not given.
+    pub rig: Option<PathBuf>,
+    /// The output folder.
+    pub out: PathBuf,
+    /// The estimator's settings.
+    pub settings: Settings,
+    /// Whether to write what became of every reading.
+    pub trace: bool,
+}
+
+/// Why a run could not be made.
+#[derive(Clone, Debug)]
+pub enum RunError {
+    /// Something wrong with a file.
+    File(FileError),
+    /// Something wrong with the plan.
+    Plan(PlanError),
+}
+
+impl fmt::Display for RunError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File(error) => error.fmt(f),
+            Self::Plan(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for RunError {}
+
+impl From<FileError> for RunError {
+    fn from(error: FileError) -> Self {
+        Self::File(error)
+    }
+}
+
+impl Run {
+    /// Drives, estimates and writes the output folder; `progress` is told the share done, 0 to 1.
+    ///
+    /// # Errors
+    /// What keeps the run from starting, or an output from being written.
+    pub fn run(&self, mut progress: impl FnMut(f64)) -> Result<Recording, RunError> {
+        let plan = hal_sim::plan_file::load(&self.plan).map_err(RunError::Plan)?;
+        let (robot, rig_toml) = match &self.rig {
+            Some(file) => {
+                let text = text_file::read(file)?;
+                (Robot::parse(file, &text)?, text)
+            }
+            None => built_in_robot()?,
+        };
+        let rig_name = self.rig.clone().unwrap_or_else(|| PathBuf::from("built-in rig"));
+        let mut drive = Drive::new(&plan, &robot, SimOptions::default(), self.seed)
+            .map_err(|error| self.simulation_error(&rig_name, &error))?;
+        let config = self.settings.config(&robot.rig);
+        let mut session =
+            Session::new(&robot, config, plan.name.clone()).map_err(|error| rig_error(&rig_name, &error))?;
+        let names: Vec<&str> = NAMES.iter().copied().chain(["log.csv", "rig.toml"]).collect();
+        let folder = Folder::prepare(&self.out, &names)?;
+        folder.write("rig.toml", &rig_toml)?;
+        let mut streams = Streams::create(&folder)?;
+        let mut log = LineFile::create(folder.file("log.csv"))?;
+        log.line(&writer::header(&robot))?;
+        let duration_s = 60.0 * self.minutes;
+        drive.run(&mut session, duration_s, |row, recording| -> Result<(), FileError> {
+            progress(row.t_s / duration_s);
+            log.line(&writer::line(&robot, row))?;
+            recording.steps.last().map_or(Ok(()), |step| streams.push(step))
+        })?;
+        log.close()?;
+        streams.close()?;
+        let mut recording = drive.finish(session);
+        recording.seed = Some(self.seed);
+        let looking_back = smoother::add(&mut recording, &robot.rig);
+        output::finish(&folder, &recording, looking_back.as_ref(), &self.origin(rig_toml, config))?;
+        Ok(recording)
+    }
+
+    /// What cannot be simulated, as an error in the file that is at fault.
+    fn simulation_error(&self, rig: &Path, error: &SimError) -> FileError {
+        let plan = Path::new(&self.plan);
+        FileError::new(if matches!(error, SimError::StartBlocked(..)) { plan } else { rig }, error.to_string())
+    }
+
+    fn origin(&self, rig_toml: String, config: Config) -> Origin {
+        Origin {
+            arguments: vec![
+                ("command", json!("run")),
+                ("plan", json!(self.plan)),
+                // A plan file may change: its text is what the run can be repeated with.
+                ("plan_toml", json!(std::fs::read_to_string(&self.plan).ok())),
+                ("minutes", json!(self.minutes)),
+                ("seed", json!(self.seed)),
+                ("rig", json!(self.rig)),
+            ],
+            rig_toml,
+            config,
+            trace: self.trace,
+            error: None,
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! What a run or a replay leaves in its output folder.
+
+pub mod folder;
+pub mod streams;
+pub mod summary;
+pub mod tables;
+pub mod trace;
+
+use crate::error::FileError;
+use crate::recording::Recording;
+use crate::show::report;
+use folder::Folder;
+use summary::Origin;
+
+/// What every run and replay writes, apart from what it adds of its own.
+pub const NAMES: [&str; 10] = [
+    "trajectory.tum",
+    "truth.tum",
+    "estimate.csv",
+    "walls.csv",
+    "calibration.csv",
+    "summary.json",
+    "report.html",
+    "readings.csv",
+    "looking-back.tum",
+    "looking-back.html",
+];
+
+/// Writes everything that is written when a run is over, of the record and of how it looks from the end; what grew with the
+/// rows is there already.
+///
+/// # Errors
+/// What the system says about the first file that cannot be written.
+pub fn finish(
+    folder: &Folder,
+    recording: &Recording,
+    looking_back: Option<&Recording>,
+    origin: &Origin,
+) -> Result<(), FileError> {
+    folder.write("walls.csv", &tables::walls(recording))?;
+    folder.write("calibration.csv", &tables::calibration(recording))?;
+    if origin.trace {
+        trace::write(folder, recording)?;
+    }
+    if let Some(truth) = tables::truth(recording) {
+        folder.write("truth.tum", &truth)?;
+    }
+    write_page(folder, recording, "report.html")?;
+    if let Some(back) = looking_back {
+        folder.write("looking-back.tum", &tables::path(back))?;
+        write_page(folder, back, "looking-back.html")?;
+    }
+    folder.write_summary(&summary::summary(recording, origin))
+}
+
+fn write_page(folder: &Folder, recording: &Recording, name: &str) -> Result<(), FileError> {
+    let page = folder.file(name);
+    report::write(recording, &page).map_err(|cause| FileError::system(&page, "write", &cause))
+}

@@ -1,0 +1,237 @@
+//! `summary.json`: the figures of a run, and what is needed to repeat it.
+
+use serde_json::{Map, Value, json};
+use slam_core::{Clustering, Config, Linearisation, Refusal, WallPolicy};
+
+use crate::input::part::{PARTS, Part};
+use crate::recording::{Consistency, MapScore, PathScore, Recording, SeenWall, SurfelScore};
+
+/// What was run, for `summary.json`.
+#[derive(Clone, Debug)]
+pub struct Origin {
+    /// The command and its arguments, by name.
+    pub arguments: Vec<(&'static str, Value)>,
+    /// The rig file's text.
+    pub rig_toml: String,
+    /// The estimator's settings.
+    pub config: Config,
+    /// Whether every reading is to be written, too.
+    pub trace: bool,
+    /// What ended the run early.
+    pub error: Option<String>,
+}
+
+/// The whole summary.
+pub fn summary(recording: &Recording, origin: &Origin) -> Value {
+    let figures = &recording.figures;
+    let mut summary = Map::new();
+    let mut put = |key: &str, value: Value| summary.insert(key.to_owned(), value);
+    put("finished", json!(origin.error.is_none()));
+    if let Some(error) = &origin.error {
+        put("error", json!(error));
+    }
+    put("title", json!(recording.title));
+    put("rows", json!(recording.steps.len()));
+    put("path_m", json!(figures.path_m));
+    put("duration_s", json!(figures.duration_s));
+    put("estimator_s", json!(figures.estimator_s));
+    put("walls", json!(figures.walls));
+    let start = recording.start();
+    put("start", json!([start.x_m, start.y_m, start.theta_rad]));
+    put("updates", json!(figures.updates));
+    put("latency_s", json!(figures.latency_s.map(|(value, sigma)| [value, sigma])));
+    put("outliers", json!(figures.outliers));
+    put("mean_nis", json!(figures.mean_nis));
+    put("nis_before_gate", json!(figures.nis_before_gate));
+    put("median_nis_before_gate", json!(figures.median_nis_before_gate));
+    put("nis_associated", json!(figures.nis_associated));
+    put("readings", readings(recording));
+    if let Some(score) = &figures.estimate {
+        for (key, value) in path(score) {
+            put(key, value);
+        }
+        put("nees", json!(score.nees));
+    }
+    if let Some(score) = &figures.odometry {
+        put("odometry", Value::Object(path(score).map(|(key, value)| (key.to_owned(), value)).into_iter().collect()));
+    }
+    if let Some(score) = &figures.map {
+        put("map", map(score));
+    }
+    if let Some(score) = &figures.consistency {
+        put("consistency", consistency(score));
+    }
+    if let Some(score) = &figures.looking_back {
+        let mut back: Map<String, Value> = Map::new();
+        for (key, value) in score.estimate.iter().flat_map(path) {
+            back.insert(key.to_owned(), value);
+        }
+        back.insert("consistency".to_owned(), json!(score.consistency.as_ref().map(consistency)));
+        put("looking_back", Value::Object(back));
+    }
+    put("counters", counters(recording));
+    put("seed", json!(recording.seed));
+    put("configuration", configuration(origin));
+    Value::Object(summary)
+}
+
+fn path(score: &PathScore) -> [(&'static str, Value); 4] {
+    [
+        ("ate_m", json!(score.ate_m)),
+        ("start_m", json!(score.start_m)),
+        ("heading_deg", json!(score.heading_deg)),
+        ("poses_compared", json!(score.poses)),
+    ]
+}
+
+fn map(score: &MapScore) -> Value {
+    json!({
+        "offset_m": score.offset_m,
+        "matched": score.matched,
+        "missed": score.missed,
+        "invented": score.invented,
+    })
+}
+
+fn consistency(score: &Consistency) -> Value {
+    json!({
+        "entropy_nats": score.entropy_nats,
+        "odometry_entropy_nats": score.odometry_entropy_nats,
+        "revisited_walls": score.revisited,
+        "widest_gap_m": score.widest_gap_m,
+        "mean_gap_m": score.mean_gap_m,
+        "thickness_m": score.thickness_m,
+        "closure_m": score.closure_m,
+        "odometry_closure_m": score.odometry_closure_m,
+        "surfels": score.surfels.as_ref().map(surfels),
+        "odometry_surfels": score.odometry_surfels.as_ref().map(surfels),
+        "walls": score.walls.iter().filter(|wall| wall.visits.len() > 1).map(seen_wall).collect::<Vec<_>>(),
+    })
+}
+
+fn surfels(score: &SurfelScore) -> Value {
+    json!({
+        "found": score.found,
+        "compared": score.compared,
+        "median_m": score.median_m,
+        "p90_m": score.p90_m,
+        "wide_share": score.wide_share,
+    })
+}
+
+fn seen_wall(wall: &SeenWall) -> Value {
+    let visits: Vec<Value> = wall
+        .visits
+        .iter()
+        .map(|visit| {
+            json!({
+                "begin_s": visit.begin_s,
+                "end_s": visit.end_s,
+                "readings": visit.readings,
+                "mean_m": visit.mean_m,
+            })
+        })
+        .collect();
+    json!({
+        "wall": wall.wall,
+        "readings": wall.readings,
+        "thickness_m": wall.thickness_m,
+        "gap_m": wall.gap_m,
+        "closure_m": wall.closure_m,
+        "odometry_closure_m": wall.odometry_closure_m,
+        "visits": visits,
+    })
+}
+
+/// What became of the readings: their number, and shares of it.
+fn readings(recording: &Recording) -> Value {
+    let counters = &recording.counters;
+    let refused: u64 = counters.refused.iter().map(|n| u64::from(*n)).sum();
+    let kept = [counters.updates, counters.gated, counters.unexplained].map(u64::from);
+    let all = refused + kept.iter().sum::<u64>();
+    let share = |n: u64| if all > 0 { n as f64 / all as f64 } else { 0.0 };
+    let mut shares = Map::new();
+    for (name, n) in ["used", "outside_gate", "unexplained"].into_iter().zip(kept) {
+        shares.insert(name.to_owned(), json!(share(n)));
+    }
+    shares.insert("refused".to_owned(), json!(share(refused)));
+    for (refusal, n) in Refusal::ALL.iter().zip(counters.refused).filter(|(_, n)| *n > 0) {
+        shares.insert(refusal_name(*refusal).to_owned(), json!(share(n.into())));
+    }
+    json!({ "all": all, "shares": shares })
+}
+
+fn counters(recording: &Recording) -> Value {
+    let counters = &recording.counters;
+    let refused: Map<String, Value> = Refusal::ALL
+        .iter()
+        .zip(counters.refused)
+        .map(|(refusal, n)| (refusal_name(*refusal).to_owned(), json!(n)))
+        .collect();
+    json!({
+        "refused": refused,
+        "buffered": counters.buffered,
+        "overwritten": counters.overwritten,
+        "births": counters.births,
+        "map_full": counters.map_full,
+        "merges": counters.merges,
+        "prunes": counters.prunes,
+        "bad_motion": counters.bad_motion,
+    })
+}
+
+/// A reason of refusal as the outputs call it.
+pub fn refusal_name(refusal: Refusal) -> &'static str {
+    match refusal {
+        Refusal::Invalid => "invalid",
+        Refusal::TooNear => "too_near",
+        Refusal::TooFar => "too_far",
+        Refusal::Floor => "floor",
+        Refusal::Held => "held",
+        Refusal::FoldBack => "fold_back",
+        Refusal::Incidence => "incidence",
+        Refusal::Ambiguous => "ambiguous",
+        Refusal::Degenerate => "degenerate",
+    }
+}
+
+/// The parts that are switched off. What the default has not either is no part of it: `walls` tells.
+fn without(config: &Config) -> Vec<&'static str> {
+    let is_off = |part: &&Part| part.is_off(config) && !part.is_off(&Config::default());
+    PARTS.iter().filter(is_off).map(|part| part.name).collect()
+}
+
+fn configuration(origin: &Origin) -> Value {
+    let arguments: Map<String, Value> =
+        origin.arguments.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect();
+    let config = &origin.config;
+    let walls = match config.walls {
+        WallPolicy::Free => "free",
+        WallPolicy::Snapped { theta_moves: false } => "snapped",
+        WallPolicy::Snapped { theta_moves: true } => "snapped, theta moves",
+        WallPolicy::Grid => "grid",
+        WallPolicy::NearGrid => "near-grid",
+    };
+    let clustering = match config.clustering {
+        Clustering::BySensor => "by sensor",
+        Clustering::Dbscan => "dbscan",
+    };
+    let jacobians = match config.linearisation {
+        Linearisation::Latest => "latest",
+        Linearisation::FirstEstimates => "first",
+    };
+    json!({
+        "arguments": arguments,
+        "estimator": {
+            "walls": walls,
+            "clustering": clustering,
+            "calibrate_gains": config.calibrate_gains,
+            "calibrate_scales": config.calibrate_scales,
+            "calibrate_track": config.calibrate_track,
+            "gate": config.gate,
+            "jacobians": jacobians,
+            "without": without(config),
+        },
+        "rig_toml": origin.rig_toml,
+    })
+}

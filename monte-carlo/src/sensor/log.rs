@@ -1,0 +1,37 @@
+//! A sensor's log: columns of a CSV file by name.
+
+use std::path::Path;
+
+use super::fit::Reading;
+use lab::error::FileError;
+use lab::input::text_file;
+
+/// Reads time, range and volts; rows where one is empty or not positive are left out.
+pub fn read(file: &Path, columns: [&str; 3]) -> Result<Vec<Reading>, FileError> {
+    let text = text_file::read(file)?;
+    let mut lines = text.lines().enumerate();
+    let header: Vec<&str> = lines.next().map_or_else(Vec::new, |(_, line)| line.split(',').map(str::trim).collect());
+    let mut places = [0; 3];
+    for (place, column) in places.iter_mut().zip(columns) {
+        *place = header.iter().position(|name| *name == column).ok_or_else(|| {
+            let message = format!("is not in the header; there are {}", header.join(", "));
+            FileError::new(file, message).at_line(1).at(column)
+        })?;
+    }
+    let mut readings = Vec::new();
+    for (i, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let mut numbers = [0.0; 3];
+        for ((number, place), column) in numbers.iter_mut().zip(places).zip(columns) {
+            let cell = cells.get(place).map_or("", |cell| cell.trim());
+            *number = if cell.is_empty() { Ok(f64::NAN) } else { cell.parse() }.map_err(|_| {
+                FileError::new(file, format!("is {cell:?}; it must be a number")).at_line(i + 1).at(column)
+            })?;
+        }
+        let [time_s, range_m, volts] = numbers;
+        if time_s.is_finite() && range_m > 0.0 && volts > 0.0 {
+            readings.push(Reading { time_s, range_m, volts });
+        }
+    }
+    Ok(readings)
+}

@@ -1,0 +1,196 @@
+//! A unit of work: one drive, simulated once, and every variant over its samples.
+
+use std::fmt;
+
+use hal_sim::{ClosedLoop, Frame, Plan, SimError, Simulation, TrueCalibration};
+use slam_core::{Config, RigError};
+
+use crate::file::{Case, Experiment};
+use crate::floor;
+use crate::plan::changed;
+use crate::row::{Metric, RunKey, RunRow};
+use crate::setting::Key;
+use crate::track::{Track, Tracker, replay};
+use crate::variant::{Buffer, Method, Variant};
+use lab::error::FileError;
+use lab::evaluate::score::map::{LONG_M, PASSED_M, PassedWall};
+use lab::evaluate::score::path::length_m;
+use lab::evaluate::score::{map, path};
+use lab::input::rig_file::Robot;
+use lab::recording::{Pose2, Segment, Step};
+
+/// Length of a drive where the experiment file does not say, minutes.
+const MINUTES: f64 = 10.0;
+
+/// One plan, case and seed.
+#[derive(Clone, Debug)]
+pub struct Unit<'a> {
+    /// The plan's name.
+    pub plan: &'a str,
+    /// The condition.
+    pub case: &'a Case,
+    /// The seed.
+    pub seed: u64,
+}
+
+/// Why a unit cannot be driven.
+#[derive(Clone, Debug)]
+pub struct UnitError(String);
+
+impl fmt::Display for UnitError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl std::error::Error for UnitError {}
+
+impl From<FileError> for UnitError {
+    fn from(error: FileError) -> Self {
+        Self(error.to_string())
+    }
+}
+
+impl From<SimError> for UnitError {
+    fn from(error: SimError) -> Self {
+        Self(error.to_string())
+    }
+}
+
+impl From<RigError> for UnitError {
+    fn from(error: RigError) -> Self {
+        Self(format!("rig: {} must be {}", error.key, error.allowed))
+    }
+}
+
+/// A drive that was simulated: what every variant gets, and what is true.
+pub struct Driven {
+    /// The home.
+    pub plan: Plan,
+    /// The robot as its rig says it is.
+    pub robot: Robot,
+    /// The samples and the true poses.
+    pub frames: Vec<Frame>,
+    /// What the robot's calibration really was.
+    pub calibration: TrueCalibration,
+    /// The path by the encoders alone.
+    dead_reckoning: Vec<Pose2>,
+    /// The true walls in the start frame.
+    walls: Vec<Segment>,
+    /// Those that were passed within range.
+    passed: Vec<PassedWall>,
+}
+
+/// What one variant made of a drive.
+pub struct Outcome {
+    /// Its figures.
+    pub row: RunRow,
+    /// Its track.
+    pub track: Track,
+}
+
+impl Unit<'_> {
+    /// Which run this is for a variant.
+    pub fn key(&self, variant: &Variant) -> RunKey {
+        RunKey {
+            plan: self.plan.to_owned(),
+            case: self.case.name.clone(),
+            seed: self.seed,
+            variant: variant.name.clone(),
+        }
+    }
+
+    /// Drives once and gives the samples to each of these variants of the experiment.
+    ///
+    /// # Errors
+    /// The robot or the home cannot be simulated.
+    pub fn run(&self, experiment: &Experiment, variants: &[&Variant]) -> Result<Vec<Outcome>, UnitError> {
+        let (driven, steering) = self.drive(experiment)?;
+        let mut steering = Some(steering);
+        let mut outcomes = Vec::new();
+        for variant in variants {
+            let is_steering = variant.method == Method::Slam(Config::default(), Buffer::B128);
+            let track = match steering.take_if(|_| is_steering) {
+                Some(track) => track,
+                None => driven.track(variant)?,
+            };
+            outcomes.push(Outcome { row: driven.score(self.key(variant), variant, &track), track });
+        }
+        Ok(outcomes)
+    }
+
+    /// The drive, and the track of the default estimator that steered it.
+    fn drive(&self, experiment: &Experiment) -> Result<(Driven, Track), UnitError> {
+        let setting = &self.case.setting;
+        let original = hal_sim::plan_file::load(self.plan).map_err(|error| UnitError(error.to_string()))?;
+        let plan = changed(&original, self.plan, &experiment.doors, setting, self.seed);
+        let robot = setting.robot()?;
+        let simulation = Simulation::new(&plan, &robot.rig, setting.options(), self.seed)?;
+        let mut closed_loop = ClosedLoop::new(simulation, &robot.rig, setting.pilot());
+        let mut tracker = Tracker::<128>::new(&robot, Config::default())?;
+        let minutes = setting.get(Key::Minutes).unwrap_or(MINUTES);
+        let frames = closed_loop.record(60.0 * minutes, &mut |sample| tracker.estimate(sample));
+        let track = tracker.finish(&frames);
+        let faces = plan.faces_in_start_frame();
+        let walls: Vec<Segment> = faces.iter().map(|face| Segment { from_m: face.from_m, to_m: face.to_m }).collect();
+        let seen = closed_loop.simulation.coverage().walls(LONG_M, PASSED_M);
+        let passed =
+            seen.into_iter().map(|seen| PassedWall { wall: walls[seen.face], stretches_m: seen.stretches_m }).collect();
+        let calibration = closed_loop.simulation.calibration().clone();
+        let dead_reckoning = track.steps.iter().map(|step| step.dead_reckoning).collect();
+        Ok((Driven { plan, robot, frames, calibration, dead_reckoning, walls, passed }, track))
+    }
+}
+
+impl Driven {
+    fn track(&self, variant: &Variant) -> Result<Track, UnitError> {
+        let (robot, frames) = (&self.robot, &self.frames[..]);
+        Ok(match variant.method {
+            Method::DeadReckoning => {
+                let step = |pose: &Pose2| Step { pose: *pose, ..Step::default() };
+                let mut track = Track { steps: self.dead_reckoning.iter().map(step).collect(), ..Track::default() };
+                track.reveal(frames);
+                track
+            }
+            Method::Slam(config, Buffer::B32) => replay::<32>(robot, config, frames)?,
+            Method::Slam(config, Buffer::B64) => replay::<64>(robot, config, frames)?,
+            Method::Slam(config, Buffer::B128) => replay::<128>(robot, config, frames)?,
+            Method::Slam(config, Buffer::B255) => replay::<255>(robot, config, frames)?,
+            Method::Floor => floor::localise(&self.plan, robot, &self.calibration, frames),
+        })
+    }
+
+    fn score(&self, key: RunKey, variant: &Variant, track: &Track) -> RunRow {
+        let mut row = RunRow::new(key);
+        row.set(Metric::Path, length_m(track.steps.iter().filter_map(|step| step.truth)));
+        let visited = self.rooms_visited();
+        row.set(Metric::RoomsVisited, visited as f64);
+        row.set(Metric::RoomsMissed, (self.plan.rooms.len() - visited) as f64);
+        let pairs: Vec<(Pose2, Pose2)> = track.steps.iter().filter_map(|step| Some((step.pose, step.truth?))).collect();
+        let Some(score) = path::score(&pairs) else { return row };
+        row.set(Metric::Ate, score.ate_m);
+        row.set(Metric::Start, score.start_m);
+        row.set(Metric::Heading, score.heading_deg);
+        if variant.method == Method::DeadReckoning {
+            return row;
+        }
+        row.set(Metric::Nees, path::mean_nees(&track.steps).unwrap_or(f64::NAN));
+        row.set(Metric::Nis, track.mean_nis.unwrap_or(f64::NAN));
+        row.set(Metric::Updates, track.innovations.len() as f64);
+        row.set(Metric::StepCost, 1e6 * track.time.as_secs_f64() / track.steps.len().max(1) as f64);
+        if variant.method != Method::Floor {
+            let map = map::score(&track.walls, &self.walls, &self.passed, &score.alignment);
+            row.set(Metric::Offset, map.offset_m);
+            row.set(Metric::Matched, map.matched as f64);
+            row.set(Metric::Missed, map.missed as f64);
+            row.set(Metric::Invented, map.invented as f64);
+        }
+        row
+    }
+
+    fn rooms_visited(&self) -> usize {
+        let in_plan: Vec<[f64; 2]> =
+            self.frames.iter().map(|frame| self.plan.start.transform([frame.truth.x_m, frame.truth.y_m])).collect();
+        self.plan.rooms.iter().filter(|room| in_plan.iter().any(|[x_m, y_m]| room.contains(*x_m, *y_m))).count()
+    }
+}

@@ -1,0 +1,123 @@
+//! What is found from samples: pure functions.
+
+use slam_core::{DriveModel, RangeModel};
+use wire::{Contacts, Sample};
+
+use lab::input::rig_file::Robot;
+
+/// What is fine about a part, or what is wrong and what would put it right.
+pub type Finding = Result<String, String>;
+
+/// Counts by which an output must rise when something is held in front of the sensor.
+const RISE_COUNTS: f32 = 300.0;
+/// Largest share by which a held board's range may be off.
+const RANGE_SHARE: f32 = 0.25;
+/// Largest share by which a pushed distance may be off.
+const SCALE_SHARE: f32 = 0.1;
+/// Fewest ticks that count as a turn of a wheel.
+const TURN_TICKS: i32 = 50;
+
+/// One contact input.
+#[derive(Clone, Copy)]
+pub struct Contact {
+    /// Its name.
+    pub name: &'static str,
+    /// What the person does.
+    pub what: &'static str,
+    pressed: Contacts,
+}
+
+const NONE: Contacts = Contacts { bump_left: false, bump_right: false, cliff: false };
+
+/// Every contact input.
+pub const CONTACTS: [Contact; 3] = [
+    Contact {
+        name: "left bumper",
+        what: "Press the left half of the bumper",
+        pressed: Contacts { bump_left: true, ..NONE },
+    },
+    Contact {
+        name: "right bumper",
+        what: "Press the right half of the bumper",
+        pressed: Contacts { bump_right: true, ..NONE },
+    },
+    Contact {
+        name: "cliff sensor",
+        what: "Hold the robot's front over an edge",
+        pressed: Contacts { cliff: true, ..NONE },
+    },
+];
+
+/// A board at `held_m` in front of sensor `index`: does this one answer, and with about that range?
+pub fn sensor(index: usize, robot: &Robot, held_m: f32, free: &[Sample], held: &[Sample]) -> Finding {
+    let rises: Vec<f32> = (0..robot.names.len()).map(|i| median(i, held) - median(i, free)).collect();
+    let (most, rise) = rises.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).ok_or("no sensors")?;
+    if rise < RISE_COUNTS {
+        return Err("no output rose: check its supply, its output's wire and the board's distance".into());
+    }
+    if most != index {
+        return Err(format!("sensor {most}, {}, answered instead: swap their wires", robot.names[most]));
+    }
+    let (RangeModel::Sharp { scale_m, exponent, .. }, Some(adc)) = (robot.rig.sensors[index].model, robot.rig.adc)
+    else {
+        return Ok("it answers".into());
+    };
+    let volts = median(index, held) / adc.full_scale() as f32 * adc.vref_v;
+    let range_m = scale_m * volts.powf(exponent);
+    if (range_m / held_m - 1.0).abs() > RANGE_SHARE {
+        return Err(format!(
+            "{volts:.2} V mean {range_m:.2} m instead of {held_m} m: check its kind and reference voltage"
+        ));
+    }
+    Ok(format!("{range_m:.2} m, {volts:.2} V"))
+}
+
+/// Does this input, and no other, show that it is pressed?
+pub fn contact(contact: &Contact, samples: &[Sample]) -> Finding {
+    let last = samples.last().ok_or("no samples")?.contacts;
+    match last {
+        seen if seen == contact.pressed => Ok("it answers".into()),
+        NONE => Err("it does not answer: check its wire".into()),
+        other => Err(format!("the inputs show {other:?}: swap wires, or one is stuck")),
+    }
+}
+
+/// Did this wheel (0 left, 1 right), and no other, count forward?
+pub fn turned(wheel: usize, before: &[Sample], after: &[Sample]) -> Finding {
+    let ticks = travelled(before, after)?;
+    let (this, other) = (ticks[wheel], ticks[1 - wheel]);
+    if this.abs() < TURN_TICKS && other.abs() >= TURN_TICKS {
+        return Err(format!("the other encoder counted {other}: left and right are swapped"));
+    }
+    if this.abs() < TURN_TICKS {
+        return Err(format!("{this} ticks: it does not turn or its encoder does not count"));
+    }
+    if this < 0 {
+        return Err(format!("{this} ticks: it counts backward; swap its channels A and B, or the motor's wires"));
+    }
+    Ok(format!("{this} ticks"))
+}
+
+/// Did both encoders count what the robot was pushed?
+pub fn scale(robot: &Robot, pushed_m: f32, before: &[Sample], after: &[Sample]) -> Finding {
+    let DriveModel::Wheels { metres_per_tick, .. } = robot.rig.drive else { return Ok("no encoders".into()) };
+    let metres = travelled(before, after)?.map(|ticks| ticks as f32 * metres_per_tick);
+    match metres.iter().find(|metres| (*metres / pushed_m - 1.0).abs() > SCALE_SHARE) {
+        Some(_) => Err(format!(
+            "left {:.3} m, right {:.3} m instead of {pushed_m} m: metres_per_tick of {metres_per_tick} does not fit",
+            metres[0], metres[1]
+        )),
+        None => Ok(format!("left {:.3} m, right {:.3} m", metres[0], metres[1])),
+    }
+}
+
+fn travelled(before: &[Sample], after: &[Sample]) -> Result<[i32; 2], String> {
+    let (Some(first), Some(last)) = (before.last(), after.last()) else { return Err("no samples".into()) };
+    Ok([last.left_ticks.wrapping_sub(first.left_ticks), last.right_ticks.wrapping_sub(first.right_ticks)])
+}
+
+fn median(sensor: usize, samples: &[Sample]) -> f32 {
+    let mut counts: Vec<u16> = samples.iter().filter_map(|s| s.counts.get(sensor).copied().flatten()).collect();
+    counts.sort_unstable();
+    counts.get(counts.len() / 2).map_or(0.0, |counts| f32::from(*counts))
+}

@@ -1,0 +1,150 @@
+//! `lab hil`: the firmware on its own processor, emulated or real, in the loop with the simulated home.
+//!
+//! Every 20 ms of simulated time the firmware gets what its sensors show and answers with what it gives the motors.
+//! Beside it the host runs the same estimator on the same samples: every estimate must be the same, bit for bit.
+
+mod link;
+mod outcome;
+mod shadow;
+mod target;
+
+use std::path::PathBuf;
+
+use hal_sim::{Plan, SimOptions, Simulation};
+use robot::Duty;
+use slam_core::RangeInput;
+use wire::{Command, Contacts, Sample};
+
+use crate::port;
+use lab::input::built_in_robot;
+use lab::input::log::writer;
+use lab::input::rig_file::Robot;
+use lab::numbers::shortest;
+use lab::recording::Pose2;
+use lab::show::output::folder::Folder;
+use lab::show::output::streams::{LineFile, tum_line};
+use link::Link;
+pub use outcome::Outcome;
+use shadow::Shadow;
+pub use target::Target;
+
+/// Period of the exchange, microseconds: that of the firmware's wheel-speed control.
+const PERIOD_US: u64 = 20_000;
+
+/// Files that a run writes.
+const NAMES: [&str; 5] = ["log.csv", "rig.toml", "trajectory.tum", "truth.tum", "hil.json"];
+
+/// A drive in the loop.
+#[derive(Clone, Debug)]
+pub struct Hil {
+    /// Name of a built-in plan, or a plan file.
+    pub plan: String,
+    /// Length of the drive, minutes.
+    pub minutes: f64,
+    /// Everything random follows from it.
+    pub seed: u64,
+    /// The output folder.
+    pub out: PathBuf,
+    /// Where the firmware runs.
+    pub target: Target,
+}
+
+impl Hil {
+    /// Drives and compares; `progress` is told the share done, 0 to 1.
+    ///
+    /// # Errors
+    /// What keeps the drive from starting or going on, for people. A difference between host and target is no error
+    /// here: see [`Outcome::verdict`].
+    pub fn run(&self, mut progress: impl FnMut(f64)) -> Result<Outcome, String> {
+        let plan = hal_sim::plan_file::load(&self.plan).map_err(|error| error.to_string())?;
+        let (robot, rig_toml) = built_in_robot().map_err(|error| error.to_string())?;
+        let mut simulation = Simulation::new(&plan, &hal_sim::default_rig(), SimOptions::default(), self.seed)
+            .map_err(|error| error.to_string())?;
+        let folder = Folder::prepare(&self.out, &NAMES).map_err(|error| error.to_string())?;
+        let mut files = Files::create(&folder, &robot, &rig_toml)?;
+        let mut shadow = Shadow::new()?;
+        let mut link = Link::new(self.target.start()?)?;
+        link.send_command(Command::Start)?;
+        let mut duty = Duty::default();
+        let periods = (60.0 * self.minutes * 1e6 / PERIOD_US as f64).ceil() as u64;
+        for period in 1..=periods {
+            simulation.set_duty(duty);
+            simulation.advance(PERIOD_US as f64 * 1e-6);
+            let shown = sense(&mut simulation, period * PERIOD_US);
+            let answer = link.exchange(shown.clone())?;
+            duty = Duty { left: answer.motors.left, right: answer.motors.right };
+            let truth = simulation.pose();
+            let truth = Pose2 { x_m: truth.x_m, y_m: truth.y_m, theta_rad: truth.theta_rad };
+            if let Some(estimate) = shadow.check(&shown, &answer, truth) {
+                files.row(&robot, &shown, &estimate, truth)?;
+            }
+            progress(period as f64 / periods as f64);
+        }
+        files.close()?;
+        let outcome = outcome(&plan, &simulation, shadow);
+        folder.write("hil.json", &outcome.to_json(self)).map_err(|error| error.to_string())?;
+        Ok(outcome)
+    }
+}
+
+/// What the robot's sensors show now.
+fn sense(simulation: &mut Simulation, time_us: u64) -> Sample {
+    let ticks = simulation.ticks();
+    let ranges = simulation.read_ranges();
+    let counts = ranges.iter().take(wire::SENSORS).map(|range| match range {
+        RangeInput::Counts(counts) => Some(*counts),
+        RangeInput::Missing | RangeInput::Metres(_) => None,
+    });
+    let contacts = simulation.contacts();
+    Sample {
+        time_us,
+        left_ticks: ticks.left,
+        right_ticks: ticks.right,
+        counts: counts.collect(),
+        contacts: Contacts { bump_left: contacts.bump_left, bump_right: contacts.bump_right, cliff: contacts.cliff },
+    }
+}
+
+fn outcome(plan: &Plan, simulation: &Simulation, shadow: Shadow) -> Outcome {
+    let faces = plan.faces_in_start_frame();
+    let seen = simulation.coverage().walls(lab::evaluate::score::map::LONG_M, lab::evaluate::score::map::PASSED_M);
+    shadow.finish(&faces, &seen)
+}
+
+/// The files that grow with the drive.
+struct Files {
+    log: LineFile,
+    trajectory: LineFile,
+    truth: LineFile,
+}
+
+impl Files {
+    fn create(folder: &Folder, robot: &Robot, rig_toml: &str) -> Result<Self, String> {
+        let create = |name: &str| LineFile::create(folder.file(name)).map_err(|error| error.to_string());
+        folder.write("rig.toml", rig_toml).map_err(|error| error.to_string())?;
+        let mut files =
+            Self { log: create("log.csv")?, trajectory: create("trajectory.tum")?, truth: create("truth.tum")? };
+        files.log.line(&writer::header(robot)).map_err(|error| error.to_string())?;
+        Ok(files)
+    }
+
+    fn row(&mut self, robot: &Robot, shown: &Sample, estimate: &wire::Estimate, truth: Pose2) -> Result<(), String> {
+        let row = port::row(shown, Some(truth));
+        let [x, y, theta_rad] = estimate.pose;
+        let trajectory = tum_line(&row.t_text, [shortest(x), shortest(y)], theta_rad.into());
+        let true_line = tum_line(&row.t_text, [shortest(truth.x_m), shortest(truth.y_m)], truth.theta_rad);
+        let lines = [
+            (&mut self.log, writer::line(robot, &row)),
+            (&mut self.trajectory, trajectory),
+            (&mut self.truth, true_line),
+        ];
+        lines.into_iter().try_for_each(|(file, line)| file.line(&line)).map_err(|error| error.to_string())
+    }
+
+    fn close(self) -> Result<(), String> {
+        [self.log, self.trajectory, self.truth]
+            .into_iter()
+            .try_for_each(LineFile::close)
+            .map_err(|error| error.to_string())
+    }
+}

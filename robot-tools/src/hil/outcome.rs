@@ -1,0 +1,116 @@
+//! What a drive in the loop showed.
+
+use std::fmt;
+
+use serde_json::json;
+use wire::Faults;
+
+use super::Hil;
+use lab::recording::{MapScore, PathScore};
+
+/// Something that was not the same on host and target.
+#[derive(Clone, Debug)]
+pub struct Difference {
+    /// When, microseconds.
+    pub time_us: u64,
+    /// What.
+    pub what: String,
+}
+
+/// What a drive in the loop showed.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Estimates with the same bits on host and target.
+    pub identical: u64,
+    /// Everything that was not the same.
+    pub differences: Vec<Difference>,
+    /// The target's estimate against the truth.
+    pub estimate: Option<PathScore>,
+    /// The target's dead reckoning against the truth.
+    pub odometry: Option<PathScore>,
+    /// The map against the true plan.
+    pub map: Option<MapScore>,
+    /// Walls in the map.
+    pub walls: usize,
+    /// The firmware's last word on its faults.
+    pub faults: Option<Faults>,
+    /// Frames from the firmware that arrived damaged.
+    pub damaged: u32,
+}
+
+impl Outcome {
+    /// Whether every estimate was the same and nothing was lost.
+    ///
+    /// # Errors
+    /// What was not right.
+    pub fn verdict(&self) -> Result<(), String> {
+        if let Some(first) = self.differences.first() {
+            let t_s = first.time_us as f64 * 1e-6;
+            let count = self.differences.len();
+            return Err(format!("{count} differences between host and target, the first at {t_s} s: {}", first.what));
+        }
+        let board = self.faults.map(|faults| faults.board).ok_or("the firmware sent no faults frame: drive longer")?;
+        let lost = [
+            ("ranges_failed", board.ranges_failed),
+            ("encoders_failed", board.encoders_failed),
+            ("motors_failed", board.motors_failed),
+            ("samples_dropped", board.samples_dropped),
+            ("frames_dropped", board.frames_dropped),
+            ("commands_dropped", board.commands_dropped),
+            ("bytes_lost", board.bytes_lost),
+            ("dead_man_stops", board.dead_man_stops),
+            ("late_tasks", board.late_tasks),
+            ("damaged frames", self.damaged),
+        ];
+        match lost.iter().find(|(_, count)| *count > 0) {
+            Some((name, count)) => Err(format!("the firmware counts {name}: {count}; it must be 0 in the loop")),
+            None if self.identical == 0 => Err("the firmware sent no estimate".into()),
+            None => Ok(()),
+        }
+    }
+
+    /// The figures as JSON.
+    pub fn to_json(&self, hil: &Hil) -> String {
+        let figures = json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "plan": hil.plan,
+            "minutes": hil.minutes,
+            "seed": hil.seed,
+            "identical": self.identical,
+            "differences": self.differences.len(),
+            "ate_m": self.estimate.map(|score| score.ate_m),
+            "start_m": self.estimate.map(|score| score.start_m),
+            "heading_deg": self.estimate.map(|score| score.heading_deg),
+            "odometry_ate_m": self.odometry.map(|score| score.ate_m),
+            "walls": self.walls,
+            "walls_missed": self.map.map(|map| map.missed),
+            "walls_invented": self.map.map(|map| map.invented),
+            "stack_used_bytes": self.faults.map(|faults| faults.board.stack_used_bytes),
+            "contact_stops": self.faults.map(|faults| faults.board.contact_stops),
+        });
+        format!("{figures:#}\n")
+    }
+}
+
+impl fmt::Display for Outcome {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let all = self.identical as usize + self.differences.len();
+        writeln!(f, "  {:<34}{:>12}   of {all}", "estimates with the host's bits", self.identical)?;
+        if let (Some(estimate), Some(odometry)) = (&self.estimate, &self.odometry) {
+            let row = |name: &str, value: f64, other: f64, unit: &str| {
+                format!("  {name:<34}{:>12}   dead reckoning {other:.3} {unit}", format!("{value:.3} {unit}"))
+            };
+            writeln!(f, "{}", row("position, best alignment (RMSE)", estimate.ate_m, odometry.ate_m, "m"))?;
+            writeln!(f, "{}", row("heading (RMSE)", estimate.heading_deg, odometry.heading_deg, "deg"))?;
+        }
+        if let Some(map) = &self.map {
+            let walls = format!("{} missed, {} invented", map.missed, map.invented);
+            writeln!(f, "  {:<34}{:>12}   {walls}", "walls in the map", self.walls)?;
+        }
+        if let Some(faults) = &self.faults {
+            writeln!(f, "  {:<34}{:>12}", "stack used, bytes", faults.board.stack_used_bytes)?;
+            writeln!(f, "  {:<34}{:>12}", "stops by bumper or cliff", faults.board.contact_stops)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,134 @@
+//! The host's estimator beside the firmware's: same samples, same bits.
+
+use hal_sim::{Face, SeenWall};
+use robot::rig::default_rig;
+use slam_core::{Config, RobotSlam};
+use wire::{Estimate, Faults, Sample};
+
+use super::link::Answer;
+use super::outcome::{Difference, Outcome};
+use lab::evaluate::score;
+use lab::evaluate::score::map::PassedWall;
+use lab::recording::{Pose2, Segment};
+
+/// The host's estimator, with a count of what was the same.
+pub struct Shadow {
+    slam: Box<RobotSlam>,
+    identical: u64,
+    differences: Vec<Difference>,
+    paths: Vec<[Pose2; 3]>,
+    faults: Option<Faults>,
+    damaged: u32,
+}
+
+impl Shadow {
+    /// The estimator as the firmware starts it.
+    pub fn new() -> Result<Self, String> {
+        let slam = RobotSlam::new(default_rig(), Config::default());
+        let slam = Box::new(slam.map_err(|error| format!("the built-in rig: {} {}", error.key, error.allowed))?);
+        Ok(Self { slam, identical: 0, differences: Vec::new(), paths: Vec::new(), faults: None, damaged: 0 })
+    }
+
+    /// Takes the sample that the firmware says it took, and holds its estimate against the host's. `shown` is what the
+    /// sensors showed at that time. Gives the firmware's estimate.
+    pub fn check(&mut self, shown: &Sample, answer: &Answer, truth: Pose2) -> Option<Estimate> {
+        self.damaged += answer.damaged;
+        self.faults = answer.faults.or(self.faults);
+        let (sample, theirs) = (answer.sample.as_ref()?, answer.estimate?);
+        if sample != shown {
+            self.differ(sample, "the sample is not what the sensors showed");
+        }
+        self.slam.step(&sample.to_slam());
+        let ours = Estimate::of(&self.slam, sample.time_us);
+        if ours.same_bits(&theirs) {
+            self.identical += 1;
+        } else {
+            self.differ(sample, &format!("host {:?}, target {:?}", ours.pose, theirs.pose));
+        }
+        let pose = |[x_m, y_m, theta_rad]: [f32; 3]| Pose2::new(x_m.into(), y_m.into(), theta_rad.into());
+        self.paths.push([pose(theirs.pose), pose(theirs.dead_reckoning), truth]);
+        Some(theirs)
+    }
+
+    fn differ(&mut self, sample: &Sample, what: &str) {
+        self.differences.push(Difference { time_us: sample.time_us, what: what.to_owned() });
+    }
+
+    /// Scores the drive.
+    pub fn finish(self, faces: &[Face], seen: &[SeenWall]) -> Outcome {
+        let plan: Vec<Segment> = faces.iter().map(|f| Segment { from_m: f.from_m, to_m: f.to_m }).collect();
+        let passed = |seen: &SeenWall| PassedWall { wall: plan[seen.face], stretches_m: seen.stretches_m.clone() };
+        let passed: Vec<PassedWall> = seen.iter().map(passed).collect();
+        let pairs = |which: usize| self.paths.iter().map(|p| (p[which], p[2])).collect::<Vec<_>>();
+        let estimate = score::path::score(&pairs(0));
+        let walls: Vec<_> = self.slam.walls().collect();
+        let map = estimate.map(|score| score::map::score(&walls, &plan, &passed, &score.alignment));
+        Outcome {
+            identical: self.identical,
+            differences: self.differences,
+            estimate,
+            odometry: score::path::score(&pairs(1)),
+            map,
+            walls: walls.len(),
+            faults: self.faults,
+            damaged: self.damaged,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wire::{BoardFaults, SlamFaults};
+
+    /// What a firmware that works says to two samples; `change` may falsify it.
+    fn outcome(change: impl Fn(&mut Answer)) -> Outcome {
+        let mut shadow = Shadow::new().unwrap();
+        let mut target = RobotSlam::new(default_rig(), Config::default()).unwrap();
+        for step in 1..=2_u64 {
+            let counts = (0..8).map(|i| Some(1000 + 7 * i + step as u16)).collect();
+            let sample = Sample { time_us: step * 40_000, counts, ..Sample::default() };
+            target.step(&sample.to_slam());
+            let board = BoardFaults::default();
+            let mut answer = Answer {
+                estimate: Some(Estimate::of(&target, sample.time_us)),
+                sample: Some(sample.clone()),
+                faults: Some(Faults { slam: SlamFaults::default(), board }),
+                ..Answer::default()
+            };
+            change(&mut answer);
+            shadow.check(&sample, &answer, Pose2::default());
+        }
+        shadow.finish(&[], &[])
+    }
+
+    #[test]
+    fn the_same_bits_pass() {
+        let outcome = outcome(|_| {});
+        assert_eq!((outcome.identical, outcome.verdict()), (2, Ok(())));
+    }
+
+    #[test]
+    fn one_other_bit_fails() {
+        let outcome = outcome(|answer| {
+            let estimate = answer.estimate.as_mut().unwrap();
+            estimate.covariance[5] = f32::from_bits(estimate.covariance[5].to_bits() ^ 1);
+        });
+        assert_eq!(outcome.identical, 0);
+        assert!(outcome.verdict().unwrap_err().starts_with("2 differences between host and target"));
+    }
+
+    #[test]
+    fn another_sample_than_the_sensors_showed_fails() {
+        let outcome = outcome(|answer| answer.sample.as_mut().unwrap().left_ticks += 1);
+        assert!(outcome.verdict().unwrap_err().contains("not what the sensors showed"));
+    }
+
+    #[test]
+    fn losses_and_silence_fail() {
+        let lossy = outcome(|answer| answer.faults.as_mut().unwrap().board.frames_dropped = 3);
+        assert!(lossy.verdict().unwrap_err().contains("frames_dropped: 3"));
+        let silent = outcome(|answer| answer.estimate = None);
+        assert!(silent.verdict().unwrap_err().contains("no estimate"));
+    }
+}

@@ -1,0 +1,76 @@
+//! `lab monitor`: what a robot at a serial port says, live, and recorded as a log that `lab replay` takes.
+
+mod view;
+
+use std::io::{IsTerminal, Write};
+use std::path::PathBuf;
+
+use clap::Args;
+use wire::{Command, Frame};
+
+use crate::port::{self, Port};
+use lab::input::built_in_robot;
+use lab::input::log::writer;
+use lab::show::output::folder::Folder;
+use lab::show::output::streams::LineFile;
+use view::View;
+
+/// Arguments of `lab monitor`.
+#[derive(Clone, Debug, Args)]
+pub struct Monitor {
+    /// The serial port that the robot is at; a file of recorded bytes works, too.
+    #[arg(long, value_name = "DEV")]
+    port: String,
+    /// Tell the robot to start driving.
+    #[arg(long)]
+    start: bool,
+    /// Folder for log.csv and rig.toml.
+    #[arg(long, value_name = "DIR", default_value = "out/monitor")]
+    out: PathBuf,
+}
+
+/// How often the view is drawn and the log handed to the system, microseconds of the robot's time.
+const DRAW_US: u64 = 250_000;
+
+impl Monitor {
+    /// Shows and records until the line ends or the user stops it.
+    ///
+    /// # Errors
+    /// What is wrong with line or files, for people.
+    pub fn run(&self) -> Result<(), String> {
+        let (robot, rig_toml) = built_in_robot().map_err(|error| error.to_string())?;
+        let folder = Folder::prepare(&self.out, &["log.csv", "rig.toml"]).map_err(|error| error.to_string())?;
+        folder.write("rig.toml", &rig_toml).map_err(|error| error.to_string())?;
+        let mut log = LineFile::create(folder.file("log.csv")).map_err(|error| error.to_string())?;
+        log.line(&writer::header(&robot)).map_err(|error| error.to_string())?;
+        let mut port = Port::new(port::open(&self.port)?);
+        if self.start {
+            port.send(Command::Start)?;
+        }
+        let mut view = View::default();
+        let mut drawn_us = 0;
+        while let Some(frame) = port.frame()? {
+            if let Frame::Sample(sample) = &frame {
+                log.line(&writer::line(&robot, &port::row(sample, None))).map_err(|error| error.to_string())?;
+            }
+            view.take(frame);
+            view.damaged = port.damaged();
+            if view.time_us() >= drawn_us + DRAW_US || view.time_us() < drawn_us {
+                drawn_us = view.time_us();
+                log.flush().map_err(|error| error.to_string())?;
+                draw(&view);
+            }
+        }
+        log.close().map_err(|error| error.to_string())?;
+        let _ = writeln!(std::io::stdout(), "{view}the line has ended; results in {}", self.out.display());
+        Ok(())
+    }
+}
+
+/// Draws over the last picture where there is a terminal; elsewhere the closing picture is enough.
+fn draw(view: &View) {
+    let mut stdout = std::io::stdout();
+    if stdout.is_terminal() {
+        let _ = write!(stdout, "\x1b[H\x1b[J{view}").and_then(|()| stdout.flush());
+    }
+}

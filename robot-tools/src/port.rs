@@ -1,0 +1,104 @@
+//! A robot at a serial port: frames from it, commands to it.
+
+use std::fs::{File, OpenOptions};
+use std::io::{Read, Write};
+use std::path::Path;
+use std::time::Duration;
+
+use slam_core::RangeInput;
+use wire::{Command, DecodeError, Decoder, Frame, Sample, encode};
+
+use lab::input::log::Row;
+use lab::input::rig_file::MAX_SENSORS;
+use lab::numbers::shortest;
+use lab::recording::Pose2;
+
+/// Rate of the firmware's serial line, baud.
+const BAUD: u32 = 115_200;
+
+/// Both directions of a line.
+pub type Line = (Box<dyn Read + Send>, Box<dyn Write + Send>);
+
+/// Opens a serial port; a file or pipe of recorded bytes is read as if it were one.
+///
+/// # Errors
+/// What the system says.
+pub fn open(device: &str) -> Result<Line, String> {
+    let path = Path::new(device);
+    if path.is_file() {
+        let failed = |error: std::io::Error| format!("{device}: {error}");
+        let sink = OpenOptions::new().write(true).open("/dev/null").map_err(failed)?;
+        return Ok((Box::new(File::open(path).map_err(failed)?), Box::new(sink)));
+    }
+    let failed = |error: serialport::Error| format!("{device}: {error}; name the serial port that the robot is at");
+    let port = serialport::new(device, BAUD).timeout(Duration::from_secs(3600)).open().map_err(failed)?;
+    let reader = port.try_clone().map_err(failed)?;
+    Ok((Box::new(reader), Box::new(port)))
+}
+
+/// A robot's sample as a row of a log.
+pub fn row(sample: &Sample, truth: Option<Pose2>) -> Row {
+    let t_s = sample.time_us as f64 * 1e-6;
+    let few = sample.to_slam();
+    let mut ranges = [RangeInput::Missing; MAX_SENSORS];
+    ranges.iter_mut().zip(few.ranges).for_each(|(wide, range)| *wide = range);
+    let sample = slam_core::Sample { time_us: few.time_us, motion: few.motion, ranges };
+    Row { t_text: shortest(t_s), t_s, sample, truth }
+}
+
+/// A robot that is listened to.
+pub struct Port {
+    from: Box<dyn Read + Send>,
+    to: Box<dyn Write + Send>,
+    decoder: Decoder,
+    bytes: Vec<u8>,
+    damaged: u32,
+}
+
+impl Port {
+    /// On an open line.
+    pub fn new((from, to): Line) -> Self {
+        Self { from, to, decoder: Decoder::new(), bytes: Vec::new(), damaged: 0 }
+    }
+
+    /// Waits for the next frame; none when the line has ended.
+    ///
+    /// # Errors
+    /// What the system says, or that the robot speaks another version.
+    pub fn frame(&mut self) -> Result<Option<Frame>, String> {
+        loop {
+            while let Some(byte) = self.bytes.pop() {
+                match self.decoder.push(byte) {
+                    None => {}
+                    Some(Ok(frame)) => return Ok(Some(frame)),
+                    Some(Err(DecodeError::Version(theirs))) => {
+                        let ours = wire::VERSION;
+                        return Err(format!("the robot speaks version {theirs} of the protocol, this program {ours}"));
+                    }
+                    Some(Err(_)) => self.damaged += 1,
+                }
+            }
+            let mut buffer = [0; 1024];
+            match self.from.read(&mut buffer) {
+                Ok(0) => return Ok(None),
+                Ok(count) => self.bytes.extend(buffer[..count].iter().rev()),
+                Err(error) if error.kind() == std::io::ErrorKind::TimedOut => {}
+                Err(error) => return Err(format!("the serial line: {error}")),
+            }
+        }
+    }
+
+    /// Tells the robot what to do.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn send(&mut self, command: Command) -> Result<(), String> {
+        let bytes = encode(&Frame::Command(command)).map_err(|error| format!("{error:?}"))?;
+        self.to.write_all(&bytes).and_then(|()| self.to.flush()).map_err(|error| format!("the serial line: {error}"))
+    }
+
+    /// Frames that arrived damaged so far; the first may be half a one.
+    pub fn damaged(&self) -> u32 {
+        self.damaged
+    }
+}
