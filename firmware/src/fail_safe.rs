@@ -1,6 +1,6 @@
 //! What runs when the program cannot go on, be it a panic, a hard fault or an interrupt that nobody handles: first the motor
 //! driver's enable line goes low, then the binary says what happened (`last_words.rs`). The watchdog restarts the robot.
-#![allow(unsafe_code)]
+#![allow(unsafe_code, reason = "writes the port of the enable line directly")]
 
 use crate::last_words;
 use core::panic::PanicInfo;

@@ -14,7 +14,6 @@
 //! runs the same bodies in tests. Tasks meet in [`Shared`] only.
 #![no_std]
 #![forbid(unsafe_code)]
-#![deny(missing_docs)]
 
 pub mod burst;
 pub mod faults;

@@ -1,5 +1,5 @@
 //! How much stack was ever in use: start-up fills it with a pattern.
-#![allow(unsafe_code)]
+#![allow(unsafe_code, reason = "reads the memory between the linker's two symbols")]
 
 unsafe extern "C" {
     static mut _stack_start: u32;

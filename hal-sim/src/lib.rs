@@ -21,8 +21,6 @@
 //! assert_eq!(frames.len(), 126);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
-#![forbid(unsafe_code)]
-#![deny(missing_docs)]
 
 pub mod board;
 mod body;

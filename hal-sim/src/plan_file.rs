@@ -1,4 +1,4 @@
-//! Floor plans as TOML: the built-in ones and the user's own. The format is described in `docs/plan-format.md`.
+//! Floor plans as TOML: the built-in ones and the user's own. The format is described in `docs/reference/plans.md`.
 
 mod check;
 mod schema;

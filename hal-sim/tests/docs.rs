@@ -3,9 +3,9 @@ use hal_sim::{SimOptions, plan_file};
 
 #[test]
 fn the_example_in_the_plan_format_is_a_plan() {
-    let text = include_str!("../../docs/plan-format.md");
+    let text = include_str!("../../docs/reference/plans.md");
     let example = text.split("```toml").nth(1).and_then(|rest| rest.split("```").next()).expect("an example");
-    let plan = plan_file::parse("docs/plan-format.md", "example", example).unwrap_or_else(|e| panic!("{e}"));
+    let plan = plan_file::parse("docs/reference/plans.md", "example", example).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(plan.name, "my flat");
     let counts = [plan.faces.len(), plan.rounds.len(), plan.rooms.len(), plan.doors.len(), plan.people.len()];
     assert_eq!(counts, [9, 1, 1, 1, 1]);
@@ -17,7 +17,7 @@ fn the_example_in_the_plan_format_is_a_plan() {
 
 #[test]
 fn the_defaults_in_the_simulator_s_tables_are_the_defaults() {
-    let text = include_str!("../../docs/simulator.md");
+    let text = include_str!("../../docs/explanation/simulator.md");
     let SimOptions { rate_hz, body_radius_m, drive, sharp, .. } = SimOptions::default();
     let expected = [
         format!("`rate_hz` ({rate_hz})"),
@@ -33,6 +33,6 @@ fn the_defaults_in_the_simulator_s_tables_are_the_defaults() {
         format!("1 in {:.0}", 1.0 / sharp.spike_probability),
     ];
     for expected in expected {
-        assert!(text.contains(&expected), "docs/simulator.md should say: {expected}");
+        assert!(text.contains(&expected), "docs/explanation/simulator.md should say: {expected}");
     }
 }

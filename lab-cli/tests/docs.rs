@@ -71,10 +71,10 @@ fn the_experiment_example_is_good() {
     use monte_carlo::row::Metric;
     use monte_carlo::setting::Key;
     use monte_carlo::variant::NAMED;
-    let text = include_str!("../../docs/experiment-format.md");
+    let text = include_str!("../../docs/reference/experiments.md");
     let example = text.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).expect("an example");
     let example = example.replace(", \"my-home.toml\"", "");
-    Experiment::parse(Path::new("docs/experiment-format.md"), &example).unwrap_or_else(|error| panic!("{error}"));
+    Experiment::parse(Path::new("docs/reference/experiments.md"), &example).unwrap_or_else(|error| panic!("{error}"));
     let names = Key::ALL.map(Key::name).into_iter().chain(Metric::ALL.map(Metric::name)).chain(NAMED);
     for name in names {
         assert!(text.contains(&format!("`{name}`")), "{name} is not documented");

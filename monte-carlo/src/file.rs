@@ -1,4 +1,4 @@
-//! Experiment files: TOML, described in `docs/experiment-format.md`.
+//! Experiment files: TOML, described in `docs/reference/experiments.md`.
 
 use std::path::Path;
 

@@ -92,7 +92,7 @@ pub struct Config {
 }
 
 /// The relief of built walls, metres: door frames, skirting boards, panels. In the Freiburg offices a laser's readings lie
-/// 2.2 cm from the line of their wall (docs/real-logs.md), whatever the incidence; a good centimetre is the laser's own.
+/// 2.2 cm from the line of their wall (docs/notes/real-logs.md), whatever the incidence; a good centimetre is the laser's own.
 pub const BUILT_RELIEF_M: f32 = 0.015;
 
 impl Config {

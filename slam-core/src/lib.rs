@@ -22,13 +22,11 @@
 //! no panic.
 //!
 //! "The report" in the comments is P. Rousse and J. Qiu, *Simultaneous Localization And Mapping in a domestic
-//! environment*; `docs/estimator.md` says where this estimator goes beyond it.
+//! environment*; `docs/explanation/estimator.md` says where this estimator goes beyond it.
 //!
 //! Frames: *map* is the robot's start pose (origin at the wheel axle's centre, x forward, y left, theta
 //! counter-clockwise); *robot* is the same, moving with the robot. Units are metres, radians, seconds and volts.
 #![no_std]
-#![forbid(unsafe_code)]
-#![deny(missing_docs)]
 
 #[cfg(test)]
 extern crate std;

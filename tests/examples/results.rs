@@ -1,4 +1,4 @@
-//! Writes the generated part of `docs/results.md`: `cargo run --release --package tests --example results`.
+//! Writes `docs/results/summary.md`: `cargo run --release --package tests --example results`.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -22,18 +22,14 @@ const BUSY_WALLS: usize = 30;
 /// Times are the shortest of so many passes.
 const PASSES: usize = 5;
 
-/// What stands between these two lines is written here; everything around them is kept.
-const BEGIN: &str = "<!-- Written by cargo run --release --package tests --example results -->\n";
-const END: &str = "<!-- End of what that command writes -->\n";
+const HEAD: &str = "# Results\n\n\
+    Written by `cargo run --release --package tests --example results`. [formats.md](../formats.md) says what each figure means.\n\n";
 
 fn main() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/results.md");
-    let page = fs::read_to_string(&path).expect("docs/results.md is there");
-    let (before, rest) = page.split_once(BEGIN).expect("docs/results.md has the line at which the figures begin");
-    let (_, after) = rest.split_once(END).expect("docs/results.md has the line at which the figures end");
-    let mut text = String::new();
-    simulated(&mut text).and_then(|()| real(&mut text)).and_then(|()| speed(&mut text)).expect("a String takes it all");
-    fs::write(&path, format!("{before}{BEGIN}\n{text}\n{END}{after}")).expect("docs/results.md can be written");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/results/summary.md");
+    let mut page = HEAD.to_owned();
+    simulated(&mut page).and_then(|()| real(&mut page)).and_then(|()| speed(&mut page)).expect("a String takes it all");
+    fs::write(&path, page).expect("docs/results/summary.md can be written");
 }
 
 fn simulated(text: &mut String) -> std::fmt::Result {
@@ -119,7 +115,7 @@ fn real(text: &mut String) -> std::fmt::Result {
 fn hindsight(text: &mut String, logs: Vec<(&str, LookingBack)>) -> std::fmt::Result {
     writeln!(
         text,
-        "The same paths and maps placed with the whole log at hand ([looking back](formats.md#looking-back)); visits apart is\n\
+        "The same paths and maps placed with the whole log at hand ([looking back](../formats.md#looking-back)); visits apart is\n\
          the median over all places that were visited again.\n\n\
          | log | aligned RMSE | entropy | visits apart | widest gap |\n\
          |---|---|---|---|---|"

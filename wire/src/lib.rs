@@ -10,8 +10,6 @@
 //! | host to robot | [`Frame::Command`] |
 //! | with the robot's hardware simulated | [`Frame::Sample`] to the robot, [`Frame::Motors`] back |
 #![no_std]
-#![forbid(unsafe_code)]
-#![deny(missing_docs)]
 
 mod codec;
 mod convert;

@@ -1,10 +1,10 @@
-//! Writes `docs/on-target.md`: every figure of the robot's processor on one page.
+//! Writes `docs/results/on-target.md`: every figure of the robot's processor on one page.
 
 use crate::run::{Result, root};
 use crate::{hil, size, timing};
 use std::fmt::Write;
 
-const FILE: &str = "docs/on-target.md";
+const FILE: &str = "docs/results/on-target.md";
 
 /// Measures and writes the page.
 pub fn figures() -> Result {
@@ -82,7 +82,7 @@ fn write_timing(
     writeln!(page, "\n## Timing\n\nInstructions, counted exactly, compiler {compiler}. What each case is says")?;
     writeln!(
         page,
-        "[timing.md](timing.md). Shares are of a core at 168 MHz, 25 times a second, at an assumed {cycles} cycles"
+        "[timing.md](../reference/timing.md). Shares are of a core at 168 MHz, 25 times a second, at an assumed {cycles} cycles"
     )?;
     writeln!(page, "per instruction.\n\n| case | instructions | share |\n|---|---|---|")?;
     for (case, count) in counts {

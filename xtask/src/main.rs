@@ -1,5 +1,4 @@
 //! `cargo xtask`: set-up, tests and checks of the workspace.
-#![forbid(unsafe_code)]
 
 mod apt;
 #[cfg(test)]
@@ -25,9 +24,9 @@ cargo xtask test [STEP...]   set up what is missing, then run every step, or onl
 cargo xtask hil [ARG...]     run the firmware in the emulator, in the loop with the simulated home (see `lab hil --help`)
 cargo xtask panic-check      show that slam-core has no panic path on the robot's processor
 cargo xtask size             flash, RAM and stack of the robot's program, against their budgets
-cargo xtask timing           count the instructions of slam-core's routines and compare with docs/timing.csv
-cargo xtask timing --update  write the counts into docs/timing.csv
-cargo xtask figures          write docs/on-target.md: size, timing and the drive in the loop";
+cargo xtask timing           count the instructions of slam-core's routines and compare with docs/results/timing.csv
+cargo xtask timing --update  write the counts into docs/results/timing.csv
+cargo xtask figures          write docs/results/on-target.md: size, timing and the drive in the loop";
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();

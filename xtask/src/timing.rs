@@ -6,13 +6,13 @@ use crate::thumb::{TARGET, Thumb};
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-const FILE: &str = "docs/timing.csv";
+const FILE: &str = "docs/results/timing.csv";
 const HEADER: &str = "case,compiler,instructions";
 /// Largest growth over the committed figure with the same compiler.
 const GROWTH: f64 = 1.05;
 /// The same where only another compiler's figure is committed.
 const OTHER_COMPILER_GROWTH: f64 = 1.25;
-/// Assumed for cycles and shares of the core: what an update takes by the core's documented timings (`docs/cost.md`); other code has
+/// Assumed for cycles and shares of the core: what an update takes by the core's documented timings (`docs/notes/cost.md`); other code has
 /// fewer loads. The flash's prefetch is taken to hide its wait states. Not measured on silicon.
 pub const CYCLES_PER_INSTRUCTION: f64 = 1.9;
 /// Counts that must not be exceeded, by whatever compiler.

@@ -4,7 +4,6 @@
 //! tasks around it, which seldom run, have the one for size.
 #![no_std]
 #![forbid(unsafe_code)]
-#![deny(missing_docs)]
 
 use slam_core::{RobotSlam, Sample, StepReport};
 

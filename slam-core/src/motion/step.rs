@@ -154,7 +154,7 @@ fn wheel_step(track_m: f32, noise_m2_per_m: f32, left_m: f32, right_m: f32, fact
 const STEADY_S: f32 = 0.1;
 
 /// Slips come in runs: over ten seconds they add up to so many times the variance that steps of a second have. From the dead
-/// reckoning of olsson-demo, held against a path on which all its passes agree (docs/real-logs.md).
+/// reckoning of olsson-demo, held against a path on which all its passes agree (docs/notes/real-logs.md).
 pub const SLIP_RUNS: f32 = 4.0;
 
 /// What a robot slides while it turns, m^2 of each axis per radian: a point of rotation that is four centimetres off. From the

@@ -11,7 +11,7 @@
 //! are off together ([`crate::sensing::correlation`]).
 
 /// Information on the logarithm of a factor before any reading, as [`Level::learn`] counts it: a factor of 1.7 either
-/// way, 1-sigma. On the logs of docs/real-logs.md 6 to 8 do as well.
+/// way, 1-sigma. On the logs of docs/notes/real-logs.md 6 to 8 do as well.
 const PRIOR: f32 = 7.0;
 
 /// Most information: what is older than some 500 readings of different places fades.

@@ -112,10 +112,7 @@ const BARS: [&[Bar]; 4] = [
 
 /// The table of bars; `defaults` are the replays with the estimator's defaults, log by log.
 pub fn write(text: &mut String, defaults: &[(Vec<Recording>, Case)]) -> std::fmt::Result {
-    writeln!(
-        text,
-        "### What should hold\n\n| log | figure | bar | median | worst | held |\n|---|---|---|---|---|---|"
-    )?;
+    writeln!(text, "## What should hold\n\n| log | figure | bar | median | worst | held |\n|---|---|---|---|---|---|")?;
     for ((recordings, case), bars) in defaults.iter().zip(BARS) {
         let runs = figures_of(recordings);
         for bar in bars {

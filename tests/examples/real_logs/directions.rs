@@ -25,7 +25,7 @@ const LONG_M: f64 = 1.5;
 pub fn write(text: &mut String, defaults: &[(Vec<Recording>, Case)]) -> std::fmt::Result {
     writeln!(
         text,
-        "### Mapped walls by the true path\n\n\
+        "## Mapped walls by the true path\n\n\
          The used readings of each wall, placed by the true path: how many lie more than 15 cm off the wall's line, and of\n\
          the others of walls longer than 1.5 m how far across it (RMS), and how far the lines' directions are from the grid\n\
          that fits them best.\n\n\

@@ -1,4 +1,4 @@
-//! Writes the tables of `docs/real-logs.md`: `cargo run --release --package tests --example real_logs`.
+//! Writes `docs/results/real-logs.md`: `cargo run --release --package tests --example real_logs`.
 //!
 //! Each part of the estimator that can be switched off (`lab::input::part::PARTS`) is a row of each table. `-- NAME...` shows
 //! the rows of these parts only, on the standard output, and leaves the page alone; `-- default` shows no part's.
@@ -23,9 +23,18 @@ use tests::trial::{LoadedLog, Trial};
 /// median and the worst of replays whose range noise is off by so much.
 const NOISES: [f32; 9] = [1.0, 0.99, 1.01, 0.98, 1.02, 0.97, 1.03, 0.96, 1.04];
 
-/// What stands between these two lines is written here; everything around them is kept.
-const BEGIN: &str = "<!-- Written by cargo run --release --package tests --example real_logs -->\n";
-const END: &str = "<!-- End of what that command writes -->\n";
+/// How the page begins.
+const HEAD: &str = r#"# Real logs
+
+Written by `cargo run --release --package tests --example real_logs`.
+
+Every row is nine replays that differ only in the range noise that the rig file states, by up to 4 %: a change that should
+not matter. The first figure is their median, the one in brackets the worst. Where the two are far apart, single replays
+tell nothing. "Without" a part is the estimator with that part switched off.
+[Your own log](../guide/own-log.md#how-a-map-is-scored-without-a-truth) says what the scores mean,
+[the notes](../notes/real-logs.md) what was found.
+
+"#;
 
 /// A log, and what is done with it.
 struct Case {
@@ -98,11 +107,8 @@ fn main() {
         print!("{text}");
         return;
     }
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/real-logs.md");
-    let page = fs::read_to_string(&path).expect("docs/real-logs.md is there");
-    let (before, rest) = page.split_once(BEGIN).expect("docs/real-logs.md has the line at which the tables begin");
-    let (_, after) = rest.split_once(END).expect("docs/real-logs.md has the line at which the tables end");
-    fs::write(&path, format!("{before}{BEGIN}\n{text}{END}{after}")).expect("docs/real-logs.md can be written");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/results/real-logs.md");
+    fs::write(&path, format!("{HEAD}{}\n", text.trim_end())).expect("docs/results/real-logs.md can be written");
 }
 
 fn write_all(text: &mut String, defaults: &[(Vec<Recording>, Case)], parts: &[&Part]) -> std::fmt::Result {
@@ -123,7 +129,7 @@ fn figures_of(recordings: &[Recording]) -> Vec<Figures> {
 /// A table for each log: the default, dead reckoning, and the default without each part.
 fn table(text: &mut String, case: &Case, default: &[Recording], parts: &[&Part]) -> std::fmt::Result {
     let default = figures_of(default);
-    writeln!(text, "### {}\n\n{}", case.title, cells::header("estimator"))?;
+    writeln!(text, "## {}\n\n{}", case.title, cells::header("estimator"))?;
     writeln!(text, "| default | {} |", cells::of(&default).join(" | "))?;
     writeln!(text, "| odometry | {} |", cells::of_odometry(&default[0]).join(" | "))?;
     let mut idle = Vec::new();
@@ -144,7 +150,7 @@ fn table(text: &mut String, case: &Case, default: &[Recording], parts: &[&Part])
 fn variations(text: &mut String) -> std::fmt::Result {
     writeln!(
         text,
-        "### The same logs otherwise\n\nBegun later, with every second sensor, with shorter ranges, with rows left out as of a faster robot.\n\n{}",
+        "## The same logs otherwise\n\nBegun later, with every second sensor, with shorter ranges, with rows left out as of a faster robot.\n\n{}",
         cells::header("log")
     )?;
     for case in VARIATIONS {

@@ -11,7 +11,7 @@ use super::Case;
 pub fn write(text: &mut String, defaults: &[(Vec<Recording>, Case)]) -> std::fmt::Result {
     writeln!(
         text,
-        "### What becomes of the readings\n\n\
+        "## What becomes of the readings\n\n\
          Shares of all readings; of those outside the gate, how many ended in front of the wall that they should have met,\n\
          and how far from it.\n\n\
          | log | used | outside the gate | unexplained | too far | other refusals | in front | under 15 cm | up to 50 cm | \

@@ -18,7 +18,7 @@ const SEEDS: std::ops::RangeInclusive<u64> = 1..=9;
 pub fn write(text: &mut String, parts: &[&Part]) -> std::fmt::Result {
     writeln!(
         text,
-        "### Simulated homes\n\n\
+        "## Simulated homes\n\n\
          {MINUTES} minutes of each of {} seeds; every estimator gets the same drives.\n\n\
          | estimator | {} |\n|---|{}",
         SEEDS.count(),

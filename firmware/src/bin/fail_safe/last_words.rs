@@ -1,5 +1,5 @@
 //! Marks the emulator's log of register accesses can show, then the end.
-#![allow(unsafe_code)]
+#![allow(unsafe_code, reason = "handlers of panics and faults touch registers directly")]
 
 use core::panic::PanicInfo;
 use cortex_m_semihosting::{debug, hprintln};

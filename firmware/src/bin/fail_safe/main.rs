@@ -2,7 +2,6 @@
 //! emulator and looks at what reaches the motor driver's enable line.
 #![no_std]
 #![no_main]
-#![deny(unsafe_code)]
 
 #[path = "../../fail_safe.rs"]
 mod fail_safe;

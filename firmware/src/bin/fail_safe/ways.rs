@@ -1,5 +1,5 @@
 //! The ways to fail.
-#![allow(unsafe_code)]
+#![allow(unsafe_code, reason = "brings about faults on purpose")]
 
 use core::hint::black_box;
 use cortex_m_semihosting::{debug, syscall};

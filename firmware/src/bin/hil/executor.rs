@@ -1,5 +1,5 @@
 //! The executor of the loop: when no task has anything left to do, it turns to the host instead of sleeping.
-#![allow(unsafe_code)]
+#![allow(unsafe_code, reason = "the executor wants its wake-up function under a fixed name, and one caller of poll")]
 
 use core::sync::atomic::{AtomicBool, Ordering};
 use embassy_executor::{Spawner, raw};

@@ -1,5 +1,5 @@
 //! The link through the emulator: two pipes on the host, opened by semihosting.
-#![allow(unsafe_code)]
+#![allow(unsafe_code, reason = "calls the emulator with pointers")]
 
 use cortex_m_semihosting::{debug, syscall};
 

@@ -1,5 +1,5 @@
 //! An executor in an interrupt: its tasks run while the estimator is still at work.
-#![allow(unsafe_code)]
+#![allow(unsafe_code, reason = "an interrupt handler polls the executor")]
 
 use embassy_executor::{InterruptExecutor, SendSpawner};
 use embassy_stm32::interrupt;

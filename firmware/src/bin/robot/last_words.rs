@@ -1,5 +1,5 @@
 //! What the robot says before it waits for its watchdog, to a debug probe.
-#![allow(unsafe_code)]
+#![allow(unsafe_code, reason = "handlers of panics and faults touch registers directly")]
 
 use core::panic::PanicInfo;
 use cortex_m::peripheral::SCB;

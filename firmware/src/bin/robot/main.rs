@@ -1,7 +1,6 @@
 //! The robot: the tasks on its board.
 #![no_std]
 #![no_main]
-#![deny(unsafe_code)]
 
 mod board;
 #[path = "../../fail_safe.rs"]

@@ -1,4 +1,4 @@
-//! What is measured. A case's name appears in docs/timing.csv.
+//! What is measured. A case's name appears in docs/results/timing.csv.
 
 mod clusters;
 mod drive;
