@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use hal_sim::{Estimate, Frame};
+use slam_core::ekf::storage;
 use slam_core::{Config, HostSlam, Outcome, RigError, Sample, Slam, WallView};
 
 use lab::input::rig_file::{MAX_SENSORS, Robot};
@@ -24,7 +25,7 @@ pub struct Track {
 }
 
 /// The workbench's estimator with room for `B` outliers.
-type Estimator<const B: usize> = Slam<MAX_SENSORS, 64, B, 20, 1760>;
+type Estimator<const B: usize> = Slam<MAX_SENSORS, 64, B, { storage(160) }>;
 
 // With the default's room it is the very estimator of `lab run`.
 const _: fn(Estimator<128>) -> HostSlam = |slam| slam;

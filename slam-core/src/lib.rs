@@ -32,6 +32,7 @@
 extern crate std;
 
 mod births;
+mod clock;
 pub mod config;
 mod filter;
 mod geometry;

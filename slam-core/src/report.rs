@@ -98,7 +98,80 @@ pub struct StepReport<const S: usize> {
     pub prunes: u8,
 }
 
+/// What a stage did to the map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Changes {
+    /// Walls born.
+    pub births: u8,
+    /// Births refused because the map was full.
+    pub refused: u8,
+    /// Pairs of walls merged.
+    pub merges: u8,
+    /// Walls removed.
+    pub prunes: u8,
+}
+
+impl<const S: usize> StepReport<S> {
+    /// A step that did nothing.
+    pub const NOTHING: Self = Self {
+        readings: [ReadingReport { outcome: Outcome::Missing, range_m: None, hit_m: None }; S],
+        births: 0,
+        merges: 0,
+        prunes: 0,
+    };
+
+    /// Adds what a stage did.
+    pub(crate) fn add(&mut self, changes: &Changes) {
+        self.births = self.births.saturating_add(changes.births);
+        self.merges = self.merges.saturating_add(changes.merges);
+        self.prunes = self.prunes.saturating_add(changes.prunes);
+    }
+}
+
+fn count(counter: &mut u32, more: impl Into<u32>) {
+    *counter = counter.saturating_add(more.into());
+}
+
 impl Counters {
+    /// Counts a step.
+    pub(crate) fn add_step(&mut self) {
+        count(&mut self.steps, 1u8);
+    }
+
+    /// Counts a sample whose motion, or time, cannot be, where this one's cannot.
+    pub(crate) fn add_motion(&mut self, is_bad: bool) {
+        count(&mut self.bad_motion, is_bad);
+    }
+
+    /// Counts what became of a reading.
+    pub(crate) fn add_reading(&mut self, outcome: &Outcome) {
+        match *outcome {
+            Outcome::Missing => {}
+            Outcome::Refused(refusal) => {
+                if let Some(refused) = self.refused.get_mut(refusal as usize) {
+                    count(refused, 1u8);
+                }
+            }
+            Outcome::Updated { .. } => count(&mut self.updates, 1u8),
+            Outcome::Gated { .. } => count(&mut self.gated, 1u8),
+            Outcome::Unexplained => count(&mut self.unexplained, 1u8),
+        }
+    }
+
+    /// Counts an outlier that was kept, and one that was overwritten by it.
+    pub(crate) fn add_outlier(&mut self, overwrites: bool) {
+        count(&mut self.buffered, 1u8);
+        count(&mut self.overwritten, overwrites);
+    }
+
+    /// Counts what a stage did to the map.
+    pub(crate) fn add_changes(&mut self, changes: &Changes) {
+        count(&mut self.births, changes.births);
+        count(&mut self.map_full, changes.refused);
+        count(&mut self.merges, changes.merges);
+        count(&mut self.prunes, changes.prunes);
+    }
+
     /// All zero.
     pub const ZERO: Self = Self {
         steps: 0,

@@ -2,6 +2,9 @@
 
 use heapless::Vec;
 
+/// Most range sensors that a rig of any capacity has.
+pub const MAX_SENSORS: usize = 16;
+
 /// Where a beam starts and points, in the robot's frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -1,77 +1,52 @@
 //! The whole pipeline, in the order of the report's section 3: predict, observe, extend the map.
 
-use crate::births::buffer::OutlierBuffer;
-use crate::births::verdict::Doubts;
+use crate::births::candidates::{Candidates, Kept, Unexplained};
+use crate::births::extend::Extension;
+use crate::clock::{Clock, Tick};
 use crate::config::{Clustering, Config, Linearisation, MapFrame, WallPolicy};
-use crate::filter::ekf::{Ekf, Jacobian};
-use crate::filter::layout::{Layout, THETA};
+use crate::filter::ekf::{Ekf, Jacobian, storage};
+use crate::filter::layout::{self, THETA};
 use crate::geometry::angle::{sin_cos, wrap};
-use crate::geometry::pose::Pose;
-use crate::measurement::beam::FixedMount;
-use crate::measurement::first_estimates::First;
-use crate::motion::dead_reckoning::Odometry;
-use crate::motion::mean_motion::Pace;
-use crate::motion::step::{self, Factor, Factors, Step};
-use crate::motion::travel::{Encoders, Travel};
-use crate::report::{Counters, ReadingReport, StepReport};
-use crate::rig::{DriveModel, Rig, RigError};
-use crate::sample::Sample;
-use crate::sensing::correlation::Repeats;
+use crate::measurement::first_estimates::FirstEstimates;
+use crate::measurement::observe::Observer;
+use crate::measurement::sensor::{Sensor, SensorState};
+use crate::motion::drive::{Drive, DriveStates};
+use crate::motion::step::{Step, start_variance};
+use crate::report::{Counters, Outcome, Refusal, StepReport};
+use crate::rig::{DriveModel, MAX_SENSORS, RangeModel, Rig, RigError};
+use crate::sample::{Motion, RangeInput, Sample};
+use crate::sensing::correlation::SurfaceCorrelation;
+use crate::sensing::latency::{self, Latency, Timing};
 use crate::sensing::noise_level::NoiseLevels;
-use crate::sensing::range::FrontEnd;
-use crate::walls::list::Map;
+use crate::walls::map::Map;
+use crate::walls::upkeep::upkeep;
 use heapless::Vec;
 
-/// What scales multiply is an average of the motion over this time, seconds: noise of a fifteenth of a step's square, ten
-/// times a second, then draws them down by a hundredth (tests/paces.rs).
-const TRAVEL_S: f32 = 1.0;
-
 /// The estimator as it runs on the robot: 8 range sensors, 64 walls, 128 buffered outliers, 80 states.
-pub type RobotSlam = Slam<8, 64, 128, 10, 480>;
+pub type RobotSlam = Slam<8, 64, 128, { storage(80) }>;
 
 /// The estimator as the workbench runs it: 16 range sensors, 64 walls of any kind, 160 states.
-pub type HostSlam = Slam<16, 64, 128, 20, 1760>;
+pub type HostSlam = Slam<16, 64, 128, { storage(160) }>;
 
-/// The estimator: at most `S` range sensors, `W` walls, `B` buffered outliers and `8 NB` states; `BLOCKS` must be
-/// [`covariance::blocks`](crate::filter::covariance::blocks)`(NB)`.
-pub struct Slam<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOCKS: usize> {
+/// The estimator: at most `S` range sensors, `W` walls, `B` buffered outliers and as many states as `BLOCKS` =
+/// [`ekf::storage`](crate::ekf::storage)`(states)` is for.
+pub struct Slam<const S: usize, const W: usize, const B: usize, const BLOCKS: usize> {
     pub(crate) rig: Rig<S>,
     pub(crate) config: Config,
-    pub(crate) layout: Layout<S>,
-    pub(crate) mounts: [FixedMount; S],
-    /// Cosine of the largest incidence at which each sensor is trusted.
-    pub(crate) min_cos: [f32; S],
-    pub(crate) front_ends: [FrontEnd; S],
-    pub(crate) ekf: Ekf<NB, BLOCKS>,
-    pub(crate) has_grid: bool,
-    pub(crate) encoders: Encoders,
-    pub(crate) time_us: Option<u64>,
-    pub(crate) last_step: Step,
-    pub(crate) dt_s: f32,
-    /// Time between two samples, as a rule, seconds.
-    pub(crate) typical_dt_s: f32,
-    /// Motion over the time that a reading may be late.
-    pub(crate) pace: Pace,
-    /// Motion as the odometry says it, before the scales.
-    pub(crate) travel: Pace,
-    pub(crate) nominal: Pose,
-    pub(crate) odometry: Odometry,
-    pub(crate) map: Map<W>,
-    pub(crate) buffer: OutlierBuffer<B>,
-    /// Sensors with a buffered point that has not been clustered yet.
-    pub(crate) pending: [bool; S],
-    /// The sensor whose points were clustered last.
-    pub(crate) last_clustered: usize,
-    pub(crate) counters: Counters,
-    pub(crate) repeats: Repeats<S>,
+    clock: Clock,
+    pub(crate) drive: Drive,
+    pub(crate) sensors: [SensorState; S],
+    pub(crate) latency: Latency,
     pub(crate) levels: NoiseLevels,
-    pub(crate) doubts: Doubts,
-    pub(crate) first: First,
-    /// Where the robot started, in the map frame.
-    pub(crate) start: Pose,
+    pub(crate) correlation: SurfaceCorrelation<S>,
+    pub(crate) ekf: Ekf<BLOCKS>,
+    pub(crate) first: FirstEstimates,
+    pub(crate) map: Map<W>,
+    candidates: Candidates<B>,
+    pub(crate) counters: Counters,
 }
 
-impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOCKS: usize> Slam<S, W, B, NB, BLOCKS> {
+impl<const S: usize, const W: usize, const B: usize, const BLOCKS: usize> Slam<S, W, B, BLOCKS> {
     /// Not started. Every value here is one whose bytes are zero, so that a static of it costs no flash.
     pub const IDLE: Self = Self {
         rig: Rig {
@@ -102,31 +77,17 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             mean_travel: false,
             learn_noise: false,
         },
-        layout: Layout { first_scale: None, second_scale: None, track: None, gains: [None; S], latency: None },
-        mounts: [FixedMount::NONE; S],
-        min_cos: [0.0; S],
-        front_ends: [FrontEnd::NEW; S],
-        ekf: Ekf::EMPTY,
-        has_grid: false,
-        encoders: Encoders::NEW,
-        time_us: None,
-        last_step: Step::STILL,
-        dt_s: 0.0,
-        typical_dt_s: 0.0,
-        pace: Pace::STILL,
-        travel: Pace::STILL,
-        nominal: Pose::ORIGIN,
-        odometry: Odometry::START,
-        map: Map::EMPTY,
-        buffer: OutlierBuffer::EMPTY,
-        pending: [false; S],
-        last_clustered: 0,
-        counters: Counters::ZERO,
-        repeats: Repeats::NEW,
+        clock: Clock::NEW,
+        drive: Drive::START,
+        sensors: [SensorState::NONE; S],
+        latency: Latency::NONE,
         levels: NoiseLevels::STATED,
-        doubts: Doubts::NONE,
-        first: First::START,
-        start: Pose::ORIGIN,
+        correlation: SurfaceCorrelation::NEW,
+        ekf: Ekf::IDLE,
+        first: FirstEstimates::START,
+        map: Map::EMPTY,
+        candidates: Candidates::NONE,
+        counters: Counters::ZERO,
     };
 
     /// An estimator at the map frame's origin with an empty map.
@@ -145,122 +106,168 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
     /// # Errors
     /// A value of the rig that cannot be; nothing is changed then.
     pub fn start(&mut self, rig: Rig<S>, config: Config) -> Result<(), RigError> {
-        const { assert!(S <= 16 && B <= 255 && 4 + 3 + S < 8 * NB, "S <= 16, B <= 255, room for the calibration") };
+        const {
+            assert!(S <= MAX_SENSORS && B <= 255, "at most 16 sensors and 255 outliers");
+            assert!(4 + 3 + S < Ekf::<BLOCKS>::CAPACITY, "room for the calibration");
+        };
         rig.validate()?;
         self.ekf.clear();
-        for variance in step::start_variance(&rig.drive).into_iter().chain([0.0]) {
-            self.ekf.augment(0.0, &Jacobian::new(), variance);
-        }
-        let ekf = &mut self.ekf;
-        self.layout = Layout::new(&rig, &config, |mean, sigma| {
-            ekf.augment(mean, &Jacobian::new(), sigma * sigma);
-        });
-        for ((mount, min_cos), sensor) in self.mounts.iter_mut().zip(&mut self.min_cos).zip(&rig.sensors) {
-            *mount = FixedMount::new(&sensor.mount);
-            *min_cos = libm::cosf(sensor.max_incidence_rad);
-        }
         self.rig = rig;
         self.config = config;
-        self.front_ends = [FrontEnd::NEW; S];
-        self.has_grid = false;
-        self.encoders = Encoders::NEW;
-        self.time_us = None;
-        self.last_step = Step::STILL;
-        self.dt_s = 0.0;
-        self.typical_dt_s = 0.0;
-        self.pace = Pace::STILL;
-        self.travel = Pace::STILL;
-        self.nominal = Pose::ORIGIN;
-        self.odometry = Odometry::START;
-        self.map.clear();
-        self.buffer.clear();
-        self.pending = [false; S];
-        self.last_clustered = 0;
-        self.counters = Counters::ZERO;
-        self.repeats = Repeats::NEW;
+        self.clock = Clock::NEW;
+        self.drive = Drive::START;
+        self.sensors = [SensorState::NONE; S];
+        self.latency = Latency::NONE;
         self.levels = NoiseLevels::STATED;
-        self.doubts = Doubts::NONE;
-        self.first = First::START;
-        self.start = Pose::ORIGIN;
+        self.correlation = SurfaceCorrelation::NEW;
+        self.first = FirstEstimates::START;
+        self.map.clear(config.frame);
+        self.candidates.clear();
+        self.counters = Counters::ZERO;
+        self.add_states();
         Ok(())
+    }
+
+    /// Adds the pose, the grid's direction and every calibration state that is to be estimated and not known exactly.
+    fn add_states(&mut self) {
+        let Self { rig, config, drive, sensors, latency, ekf, .. } = self;
+        for variance in start_variance(&rig.drive).into_iter().chain([0.0]) {
+            ekf.augment(0.0, &Jacobian::new(), variance);
+        }
+        let mut allot = |is_wanted: bool, mean: f32, sigma: f32| {
+            if is_wanted && sigma > 0.0 { ekf.augment(mean, &Jacobian::new(), sigma * sigma) } else { None }
+        };
+        let (scale_sigma, track_sigma) = match rig.drive {
+            DriveModel::Wheels { scale_sigma, track_sigma, .. } => (scale_sigma, track_sigma),
+            DriveModel::Odometry { scale_sigma, .. } => (scale_sigma, 0.0),
+        };
+        drive.states = DriveStates {
+            first_scale: allot(config.calibrate_scales, 1.0, scale_sigma),
+            second_scale: allot(config.calibrate_scales, 1.0, scale_sigma),
+            track: allot(config.calibrate_track, 1.0, track_sigma),
+        };
+        for (state, sensor) in sensors.iter_mut().zip(&rig.sensors) {
+            *state = SensorState::new(sensor, allot(config.calibrate_gains, 1.0, sensor.gain_sigma));
+        }
+        let reports_metres = rig.sensors.iter().any(|sensor| matches!(sensor.model, RangeModel::Metric { .. }));
+        latency.state = allot(config.calibrate_latency && reports_metres, 0.0, latency::PRIOR_SIGMA_S);
     }
 
     /// Predict, observe, extend the map (report section 3). Never fails: what cannot be used is refused and counted.
     pub fn step(&mut self, sample: &Sample<S>) -> StepReport<S> {
-        let mut report = StepReport { readings: [ReadingReport::default(); S], births: 0, merges: 0, prunes: 0 };
-        self.counters.steps = self.counters.steps.saturating_add(1);
-        if self.time_us.is_some_and(|last| sample.time_us <= last) {
-            self.counters.bad_motion = self.counters.bad_motion.saturating_add(1);
+        let mut report = StepReport::NOTHING;
+        self.counters.add_step();
+        let Some(tick) = self.clock.tick(sample.time_us) else {
+            self.counters.add_motion(true);
             return report;
-        }
-        self.predict(sample);
-        self.observe(sample, &mut report);
-        self.extend_map(&mut report);
-        self.settle_latency();
-        self.ekf.set_mean(THETA, wrap(self.ekf.mean(THETA)));
-        self.hold_frame();
-        self.place_hits(&mut report);
+        };
+        self.predict(&sample.motion, tick);
+        self.observe(&sample.ranges, tick.dt_s, &mut report);
+        self.extend_map(tick.dt_s, &mut report);
+        self.latency.settle(&mut self.ekf);
+        let theta_rad = wrap(self.ekf.mean(THETA));
+        self.ekf.set_mean(THETA, theta_rad);
+        self.map.hold_frame(&self.ekf, self.drive.dead_reckoning.path_m);
+        self.place_hits(tick.dt_s, &mut report);
         report
     }
 
     /// Moves the pose by the motion input (report 3.1).
-    fn predict(&mut self, sample: &Sample<S>) {
-        let first = self.time_us.is_none();
-        let elapsed_us = sample.time_us - self.time_us.replace(sample.time_us).unwrap_or(sample.time_us);
-        self.dt_s = elapsed_us as f32 * 1e-6;
-        let travel = self.encoders.travel(&self.rig.drive, &sample.motion, self.dt_s);
-        if first {
+    fn predict(&mut self, motion: &Motion, tick: Tick) {
+        let Self { rig, config, drive, ekf, .. } = self;
+        let travel = drive.travel(&rig.drive, motion, tick.dt_s);
+        if tick.is_first {
             // Where motion starts from; there is none yet that could be wrong but in kind.
-            self.counters.bad_motion += u32::from(!sample.motion.fits(&self.rig.drive));
+            self.counters.add_motion(!motion.fits(&rig.drive));
             return;
         }
-        let factors = self.factors();
-        let step = match &travel {
-            Some(travel) => self.real_step(travel, &factors),
-            None => {
-                self.counters.bad_motion = self.counters.bad_motion.saturating_add(1);
-                self.last_step.lost()
-            }
+        self.counters.add_motion(travel.is_none());
+        let factors = drive.advance(&rig.drive, config, travel, tick.dt_s, ekf);
+        let step = &drive.step;
+        let noise = if config.learn_noise { self.levels.of_motion(&step.noise) } else { step.noise };
+        let before = layout::pose(ekf);
+        let (jacobian, noise) = Step { noise, ..*step }.in_map(sin_cos(before.theta_rad), &factors);
+        let pose = step.applied_to(&before);
+        let jacobian = match config.linearisation {
+            Linearisation::Latest => jacobian,
+            Linearisation::FirstEstimates => self.first.of_motion(jacobian, &pose),
         };
-        let heading = sin_cos(self.ekf.mean(THETA));
-        let noise = if self.config.learn_noise { self.levels.of_motion(&step.noise) } else { step.noise };
-        let (mut jacobian, noise) = Step { noise, ..step }.in_map(heading, &factors);
-        let pose = step.applied_to(&self.pose_from_start());
-        self.linearise_motion(&mut jacobian, pose);
-        self.ekf.predict([pose.x_m, pose.y_m, pose.theta_rad], &jacobian, &noise);
-        self.odometry.advance(&step);
-        self.last_step = step;
-        self.keep_pace();
-        let Some(travel) = travel else { return };
-        let known = Factor { value: 1.0, state: None };
-        let nominal = step::step(&self.rig.drive, &travel, &Factors { first: known, second: known, track: known });
-        self.nominal = nominal.applied_to(&self.nominal);
+        self.first.follow(pose, self.map.grid(ekf));
+        ekf.predict([pose.x_m, pose.y_m, pose.theta_rad], &jacobian, &noise);
+        self.latency.follow(step.increment, tick.dt_s);
     }
 
-    /// The step that was travelled, as real floors and odometry make it.
-    fn real_step(&mut self, travel: &Travel, factors: &Factors) -> Step {
-        let mut step = step::step(&self.rig.drive, travel, factors);
-        let Travel::Body(raw) = *travel else { return step.unsteady(self.dt_s) };
-        if self.config.slip {
-            step = step.slipping();
+    /// Updates with every reading that is a wall's, and keeps those that fit none (report eq. 3).
+    fn observe(&mut self, inputs: &[RangeInput; S], dt_s: f32, report: &mut StepReport<S>) {
+        let odometry = &self.drive.dead_reckoning;
+        let timing = Timing { dt_s, step: &self.drive.step, latency: &self.latency };
+        let mut observer = Observer {
+            config: &self.config,
+            ekf: &mut self.ekf,
+            map: &mut self.map,
+            levels: &mut self.levels,
+            correlation: &mut self.correlation,
+            first: &self.first,
+            timing,
+            path_m: odometry.path_m,
+            number: self.counters.steps,
+        };
+        let spacing_m = Candidates::<B>::spacing_m(self.rig.sensors.len());
+        let sensors = self.rig.sensors.iter().zip(&mut self.sensors).enumerate();
+        for (((index, (limits, state)), input), report) in sensors.zip(inputs).zip(&mut report.readings) {
+            if *input == RangeInput::Missing {
+                continue;
+            }
+            let reading = state.front_end.read(limits, self.rig.adc.as_ref(), *input, dt_s, odometry.path_m);
+            let sensor = Sensor { index, limits, state };
+            if let Ok(reading) = &reading {
+                report.range_m = Some(reading.range_m / state.gain(observer.ekf));
+            } else if matches!(reading, Err(Refusal::TooFar | Refusal::Floor)) {
+                observer.judge_absence(&sensor);
+            }
+            let outcome = reading.and_then(|reading| observer.observe(&sensor, &reading));
+            report.outcome = outcome.unwrap_or_else(Outcome::Refused);
+            self.counters.add_reading(&report.outcome);
+            if let (Ok(reading), Outcome::Unexplained | Outcome::Gated { .. }) = (&reading, report.outcome) {
+                let ekf = &*observer.ekf;
+                let outlier = Unexplained { sensor: &sensor, reading, timing, odometry, ekf, number: observer.number };
+                match self.candidates.keep(&outlier, spacing_m) {
+                    Kept::No => {}
+                    kept => self.counters.add_outlier(kept == Kept::ForOldest),
+                }
+            }
         }
-        if self.config.mean_travel {
-            self.travel.follow(raw, self.dt_s, TRAVEL_S);
-            step.by_factor = step::by_scales(self.travel.over(self.dt_s));
-        }
-        step
     }
 
-    fn factors(&self) -> Factors {
-        let factor = |state: Option<usize>| Factor { value: state.map_or(1.0, |i| self.ekf.mean(i)), state };
-        Factors {
-            first: factor(self.layout.first_scale),
-            second: factor(self.layout.second_scale),
-            track: factor(self.layout.track),
+    /// Finds new walls among the outliers (report 3.3), and keeps the map tidy.
+    fn extend_map(&mut self, dt_s: f32, report: &mut StepReport<S>) {
+        let born = Extension {
+            config: &self.config,
+            ekf: &mut self.ekf,
+            map: &mut self.map,
+            candidates: &mut self.candidates,
+            drive: &self.drive,
+            sensors: &self.sensors,
+            in_rig: self.rig.sensors.len(),
+            latency: &self.latency,
+        }
+        .extend(dt_s);
+        let (number, path_m) = (self.counters.steps as usize, self.drive.dead_reckoning.path_m);
+        let tidied = upkeep(&mut self.map, &mut self.ekf, self.config.walls, number, path_m);
+        for changes in [born, tidied] {
+            self.counters.add_changes(&changes);
+            report.add(&changes);
         }
     }
 
-    pub(crate) fn gain(&self, sensor: usize) -> f32 {
-        self.layout.gains.get(sensor).copied().flatten().map_or(1.0, |i| self.ekf.mean(i))
+    /// Where the beams ended, with the pose after the step.
+    fn place_hits(&self, dt_s: f32, report: &mut StepReport<S>) {
+        let pose = layout::pose(&self.ekf);
+        let heading = sin_cos(pose.theta_rad);
+        let timing = Timing { dt_s, step: &self.drive.step, latency: &self.latency };
+        for ((limits, state), reading) in self.rig.sensors.iter().zip(&self.sensors).zip(&mut report.readings) {
+            let beam = state.mount_then(&limits.model, &timing, &self.ekf).beam([pose.x_m, pose.y_m], heading);
+            reading.hit_m = reading.range_m.map(|range_m| self.map.point_in_map(beam.at(range_m)));
+        }
     }
 }

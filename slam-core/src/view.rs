@@ -1,7 +1,6 @@
 //! What the estimator shows of itself.
 
-use crate::config::MapFrame;
-use crate::filter::layout::{ALPHA, THETA, X, Y};
+use crate::filter::layout::{self, ALPHA, THETA, X, Y};
 use crate::geometry::pose::Pose;
 use crate::report::Counters;
 use crate::rig::{DriveModel, Rig};
@@ -50,7 +49,7 @@ pub struct WallView {
     pub updates: u32,
 }
 
-impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOCKS: usize> Slam<S, W, B, NB, BLOCKS> {
+impl<const S: usize, const W: usize, const B: usize, const BLOCKS: usize> Slam<S, W, B, BLOCKS> {
     /// The rig.
     pub fn rig(&self) -> &Rig<S> {
         &self.rig
@@ -58,18 +57,12 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
 
     /// The estimated pose in the map frame.
     pub fn pose(&self) -> Pose {
-        let pose = self.pose_from_start();
-        if self.config.frame == MapFrame::Start { pose } else { self.start.compose(&pose) }
+        self.map.pose_in_map(&layout::pose(&self.ekf))
     }
 
     /// Where the robot started, in the map frame: its origin, until walls hold that.
     pub fn start_pose(&self) -> Pose {
-        self.start
-    }
-
-    /// The estimated pose in the frame of the start pose.
-    pub(crate) fn pose_from_start(&self) -> Pose {
-        Pose { x_m: self.ekf.mean(X), y_m: self.ekf.mean(Y), theta_rad: self.ekf.mean(THETA) }
+        self.map.start
     }
 
     /// Covariance of the pose (x, y, theta) in the frame of the start pose: m^2, m rad, rad^2.
@@ -84,12 +77,12 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
 
     /// The pose by the motion input alone, with the rig's nominal calibration.
     pub fn dead_reckoning(&self) -> Pose {
-        self.nominal
+        self.drive.nominal
     }
 
     /// Direction of the wall grid and its 1-sigma, radians; none before the first grid wall.
     pub fn alpha(&self) -> Option<(f32, f32)> {
-        self.has_grid.then(|| (self.ekf.mean(ALPHA) + self.start.theta_rad, self.sigma(ALPHA)))
+        self.map.has_grid.then(|| (self.ekf.mean(ALPHA) + self.map.start.theta_rad, self.sigma(ALPHA)))
     }
 
     fn sigma(&self, i: usize) -> f32 {
@@ -100,7 +93,7 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
     pub fn walls(&self) -> impl Iterator<Item = WallView> + '_ {
         let grid = GridDirection::of(&self.ekf);
         self.map.walls().iter().map(move |wall| {
-            let (line, origin_m) = self.in_map(&wall.line(&self.ekf, &grid));
+            let (line, origin_m) = self.map.in_map(&wall.line(&self.ekf, &grid));
             WallView {
                 id: wall.id,
                 kind: wall.kind(),
@@ -120,21 +113,14 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             DriveModel::Wheels { .. } => (Parameter::ScaleLeft, Parameter::ScaleRight),
             DriveModel::Odometry { .. } => (Parameter::ScaleDistance, Parameter::ScaleTurn),
         };
-        let drive = [
-            (first, self.layout.first_scale),
-            (second, self.layout.second_scale),
-            (Parameter::Track, self.layout.track),
-        ];
-        let gains = self.layout.gains.iter().enumerate().map(|(i, state)| (Parameter::Gain(i as u8), *state));
-        drive
-            .into_iter()
-            .chain(gains)
-            .filter_map(|(parameter, state)| state.map(|i| (parameter, self.ekf.mean(i), self.sigma(i))))
+        let drive = [first, second, Parameter::Track].into_iter().zip(self.drive.states.in_order());
+        let gains = self.sensors.iter().enumerate().map(|(i, sensor)| (Parameter::Gain(i as u8), sensor.gain));
+        drive.chain(gains).filter_map(|(parameter, state)| state.map(|i| (parameter, self.ekf.mean(i), self.sigma(i))))
     }
 
     /// How late the readings that come in metres are, and its 1-sigma, seconds; none where it is not estimated.
     pub fn latency(&self) -> Option<(f32, f32)> {
-        self.layout.latency.map(|i| (self.ekf.mean(i), self.sigma(i)))
+        self.latency.state.map(|i| (self.ekf.mean(i), self.sigma(i)))
     }
 
     /// Counts of everything used and refused.

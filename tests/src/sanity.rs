@@ -1,5 +1,6 @@
 //! What must be true of an estimator whatever it was given.
 
+use slam_core::ekf::Ekf;
 use slam_core::{Outcome, RangeInput, Refusal, Sample, Slam, StepReport};
 
 /// Counts of what became of the readings, kept from the reports.
@@ -36,9 +37,9 @@ impl Tally {
     }
 
     /// Compares with the estimator's own counters.
-    pub fn assert_agrees<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOCKS: usize>(
+    pub fn assert_agrees<const S: usize, const W: usize, const B: usize, const BLOCKS: usize>(
         &self,
-        slam: &Slam<S, W, B, NB, BLOCKS>,
+        slam: &Slam<S, W, B, BLOCKS>,
     ) {
         let counters = slam.counters();
         assert_eq!(counters.steps, self.steps);
@@ -51,9 +52,7 @@ impl Tally {
 }
 
 /// Pose, covariance, walls and calibration are numbers, and the covariance is one: symmetric, not negative.
-pub fn assert_sane<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOCKS: usize>(
-    slam: &Slam<S, W, B, NB, BLOCKS>,
-) {
+pub fn assert_sane<const S: usize, const W: usize, const B: usize, const BLOCKS: usize>(slam: &Slam<S, W, B, BLOCKS>) {
     let (pose, covariance) = (slam.pose(), slam.pose_covariance());
     assert!(pose.x_m.is_finite() && pose.y_m.is_finite(), "{pose:?}");
     assert!(pose.theta_rad.abs() <= core::f32::consts::PI, "{pose:?}");
@@ -66,7 +65,7 @@ pub fn assert_sane<const S: usize, const W: usize, const B: usize, const NB: usi
     for (parameter, factor, sigma) in slam.calibration() {
         assert!(factor.is_finite() && sigma.is_finite() && sigma > 0.0, "{parameter:?}: {factor} +- {sigma}");
     }
-    assert!(slam.walls().count() <= W && slam.state_len() <= 8 * NB);
+    assert!(slam.walls().count() <= W && slam.state_len() <= Ekf::<BLOCKS>::CAPACITY);
 }
 
 /// Symmetric to the bit, and without a negative principal minor beyond f32's rounding.

@@ -1,18 +1,18 @@
 //! What the estimator does when something is full, and how large it is.
 
 use hal_sim::{Frame, SimOptions, default_rig};
-use slam_core::ekf::Ekf;
+use slam_core::ekf::{Ekf, storage};
 use slam_core::{Config, Counters, DriveModel, HostSlam, Rig, RobotSlam, Slam, WallPolicy};
 use tests::frames::{narrowed, narrowed_rig, recorded};
 use tests::sanity::{Tally, assert_sane};
 
 /// Runs an estimator over the frames and returns its counters and the most walls and states that it ever had.
-fn run<const W: usize, const B: usize, const NB: usize, const BLOCKS: usize>(
+fn run<const W: usize, const B: usize, const BLOCKS: usize>(
     frames: &[Frame],
     walls: WallPolicy,
 ) -> (Counters, usize, usize) {
     let rig = narrowed_rig(&default_rig());
-    let mut slam = Slam::<8, W, B, NB, BLOCKS>::new(rig, Config { walls, ..Config::default() }).unwrap();
+    let mut slam = Slam::<8, W, B, BLOCKS>::new(rig, Config { walls, ..Config::default() }).unwrap();
     let mut tally = Tally::default();
     let (mut most_walls, mut most_states) = (0, 0);
     for frame in frames {
@@ -47,7 +47,7 @@ fn the_robot_s_estimator_fits_into_32_kib() {
 fn the_workbench_s_estimator_holds_64_free_walls() {
     let empty = HostSlam::new(default_rig(), Config::default()).unwrap();
     assert!(
-        empty.state_len() + 2 * 64 <= Ekf::<20, 1760>::CAPACITY,
+        empty.state_len() + 2 * 64 <= Ekf::<{ storage(160) }>::CAPACITY,
         "{} states before the first wall",
         empty.state_len()
     );
@@ -56,9 +56,9 @@ fn the_workbench_s_estimator_holds_64_free_walls() {
 #[test]
 fn a_full_map_refuses_births_counts_them_and_goes_on() {
     let frames = recorded("flat", 2.0, 1, SimOptions::default());
-    let (roomy, walls, _) = run::<64, 128, 10, 480>(&frames, WallPolicy::Grid);
+    let (roomy, walls, _) = run::<64, 128, { storage(80) }>(&frames, WallPolicy::Grid);
     assert!(walls > 8 && roomy.map_full == 0, "{walls} walls: too tame for this test");
-    let (full, most_walls, _) = run::<4, 128, 10, 480>(&frames, WallPolicy::Grid);
+    let (full, most_walls, _) = run::<4, 128, { storage(80) }>(&frames, WallPolicy::Grid);
     assert_eq!(most_walls, 4);
     assert!(full.map_full > 10, "{full:?}");
     // What is known keeps being used; what is not keeps its place in the buffer.
@@ -72,7 +72,7 @@ fn a_full_state_refuses_births_that_do_not_fit() {
     for (policy, at_most) in
         [(WallPolicy::Free, 5), (WallPolicy::Snapped { theta_moves: false }, 5), (WallPolicy::Grid, 10)]
     {
-        let (counters, walls, states) = run::<64, 128, 3, 96>(&frames, policy);
+        let (counters, walls, states) = run::<64, 128, { storage(24) }>(&frames, policy);
         assert!(walls <= at_most && walls >= 4, "{policy:?}: {walls} walls");
         assert!(states > 22 && states <= 24, "{policy:?}: {states} states");
         assert!(counters.map_full > 0, "{policy:?}: {counters:?}");
@@ -82,13 +82,13 @@ fn a_full_state_refuses_births_that_do_not_fit() {
 #[test]
 fn a_full_buffer_overwrites_its_oldest_and_counts_them() {
     let frames = recorded("clutter", 1.0, 2, SimOptions::default());
-    let (small, ..) = run::<64, 16, 10, 480>(&frames, WallPolicy::Grid);
+    let (small, ..) = run::<64, 16, { storage(80) }>(&frames, WallPolicy::Grid);
     assert!(small.overwritten > 0, "{small:?}");
     // What came in and was not overwritten became walls or is still there.
     assert!(small.buffered - small.overwritten <= 16 + 16 * small.births, "{small:?}");
-    let (large, ..) = run::<64, 128, 10, 480>(&frames, WallPolicy::Grid);
+    let (large, ..) = run::<64, 128, { storage(80) }>(&frames, WallPolicy::Grid);
     assert!(large.births > 0);
     // With no room for a wall at all everything is overwritten but the last.
-    let (none, walls, _) = run::<0, 16, 10, 480>(&frames, WallPolicy::Grid);
+    let (none, walls, _) = run::<0, 16, { storage(80) }>(&frames, WallPolicy::Grid);
     assert_eq!((walls, none.births, none.buffered - none.overwritten), (0, 0, 16), "{none:?}");
 }

@@ -6,6 +6,7 @@ use hal_sim::{Frame, SimOptions, default_rig};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
+use slam_core::ekf::storage;
 use slam_core::{
     Adc, Clustering, Config, DriveModel, HostSlam, Increment, Linearisation, Motion, Mount, RangeInput, RangeModel,
     RangeSensor, Rig, Sample, Slam, Ticks, WallPolicy,
@@ -16,7 +17,7 @@ use tests::sanity::{Tally, assert_sane};
 /// A minute in the flat.
 static FRAMES: LazyLock<Vec<Frame>> = LazyLock::new(|| recorded("flat", 1.0, 1, SimOptions::default()));
 
-type Small = Slam<4, 8, 16, 3, 96>;
+type Small = Slam<4, 8, 16, { storage(24) }>;
 
 const WHEELS: DriveModel = DriveModel::Wheels {
     track_m: 0.235,

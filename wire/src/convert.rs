@@ -17,8 +17,8 @@ impl Sample {
 
 impl Estimate {
     /// What the estimator holds after the sample taken at this time.
-    pub fn of<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOCKS: usize>(
-        slam: &Slam<S, W, B, NB, BLOCKS>,
+    pub fn of<const S: usize, const W: usize, const B: usize, const BLOCKS: usize>(
+        slam: &Slam<S, W, B, BLOCKS>,
         time_us: u64,
     ) -> Self {
         let (pose, dead_reckoning, p) = (slam.pose(), slam.dead_reckoning(), slam.pose_covariance());
@@ -69,8 +69,8 @@ impl Wall {
 
 impl Calibration {
     /// The estimator's calibration; factors beyond the frame's room are left out.
-    pub fn of<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOCKS: usize>(
-        slam: &Slam<S, W, B, NB, BLOCKS>,
+    pub fn of<const S: usize, const W: usize, const B: usize, const BLOCKS: usize>(
+        slam: &Slam<S, W, B, BLOCKS>,
     ) -> Self {
         let mut calibration = Self::default();
         for (parameter, estimate, sigma) in slam.calibration() {

@@ -5,8 +5,7 @@
 mod others;
 
 use nalgebra::{SMatrix, SVector};
-use slam_core::covariance::blocks;
-use slam_core::ekf::{Ekf, Jacobian};
+use slam_core::ekf::{Ekf, Jacobian, storage};
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -15,8 +14,8 @@ const RUNS: usize = 7;
 
 /// Rows of one state length.
 macro_rules! rows {
-    ($n:literal, $nb:literal, $module:ident) => {
-        let ours = microseconds(20_000, slam_core::<$n, $nb, { blocks($nb) }>());
+    ($n:literal, $module:ident) => {
+        let ours = microseconds(20_000, slam_core::<$n, { storage($n) }>());
         let repeats = (20_000_000 / ($n * $n * $n)).max(20);
         println!("| {} | slam-core | {ours:.2} | 1 |", $n);
         for (name, us) in [
@@ -33,10 +32,10 @@ macro_rules! rows {
 
 fn main() {
     println!("| n | filter | us per update | over slam-core |\n|---|---|---|---|");
-    rows!(20, 3, n20);
-    rows!(36, 5, n36);
-    rows!(68, 9, n68);
-    rows!(132, 17, n132);
+    rows!(20, n20);
+    rows!(36, n36);
+    rows!(68, n68);
+    rows!(132, n132);
 }
 
 /// The fastest run's time for one call.
@@ -57,8 +56,8 @@ fn reading(n: usize) -> [(usize, f32); 6] {
 /// So large that the covariance stays as it is over any number of updates.
 const NOISE: f32 = 1e6;
 
-fn slam_core<const N: usize, const NB: usize, const BLOCKS: usize>() -> impl FnMut() {
-    let mut ekf = Box::new(Ekf::<NB, BLOCKS>::EMPTY);
+fn slam_core<const N: usize, const BLOCKS: usize>() -> impl FnMut() {
+    let mut ekf = Box::new(Ekf::<BLOCKS>::EMPTY);
     for i in 0..N {
         let jacobian: Jacobian = (i > 0).then_some((0, 0.1)).into_iter().collect();
         ekf.augment(0.0, &jacobian, 1.0);

@@ -1,56 +1,17 @@
 //! A new wall from a fitted line: its direction by maximum likelihood, its states with full cross-covariance.
 
+use crate::births::local_line::LocalLine;
 use crate::births::verdict::Verdict;
 use crate::config::WallPolicy;
-use crate::filter::ekf::{Ekf, Jacobian};
+use crate::filter::ekf::{EkfView, Jacobian};
 use crate::filter::layout::{ALPHA, THETA, X, Y};
 use crate::geometry::angle::wrap;
-use crate::sensing::correlation;
 use crate::walls::founding::{self};
 use crate::walls::manhattan::GridDirection;
 use crate::walls::wall::Direction;
 
-/// The line in the robot's present frame, with its derivatives by the calibration.
-#[derive(Clone, Debug)]
-pub struct LocalLine {
-    /// Centroid, metres, robot frame.
-    pub centroid_m: [f32; 2],
-    /// Direction of the normal, radians, robot frame.
-    pub normal_rad: f32,
-    /// Variance of the centroid along the normal, m^2; of the readings and of the odometry since.
-    pub variance_m2: f32,
-    /// Variance of the direction, rad^2; likewise.
-    pub direction_variance: f32,
-    /// Length, metres.
-    pub length_m: f32,
-    /// Number of points.
-    pub count: u32,
-    /// Centroid in the frame of dead reckoning, metres.
-    pub seen_m: [f32; 2],
-    /// Path length when it was found, metres.
-    pub path_m: f32,
-    /// (calibration state, d centroid, d direction): three of the drive, up to 16 gains, and the latency.
-    pub by_calibration: heapless::Vec<(usize, f32, f32), 20>,
-}
-
-impl LocalLine {
-    /// The plane of a wall whose surface has this relief, metres, is known less well than the line through its points: as
-    /// many of them as there are relief's lengths in the line have errors of their own.
-    pub fn add_relief(&mut self, relief_m: f32) {
-        let stretches = 1.0 + self.length_m * (1.0 / correlation::LENGTH_M);
-        let variance_m2 = relief_m * relief_m / stretches;
-        self.variance_m2 += variance_m2;
-        // Points spread evenly over a length have a variance of a twelfth of its square.
-        self.direction_variance += 12.0 * variance_m2 / (self.length_m * self.length_m).max(1e-4);
-    }
-}
-
 /// Adds the states of a wall. None, and nothing changed, where the state is full.
-pub fn add_states<const NB: usize, const BLOCKS: usize>(
-    ekf: &mut Ekf<NB, BLOCKS>,
-    verdict: Verdict,
-    line: &LocalLine,
-) -> Option<(usize, Direction)> {
+pub fn add_states(ekf: &mut EkfView, verdict: Verdict, line: &LocalLine) -> Option<(usize, Direction)> {
     match verdict {
         Verdict::Wait => None,
         Verdict::OnGrid(quarter) => add_grid(ekf, line, quarter),
@@ -77,18 +38,14 @@ fn direction_jacobian(line: &LocalLine) -> Jacobian {
 }
 
 /// Centroid in the map relative to the robot, for its present heading.
-fn arm<const NB: usize, const BLOCKS: usize>(ekf: &Ekf<NB, BLOCKS>, line: &LocalLine) -> [f32; 2] {
+fn arm(ekf: &EkfView, line: &LocalLine) -> [f32; 2] {
     let (s, c) = crate::geometry::angle::sin_cos(ekf.mean(THETA));
     let [x, y] = line.centroid_m;
     [c * x - s * y, s * x + c * y]
 }
 
 /// rho = (p + R(theta) q) . n(alpha + k pi/2) for the centroid q in the robot's frame.
-fn add_grid<const NB: usize, const BLOCKS: usize>(
-    ekf: &mut Ekf<NB, BLOCKS>,
-    line: &LocalLine,
-    quarter: u8,
-) -> Option<(usize, Direction)> {
+fn add_grid(ekf: &mut EkfView, line: &LocalLine, quarter: u8) -> Option<(usize, Direction)> {
     let normal = GridDirection::of(ekf).normal(quarter);
     let arm = arm(ekf, line);
     let centroid = [ekf.mean(X) + arm[0], ekf.mean(Y) + arm[1]];
@@ -106,11 +63,8 @@ fn add_grid<const NB: usize, const BLOCKS: usize>(
 }
 
 /// theta = heading + normal in the robot's frame; rho = (p + R q) . n(theta), where R q . n does not depend on the heading.
-fn add_line<const NB: usize, const BLOCKS: usize>(
-    ekf: &mut Ekf<NB, BLOCKS>,
-    line: &LocalLine,
-) -> Option<(usize, usize)> {
-    if ekf.len() + 2 > Ekf::<NB, BLOCKS>::CAPACITY {
+fn add_line(ekf: &mut EkfView, line: &LocalLine) -> Option<(usize, usize)> {
+    if ekf.len() + 2 > ekf.capacity() {
         return None;
     }
     let theta_value = wrap(ekf.mean(THETA) + line.normal_rad);

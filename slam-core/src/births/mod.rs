@@ -2,8 +2,10 @@
 
 pub mod birth;
 pub mod buffer;
+pub mod candidates;
 pub mod cluster;
 pub mod dbscan;
 pub mod extend;
 pub mod line_fit;
+pub mod local_line;
 pub mod verdict;

@@ -1,8 +1,8 @@
 //! What a line is: on the grid, off it, or not clear yet (report 3.3).
 
-use crate::births::birth::LocalLine;
+use crate::births::local_line::LocalLine;
 use crate::config::WallPolicy;
-use crate::filter::ekf::Ekf;
+use crate::filter::ekf::EkfView;
 use crate::filter::layout::{ALPHA, THETA};
 use crate::geometry::angle::wrap;
 use crate::walls::decision;
@@ -97,8 +97,8 @@ impl Doubts {
 }
 
 /// Maximum likelihood between the grid's directions and a free line (report 3.3).
-pub fn judge<const NB: usize, const BLOCKS: usize>(
-    ekf: &Ekf<NB, BLOCKS>,
+pub fn judge(
+    ekf: &EkfView,
     policy: WallPolicy,
     grid: Option<&GridDirection>,
     line: &LocalLine,

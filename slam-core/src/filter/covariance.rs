@@ -37,116 +37,64 @@ const fn tile_start(m: usize) -> usize {
     LANES * m * (m + 1)
 }
 
-/// A vector as long as the state, in blocks.
-#[derive(Clone, Debug)]
-pub struct Vector<const NB: usize>([Block; NB]);
-
-impl<const NB: usize> Vector<NB> {
-    /// All zero.
-    pub const ZERO: Self = Self([[0.0; LANES]; NB]);
-
-    /// Entry `i`; zero past the end.
-    #[inline]
-    pub fn get(&self, i: usize) -> f32 {
-        self.0.as_flattened().get(i).copied().unwrap_or(0.0)
-    }
-
-    /// Sets entry `i`; nothing past the end.
-    #[inline]
-    pub fn set(&mut self, i: usize, value: f32) {
-        if let Some(entry) = self.0.as_flattened_mut().get_mut(i) {
-            *entry = value;
-        }
-    }
-
-    /// Product with a sparse row, given by its first entries and the others.
-    pub fn dot(&self, head: &[f32; HEAD], others: &[(usize, f32)]) -> f32 {
-        let mut sum = 0.0;
-        for (h, value) in head.iter().zip(self.0.as_flattened()) {
-            sum += h * value;
-        }
-        for &(i, h) in others {
-            sum += h * self.get(i);
-        }
-        sum
-    }
-
-    /// self += factor * other, over the first `n` entries' blocks.
-    #[inline]
-    pub fn add_scaled(&mut self, factor: f32, other: &Self, n: usize) {
-        for (a, b) in self.0.iter_mut().zip(&other.0).take(n.div_ceil(LANES)) {
-            add_scaled(a, factor, b);
-        }
-    }
-
-    /// self = factor * other, over the first `n` entries' blocks.
-    fn set_scaled(&mut self, factor: f32, other: &Self, n: usize) {
-        for (a, b) in self.0.iter_mut().zip(&other.0).take(n.div_ceil(LANES)) {
-            *a = b.map(|b| factor * b);
-        }
-    }
-
-    /// gain = factor * column, and self += innovation * gain, over the first `n` entries' blocks.
-    pub(crate) fn correct(&mut self, column: &Self, factor: f32, innovation: f32, gain: &mut Self, n: usize) {
-        let column = column.0.get(..n.div_ceil(LANES)).unwrap_or(&[]);
-        downdate::correct(&mut self.0, &mut gain.0, column, factor, innovation);
-    }
+/// Entry `i` of a vector as long as the state, in blocks; zero past its end.
+#[inline]
+pub fn entry(vector: &[Block], i: usize) -> f32 {
+    vector.as_flattened().get(i).copied().unwrap_or(0.0)
 }
 
-#[inline(always)]
-fn add_scaled(a: &mut Block, factor: f32, b: &Block) {
-    for (a, b) in a.iter_mut().zip(b) {
-        *a += factor * b;
+/// Product of such a vector with a sparse row, given by its first entries and the others.
+pub fn dot(vector: &[Block], head: &[f32; HEAD], others: &[(usize, f32)]) -> f32 {
+    let mut sum = 0.0;
+    for (h, value) in head.iter().zip(vector.as_flattened()) {
+        sum += h * value;
     }
+    for &(i, h) in others {
+        sum += h * entry(vector, i);
+    }
+    sum
 }
 
-/// A symmetric matrix of up to `8 NB` rows in `BLOCKS` = [`blocks`]`(NB)` blocks.
+/// gain = factor * column, and mean += innovation * gain, over the first `n` entries' blocks.
+pub(crate) fn correct(
+    mean: &mut [Block],
+    gain: &mut [Block],
+    column: &[Block],
+    factor: f32,
+    innovation: f32,
+    n: usize,
+) {
+    let column = column.get(..n.div_ceil(LANES)).unwrap_or(&[]);
+    downdate::correct(mean, gain, column, factor, innovation);
+}
+
+/// A symmetric matrix of up to `8 nb` rows, in an array of [`blocks`]`(nb)` blocks or in a borrowed slice of so many.
 #[derive(Clone, Debug)]
-pub struct Covariance<const NB: usize, const BLOCKS: usize>([Block; BLOCKS]);
+pub struct Covariance<C>(pub C);
 
-impl<const NB: usize, const BLOCKS: usize> Covariance<NB, BLOCKS> {
-    /// All zero.
-    pub const ZERO: Self = {
-        assert!(BLOCKS == blocks(NB), "BLOCKS must be covariance::blocks(NB): 16 t (t + 1) for t = NB / 2, rounded up");
-        Self([[0.0; LANES]; BLOCKS])
-    };
+/// Largest index of a state; a larger one is outside every matrix.
+const LARGEST: usize = u16::MAX as usize;
 
-    /// Makes all entries zero.
-    pub fn clear(&mut self) {
-        self.0.fill([0.0; LANES]);
+/// Place of an entry; past the end for one outside.
+#[inline]
+const fn locate(i: usize, j: usize) -> usize {
+    let (i, j) = if i <= j { (i, j) } else { (j, i) };
+    if j > LARGEST {
+        return usize::MAX;
     }
+    TILE * (tile_start(j / TILE) + i) + j % TILE
+}
 
+impl<C: AsRef<[Block]>> Covariance<C> {
     /// The rows of all tiles.
     fn pairs(&self) -> &[Pair] {
-        self.0.as_chunks().0
-    }
-
-    fn pairs_mut(&mut self) -> &mut [Pair] {
-        self.0.as_chunks_mut().0
-    }
-
-    /// Place of an entry; past the end for one outside.
-    #[inline]
-    const fn locate(i: usize, j: usize) -> usize {
-        let (i, j) = if i <= j { (i, j) } else { (j, i) };
-        if j >= LANES * NB {
-            return usize::MAX;
-        }
-        TILE * (tile_start(j / TILE) + i) + j % TILE
+        self.0.as_ref().as_chunks().0
     }
 
     /// Entry (i, j); zero outside.
     #[inline]
     pub fn get(&self, i: usize, j: usize) -> f32 {
-        self.0.as_flattened().get(Self::locate(i, j)).copied().unwrap_or(0.0)
-    }
-
-    /// Sets entries (i, j) and (j, i); nothing outside.
-    #[inline]
-    pub fn set(&mut self, i: usize, j: usize, value: f32) {
-        if let Some(entry) = self.0.as_flattened_mut().get_mut(Self::locate(i, j)) {
-            *entry = value;
-        }
+        self.0.as_ref().as_flattened().get(locate(i, j)).copied().unwrap_or(0.0)
     }
 
     /// J P J^T for a sparse row J, given by its entries of the first states and the others. O(entries^2).
@@ -178,8 +126,8 @@ impl<const NB: usize, const BLOCKS: usize> Covariance<NB, BLOCKS> {
 
     /// out = P J^T over the leading n x n part, outside of which P is zero, for a sparse row J, given by its entries of
     /// the first states and the others. O(entries n). Past the block of `n`, `out` is left as it was.
-    pub fn product(&self, head: &[f32; HEAD], others: &[(usize, f32)], n: usize, out: &mut Vector<NB>) {
-        for (m, out) in out.0.chunks_mut(2).enumerate().take(n.div_ceil(TILE)) {
+    pub fn product(&self, head: &[f32; HEAD], others: &[(usize, f32)], n: usize, out: &mut [Block]) {
+        for (m, out) in out.chunks_mut(2).enumerate().take(n.div_ceil(TILE)) {
             let width = n - TILE * m;
             if width > LANES
                 && let Some(out) = out.first_chunk_mut::<2>()
@@ -195,36 +143,42 @@ impl<const NB: usize, const BLOCKS: usize> Covariance<NB, BLOCKS> {
             }
         }
     }
+}
 
-    /// P -= k g g^T over the leading n x n part: n (n + 1) / 2 multiply-subtracts, and those of unused lanes.
-    ///
-    /// `g` must be zero past `n`.
-    pub fn downdate(&mut self, g: &Vector<NB>, k: f32, n: usize) {
-        let mut scaled = Vector::ZERO;
-        scaled.set_scaled(k, g, n);
-        self.downdate_scaled(g, &scaled, n);
+impl<C: AsRef<[Block]> + AsMut<[Block]>> Covariance<C> {
+    fn pairs_mut(&mut self) -> &mut [Pair] {
+        self.0.as_mut().as_chunks_mut().0
     }
 
-    /// The same where k g is at hand.
-    pub(crate) fn downdate_scaled(&mut self, g: &Vector<NB>, scaled: &Vector<NB>, n: usize) {
+    /// Sets entries (i, j) and (j, i); nothing outside.
+    #[inline]
+    pub fn set(&mut self, i: usize, j: usize, value: f32) {
+        if let Some(entry) = self.0.as_mut().as_flattened_mut().get_mut(locate(i, j)) {
+            *entry = value;
+        }
+    }
+
+    /// P -= k g g^T over the leading n x n part, for k g in `scaled`: n (n + 1) / 2 multiply-subtracts, and those of unused
+    /// lanes. `g` must be zero past `n`.
+    pub fn downdate(&mut self, g: &[Block], scaled: &[Block], n: usize) {
         let mut rest = self.pairs_mut();
-        for (m, (g, factors)) in g.0.chunks(2).zip(scaled.0.chunks(2)).enumerate().take(n.div_ceil(TILE)) {
+        for (m, (g, factors)) in g.chunks(2).zip(scaled.chunks(2)).enumerate().take(n.div_ceil(TILE)) {
             let first = TILE * m;
             let Some((rows, tail)) = rest.split_at_mut_checked(first + TILE) else { return };
             rest = tail;
             match (g, factors) {
                 ([g, h], [_, beside]) if n > first + LANES => {
                     let Some((above, diagonal)) = rows.split_at_mut_checked(first + LANES) else { return };
-                    downdate::pairs(above, &scaled.0, g, h);
+                    downdate::pairs(above, scaled, g, h);
                     downdate::triangle::<1, LANES>(diagonal, beside, h);
                 }
                 ([g, ..], [beside, ..]) => {
                     let Some((above, diagonal)) = rows.split_at_mut_checked(first) else { return };
                     if n > first + LANES / 2 {
-                        downdate::lanes::<LANES>(above, &scaled.0, g);
+                        downdate::lanes::<LANES>(above, scaled, g);
                         downdate::triangle::<0, LANES>(diagonal, beside, g);
                     } else {
-                        downdate::lanes::<{ LANES / 2 }>(above, &scaled.0, g);
+                        downdate::lanes::<{ LANES / 2 }>(above, scaled, g);
                         downdate::triangle::<0, { LANES / 2 }>(diagonal, beside, g);
                     }
                 }
@@ -234,11 +188,11 @@ impl<const NB: usize, const BLOCKS: usize> Covariance<NB, BLOCKS> {
     }
 
     /// Replaces the entries of row `i` from the diagonal on, for a row of the first block.
-    pub fn set_row(&mut self, i: usize, row: &Vector<NB>, n: usize) {
+    pub fn set_row(&mut self, i: usize, row: &[Block], n: usize) {
         for j in i..n.min(TILE) {
-            self.set(i, j, row.get(j));
+            self.set(i, j, entry(row, j));
         }
-        for (m, values) in row.0.chunks(2).enumerate().take(n.div_ceil(TILE)).skip(1) {
+        for (m, values) in row.chunks(2).enumerate().take(n.div_ceil(TILE)).skip(1) {
             if let Some(row) = self.pairs_mut().get_mut(tile_start(m) + i) {
                 for (p, values) in row.iter_mut().zip(values) {
                     *p = *values;
@@ -248,9 +202,9 @@ impl<const NB: usize, const BLOCKS: usize> Covariance<NB, BLOCKS> {
     }
 
     /// Replaces row and column `i` of the leading n x n part by `column`, and the diagonal entry by `variance`.
-    pub fn set_column(&mut self, i: usize, column: &Vector<NB>, variance: f32, n: usize) {
+    pub fn set_column(&mut self, i: usize, column: &[Block], variance: f32, n: usize) {
         for j in 0..n {
-            self.set(i, j, column.get(j));
+            self.set(i, j, entry(column, j));
         }
         self.set(i, i, variance);
     }

@@ -1,6 +1,6 @@
 //! Which wall a beam meets first.
 
-use crate::filter::ekf::Ekf;
+use crate::filter::ekf::EkfView;
 use crate::geometry::line::Line;
 use crate::measurement::beam::Beam;
 use crate::walls::manhattan::GridDirection;
@@ -43,8 +43,8 @@ pub fn prolongation_m(step_m: f32) -> f32 {
 
 /// The nearest wall that the beam meets at more than `beyond_m` and less than `within_m`, within its extent and
 /// `prolongation_m` more.
-pub fn first_met<const NB: usize, const BLOCKS: usize>(
-    ekf: &Ekf<NB, BLOCKS>,
+pub fn first_met(
+    ekf: &EkfView,
     grid: &GridDirection,
     walls: &[Wall],
     beam: &Beam,

@@ -5,3 +5,4 @@ pub mod data_association;
 pub mod first_estimates;
 pub mod line_of_sight;
 pub mod observe;
+pub mod sensor;

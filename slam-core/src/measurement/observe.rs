@@ -1,20 +1,23 @@
 //! One scalar update for every reading: association, gate, Jacobian (report 3.1 and 3.2).
 
-use crate::config::WallPolicy;
-use crate::filter::ekf::Jacobian;
+use crate::config::{Config, Linearisation, WallPolicy};
+use crate::filter::ekf::{EkfView, Jacobian};
 use crate::filter::layout::{ALPHA, THETA, X, Y};
 use crate::geometry::angle::sin_cos;
-use crate::measurement::beam::{Beam, FixedMount, Prediction};
+use crate::measurement::beam::{Beam, Prediction};
 use crate::measurement::data_association;
+use crate::measurement::first_estimates::FirstEstimates;
 use crate::measurement::line_of_sight::{Candidate, first_met, prolongation_m};
-use crate::report::{Outcome, Refusal, StepReport};
-use crate::rig::{RangeModel, RangeSensor};
-use crate::sample::{Increment, RangeInput, Sample};
-use crate::sensing::correlation::Hit;
-use crate::sensing::noise_level::Expected;
-use crate::sensing::range::{Noise, Reading, SHARP_HOLD_S, SURFACE_M};
-use crate::slam::Slam;
+use crate::measurement::sensor::Sensor;
+use crate::report::{Outcome, Refusal};
+use crate::rig::RangeSensor;
+use crate::sample::Increment;
+use crate::sensing::correlation::{Hit, SurfaceCorrelationView};
+use crate::sensing::latency::Timing;
+use crate::sensing::noise_level::{Expected, NoiseLevels};
+use crate::sensing::range::{Noise, Reading, SURFACE_M};
 use crate::walls::manhattan::GridDirection;
+use crate::walls::map::MapView;
 use crate::walls::wall::{Direction, Wall};
 
 /// Walls that one beam is held against: beyond its end a wall may go on or not, and at a corner two may.
@@ -104,99 +107,63 @@ fn check_limits(limits: &RangeSensor, min_cos: f32, met: &Hypothesis) -> Result<
     Ok(())
 }
 
-impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOCKS: usize> Slam<S, W, B, NB, BLOCKS> {
-    /// One scalar update for every reading (report eq. 3).
-    pub(crate) fn observe(&mut self, sample: &Sample<S>, report: &mut StepReport<S>) {
-        for (i, (input, report)) in sample.ranges.iter().zip(&mut report.readings).enumerate() {
-            let (Some(sensor), Some(front_end)) = (self.rig.sensors.get(i), self.front_ends.get_mut(i)) else { break };
-            if *input == RangeInput::Missing {
-                continue;
-            }
-            let path_m = self.odometry.path_m;
-            let reading = match front_end.read(sensor, self.rig.adc.as_ref(), *input, self.dt_s, path_m) {
-                Ok(reading) => reading,
-                Err(refusal) => {
-                    if matches!(refusal, Refusal::TooFar | Refusal::Floor) {
-                        self.judge_absence(i);
-                    }
-                    report.outcome = self.refuse(refusal);
-                    continue;
-                }
-            };
-            let gain = self.gain(i);
-            report.range_m = Some(reading.range_m / gain);
-            report.outcome = match self.associate(i, &reading) {
-                Ok(outcome) => outcome,
-                Err(refusal) => self.refuse(refusal),
-            };
-            let count = match report.outcome {
-                Outcome::Unexplained => &mut self.counters.unexplained,
-                Outcome::Gated { .. } => &mut self.counters.gated,
-                _ => continue,
-            };
-            *count = count.saturating_add(1);
-            self.keep_outlier(i, &reading);
-        }
-    }
+/// The readings of one step against the map: what they are held against, and what they change.
+pub struct Observer<'a> {
+    /// Settings.
+    pub config: &'a Config,
+    /// The state.
+    pub ekf: &'a mut EkfView,
+    /// The walls.
+    pub map: &'a mut MapView,
+    /// How large the noise is.
+    pub levels: &'a mut NoiseLevels,
+    /// How readings repeat one another.
+    pub correlation: &'a mut SurfaceCorrelationView,
+    /// What the models are differentiated at.
+    pub first: &'a FirstEstimates,
+    /// When the readings were made.
+    pub timing: Timing<'a>,
+    /// Length of the path so far, metres.
+    pub path_m: f32,
+    /// Number of the step, from 1.
+    pub number: u32,
+}
 
-    fn refuse(&mut self, refusal: Refusal) -> Outcome {
-        if let Some(count) = self.counters.refused.get_mut(refusal as usize) {
-            *count = count.saturating_add(1);
-        }
-        Outcome::Refused(refusal)
-    }
+/// A reading and the beam that it was made along.
+struct Sight<'a> {
+    sensor: &'a Sensor<'a>,
+    reading: &'a Reading,
+    beam: Beam,
+    /// Sine and cosine of the robot's heading.
+    heading: (f32, f32),
+}
 
-    /// The mount as it was when the reading was made: an analogue sensor's is half a hold old when it comes out, and has
-    /// been held for half a sampling period, or hold, on average. How old one in metres is, is estimated.
-    pub(crate) fn mount_then(&self, sensor: usize) -> FixedMount {
-        let mount = self.mounts.get(sensor).copied().unwrap_or_else(|| FixedMount::new(&Default::default()));
-        let lagging =
-            |ratio: f32, i: Increment| mount.lagging([ratio * i.forward_m, ratio * i.left_m], ratio * i.turn_rad);
-        if let Some(latency) = self.latency_of(sensor) {
-            return lagging(1.0, self.pace.over(self.ekf.mean(latency)));
-        }
-        let holds = self.rig.sensors.get(sensor).is_some_and(|s| matches!(s.model, RangeModel::Sharp { .. }));
-        if !holds || self.dt_s <= 0.0 {
-            return mount;
-        }
-        let age_s = 0.5 * (SHARP_HOLD_S + self.dt_s.min(SHARP_HOLD_S));
-        lagging(age_s / self.dt_s, self.last_step.increment)
-    }
-
-    fn position(&self) -> [f32; 2] {
-        [self.ekf.mean(X), self.ekf.mean(Y)]
-    }
-
-    /// Finds the wall that the beam meets and updates with it.
-    fn associate(&mut self, sensor: usize, reading: &Reading) -> Result<Outcome, Refusal> {
+impl Observer<'_> {
+    /// Finds the wall that the beam met and updates with the reading (report eq. 3).
+    ///
+    /// # Errors
+    /// Why the reading is neither used nor an outlier.
+    pub fn observe(&mut self, sensor: &Sensor, reading: &Reading) -> Result<Outcome, Refusal> {
         let heading = sin_cos(self.ekf.mean(THETA));
-        let beam = self.mount_then(sensor).beam(self.position(), heading);
-        let (Some(&limits), Some(&min_cos)) = (self.rig.sensors.get(sensor), self.min_cos.get(sensor)) else {
-            return Err(Refusal::Invalid);
-        };
+        let sight = Sight { sensor, reading, beam: self.beam(sensor, heading), heading };
         let mut outcome = Outcome::Unexplained;
         let mut beyond_m = 0.0;
         let mut nearly = false;
         for _ in 0..MAX_CANDIDATES {
-            let met = self.hypothesis(sensor, reading, &beam, heading, beyond_m);
-            let Some(met) = &met else { break };
+            let Some(met) = &self.hypothesis(&sight, beyond_m) else { break };
             if beyond_m == 0.0 {
-                self.learn_noise(sensor, reading, met);
+                self.learn_noise(&sight, met);
             }
             beyond_m = met.beyond_m();
             if met.explains {
-                check_limits(&limits, min_cos, met)?;
+                check_limits(sensor.limits, sensor.state.min_cos, met)?;
                 // Past a wall's end the beam may have gone on: then the reading must not fit what stands there, too.
-                if met.at_end {
-                    let next = self.hypothesis(sensor, reading, &beam, heading, beyond_m);
-                    if next.is_some_and(|next| next.explains) {
-                        return Err(Refusal::Ambiguous);
-                    }
+                if met.at_end && self.hypothesis(&sight, beyond_m).is_some_and(|next| next.explains) {
+                    return Err(Refusal::Ambiguous);
                 }
-                let noise_m2 = self.weighed(met) * self.repeated(sensor, reading, met);
+                let noise_m2 = self.weighed(met) * self.repeated(&sight, met);
                 self.ekf.update(met.innovation_m, &met.jacobian, noise_m2).map_err(|_| Refusal::Degenerate)?;
-                self.counters.updates = self.counters.updates.saturating_add(1);
-                self.map.met(met.candidate.index, met.candidate.along_m, self.odometry.path_m);
+                self.map.met(met.candidate.index, met.candidate.along_m, self.path_m);
                 return Ok(met.updated());
             }
             nearly |= met.nearly;
@@ -212,39 +179,51 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         if nearly { Err(Refusal::Ambiguous) } else { Ok(outcome) }
     }
 
+    /// A beam that found nothing within its range, where it should have met a wall well within it, went through the wall.
+    pub fn judge_absence(&mut self, sensor: &Sensor) {
+        let beam = self.beam(sensor, sin_cos(self.ekf.mean(THETA)));
+        let Some(met) = self.first_met(&beam, 0.0, ABSENCE_SHARE * sensor.limits.max_m) else { return };
+        if met.inside_m > ABSENCE_M && met.cos_incidence > sensor.state.min_cos {
+            self.map.passed_through(met.index);
+        }
+    }
+
+    fn beam(&self, sensor: &Sensor, heading: (f32, f32)) -> Beam {
+        let mount = sensor.state.mount_then(&sensor.limits.model, &self.timing, self.ekf);
+        mount.beam([self.ekf.mean(X), self.ekf.mean(Y)], heading)
+    }
+
     fn first_met(&self, beam: &Beam, beyond_m: f32, within_m: f32) -> Option<Candidate> {
-        let grid = GridDirection::of(&self.ekf);
-        let prolongation_m = prolongation_m(self.last_step.path_m);
-        first_met(&self.ekf, &grid, self.map.walls(), beam, beyond_m, within_m, prolongation_m)
+        let grid = GridDirection::of(self.ekf);
+        let prolongation_m = prolongation_m(self.timing.step.path_m);
+        first_met(self.ekf, &grid, self.map.walls(), beam, beyond_m, within_m, prolongation_m)
     }
 
     /// The next wall along the beam, and how the reading would fit it.
-    fn hypothesis(
-        &self,
-        sensor: usize,
-        reading: &Reading,
-        beam: &Beam,
-        heading: (f32, f32),
-        beyond_m: f32,
-    ) -> Option<Hypothesis> {
-        let limits = self.rig.sensors.get(sensor)?;
-        let within_m = 1.5 * limits.max_m;
-        let candidate = self.first_met(beam, beyond_m, within_m)?;
+    fn hypothesis(&self, sight: &Sight, beyond_m: f32) -> Option<Hypothesis> {
+        let Sight { sensor, reading, beam, heading } = sight;
+        let limits = sensor.limits;
+        let candidate = self.first_met(beam, beyond_m, 1.5 * limits.max_m)?;
         let wall = self.map.walls().get(candidate.index)?;
-        let gain = self.gain(sensor);
+        let gain = sensor.state.gain(self.ekf);
         let prediction = beam.predict(&candidate.line);
         let predicted_m = gain * prediction.range_m;
         let innovation = reading.innovation(predicted_m);
-        let mut jacobian = self.jacobian(sensor, gain, wall, &self.linearise(wall, &candidate.line, &prediction));
-        if let Some(latency) = self.latency_of(sensor) {
+        let derivatives = match self.config.linearisation {
+            Linearisation::Latest => prediction,
+            Linearisation::FirstEstimates => self.first.of_reading(wall, &candidate.line, &prediction),
+        };
+        let mut jacobian = self.jacobian(sensor, gain, wall, &derivatives);
+        if let Some(age) = self.timing.latency.of(&limits.model) {
             // What is older shows less of the change. The capacity is more than twice what a measurement has.
-            let _ = jacobian.push((latency, -gain * change_m(&prediction, heading, self.pace.over(1.0))));
+            let _ = jacobian.push((age, -gain * change_m(&prediction, *heading, self.timing.latency.rate())));
         }
         // What stands out of a wall's plane is met so much earlier along a slanting beam.
         let relief_m = self.config.relief_m / candidate.cos_incidence;
         let surface_m2 = SURFACE_M * SURFACE_M + relief_m * relief_m;
-        let white_m2 = innovation.noise_m2 + surface_m2 + self.timing_variance(sensor, &prediction, heading);
-        let stride_m = self.last_step.path_m + (self.last_step.increment.turn_rad * candidate.range_m).abs();
+        let white_m2 = innovation.noise_m2 + surface_m2 + self.timing_variance(sensor, &prediction, *heading);
+        let step = self.timing.step;
+        let stride_m = step.path_m + (step.increment.turn_rad * candidate.range_m).abs();
         let at_end = candidate.inside_m < END_M.max(stride_m);
         // Where two surfaces are possible, the reading says half as much. But it must fit by its own noise, where that is
         // known: an analogue sensor's is electric, while one that reports metres has errors of the surface, too.
@@ -287,12 +266,12 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
     }
 
     /// What the nearest wall's innovation says of the noise of readings and of motion, as far as the reading is its.
-    fn learn_noise(&mut self, sensor: usize, reading: &Reading, met: &Hypothesis) {
-        if !self.config.learn_noise || !matches!(reading.noise, Noise::Metres { .. }) {
+    fn learn_noise(&mut self, sight: &Sight, met: &Hypothesis) {
+        if !self.config.learn_noise || !matches!(sight.reading.noise, Noise::Metres { .. }) {
             return;
         }
         let odds = data_association::odds(met.innovation_m, met.variance_m2, met.span_m);
-        let alike = self.repeats.count(sensor, met.wall, met.candidate.along_m, self.counters.steps);
+        let alike = self.correlation.count(sight.sensor.index, met.wall, met.candidate.along_m, self.number);
         let [.., by_heading, _] = *met.jacobian.head();
         let expected = Expected {
             innovation_m: met.innovation_m,
@@ -303,16 +282,16 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         self.levels.note(&expected, odds / (1.0 + odds) / alike);
     }
 
-    /// Of how many readings this is one that say the same; it is taken note of.
-    fn repeated(&mut self, sensor: usize, reading: &Reading, met: &Hypothesis) -> f32 {
+    /// Effective number of readings that this one repeats, at least 1; also records it.
+    fn repeated(&mut self, sight: &Sight, met: &Hypothesis) -> f32 {
         // An analogue sensor's noise is electric, and new with each reading.
-        if !self.config.repeats || !matches!(reading.noise, Noise::Metres { .. }) {
+        if !self.config.repeats || !matches!(sight.reading.noise, Noise::Metres { .. }) {
             return 1.0;
         }
-        let (wall, along_m, step) = (met.wall, met.candidate.along_m, self.counters.steps);
-        let count = self.repeats.count(sensor, wall, along_m, step);
+        let (sensor, wall, along_m, step) = (sight.sensor.index, met.wall, met.candidate.along_m, self.number);
+        let count = self.correlation.count(sensor, wall, along_m, step);
         let normalised = met.innovation_m / libm::sqrtf(met.variance_m2);
-        self.repeats.note(sensor, Hit { wall, along_m, step, normalised });
+        self.correlation.note(sensor, Hit { wall, along_m, step, normalised });
         count
     }
 
@@ -324,36 +303,15 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
         }
     }
 
-    /// A beam that found nothing within its range, where it should have met a wall well within it, went through the wall.
-    fn judge_absence(&mut self, sensor: usize) {
-        let (Some(limits), Some(&min_cos)) = (self.rig.sensors.get(sensor), self.min_cos.get(sensor)) else { return };
-        let heading = sin_cos(self.ekf.mean(THETA));
-        let beam = self.mount_then(sensor).beam(self.position(), heading);
-        let Some(met) = self.first_met(&beam, 0.0, ABSENCE_SHARE * limits.max_m) else { return };
-        if met.inside_m > ABSENCE_M && met.cos_incidence > min_cos {
-            self.map.passed_through(met.index);
-        }
-    }
-
-    /// 1-sigma of the time at which an analogue reading was made, as a share of the last step: uniform within a sampling
-    /// period or hold. Zero for a sensor that reports metres.
-    pub(crate) fn timing_share(&self, sensor: usize) -> f32 {
-        let holds = self.rig.sensors.get(sensor).is_some_and(|s| matches!(s.model, RangeModel::Sharp { .. }));
-        if !holds || self.dt_s <= 0.0 {
-            return 0.0;
-        }
-        const UNIFORM: f32 = 0.288_675_13; // 1 / sqrt(12)
-        UNIFORM * self.dt_s.min(SHARP_HOLD_S) / self.dt_s
-    }
-
     /// Variance of a reading from not knowing when it was made, m^2.
-    fn timing_variance(&self, sensor: usize, prediction: &Prediction, heading: (f32, f32)) -> f32 {
-        let spread_m = change_m(prediction, heading, self.last_step.increment) * self.timing_share(sensor);
+    fn timing_variance(&self, sensor: &Sensor, prediction: &Prediction, heading: (f32, f32)) -> f32 {
+        let share = self.timing.uncertain_share(&sensor.limits.model);
+        let spread_m = change_m(prediction, heading, self.timing.step.increment) * share;
         spread_m * spread_m
     }
 
     /// Row of the measurement Jacobian, at most seven entries.
-    fn jacobian(&self, sensor: usize, gain: f32, wall: &Wall, prediction: &Prediction) -> Jacobian {
+    fn jacobian(&self, sensor: &Sensor, gain: f32, wall: &Wall, prediction: &Prediction) -> Jacobian {
         let mut row = Jacobian::new();
         let mut push = |i: usize, derivative: f32| {
             // The capacity is three times what a measurement has.
@@ -373,18 +331,9 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
             }
         }
         push(wall.rho, gain * prediction.by_rho);
-        if let Some(state) = self.layout.gains.get(sensor).copied().flatten() {
+        if let Some(state) = sensor.state.gain {
             push(state, prediction.range_m);
         }
         row
-    }
-
-    /// Where the beams ended, with the pose after the step.
-    pub(crate) fn place_hits(&self, report: &mut StepReport<S>) {
-        let heading = sin_cos(self.ekf.mean(THETA));
-        for (i, reading) in report.readings.iter_mut().enumerate() {
-            let beam: Beam = self.mount_then(i).beam(self.position(), heading);
-            reading.hit_m = reading.range_m.map(|range_m| self.point_in_map(beam.at(range_m)));
-        }
     }
 }

@@ -9,7 +9,7 @@ pub type ByFactor = [[f32; 2]; 3];
 
 /// Where the robot is by its motion input, how far it came, and how that depends on noise and calibration.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Odometry {
+pub struct DeadReckoning {
     /// Pose in the odometry frame.
     pub pose: Pose,
     /// Length of the path, metres.
@@ -24,7 +24,7 @@ pub struct Odometry {
     heading_by_factor: [f32; 3],
 }
 
-impl Odometry {
+impl DeadReckoning {
     /// At the start.
     pub const START: Self = Self {
         pose: Pose::ORIGIN,

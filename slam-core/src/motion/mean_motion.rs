@@ -8,9 +8,9 @@ use crate::sample::Increment;
 
 /// Motion in the robot's frame, per second.
 #[derive(Clone, Copy, Debug)]
-pub struct Pace(Increment);
+pub struct MeanMotion(Increment);
 
-impl Pace {
+impl MeanMotion {
     /// Standing.
     pub const STILL: Self = Self(Increment { forward_m: 0.0, left_m: 0.0, turn_rad: 0.0 });
 
@@ -20,13 +20,13 @@ impl Pace {
             return;
         }
         let weight = (dt_s / memory_s).min(1.0);
-        let follow = |pace: &mut f32, moved: f32| *pace += weight * (moved / dt_s - *pace);
+        let follow = |mean: &mut f32, moved: f32| *mean += weight * (moved / dt_s - *mean);
         follow(&mut self.0.forward_m, moved.forward_m);
         follow(&mut self.0.left_m, moved.left_m);
         follow(&mut self.0.turn_rad, moved.turn_rad);
     }
 
-    /// The motion of so many seconds at this pace.
+    /// The motion of so many seconds of this motion.
     pub fn over(&self, time_s: f32) -> Increment {
         let Increment { forward_m, left_m, turn_rad } = self.0;
         Increment { forward_m: time_s * forward_m, left_m: time_s * left_m, turn_rad: time_s * turn_rad }

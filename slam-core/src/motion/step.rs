@@ -31,6 +31,14 @@ pub struct Factors {
     pub track: Factor,
 }
 
+impl Factors {
+    /// Every factor 1, and known.
+    pub const KNOWN: Self = {
+        let known = Factor { value: 1.0, state: None };
+        Self { first: known, second: known, track: known }
+    };
+}
+
 /// One step of motion in the robot's frame, with its derivatives and noise.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Step {

@@ -6,6 +6,8 @@
 //! one surface happened to be. How much of the error is the surface's is learned from the innovations: a sensor's own noise
 //! is new each time, the surface's is not.
 
+use core::ops::{Deref, DerefMut};
+
 /// Over this distance along a wall its surface departs from the plane in the same way, metres: the width of a door frame, a
 /// pilaster or a panel.
 pub const LENGTH_M: f32 = 0.25;
@@ -43,26 +45,49 @@ pub struct Hit {
     pub normalised: f32,
 }
 
-/// What is known of how readings repeat one another.
+/// What is known of how readings repeat one another: [`SurfaceCorrelation`] with its storage, [`SurfaceCorrelationView`]
+/// without its size.
 #[derive(Clone, Copy, Debug)]
-pub struct Repeats<const S: usize> {
-    last: [Hit; S],
+pub struct SurfaceCorrelationInner<L: ?Sized> {
     pairs: f32,
     /// Mean product of neighbouring normalised innovations, as it would be at the same place.
     product: f32,
     /// Their mean square.
     square: f32,
+    /// The last hit of each sensor.
+    last: L,
 }
 
-impl<const S: usize> Repeats<S> {
+/// What is known of `S` sensors.
+pub type SurfaceCorrelation<const S: usize> = SurfaceCorrelationInner<[Hit; S]>;
+
+/// What is known of however many sensors.
+pub type SurfaceCorrelationView = SurfaceCorrelationInner<[Hit]>;
+
+impl<const S: usize> SurfaceCorrelation<S> {
     /// Nothing seen yet.
     pub const NEW: Self = Self {
-        last: [Hit { wall: 0, along_m: 0.0, step: 0, normalised: 0.0 }; S],
         pairs: 0.0,
         product: 0.0,
         square: 0.0,
+        last: [Hit { wall: 0, along_m: 0.0, step: 0, normalised: 0.0 }; S],
     };
+}
 
+impl<const S: usize> Deref for SurfaceCorrelation<S> {
+    type Target = SurfaceCorrelationView;
+    fn deref(&self) -> &SurfaceCorrelationView {
+        self
+    }
+}
+
+impl<const S: usize> DerefMut for SurfaceCorrelation<S> {
+    fn deref_mut(&mut self) -> &mut SurfaceCorrelationView {
+        self
+    }
+}
+
+impl SurfaceCorrelationView {
     /// Share of the error that is the surface's: the most until readings tell.
     pub fn share(&self) -> f32 {
         let product = self.product * self.pairs + MOST_SHARE * PRIOR_PAIRS;

@@ -6,14 +6,14 @@ use std::vec::Vec;
 use super::numeric::derivative;
 use super::oracle::{Matrix, Oracle, multiply, sandwich, transpose};
 use super::random::Random;
-use crate::births::birth::{LocalLine, add_states};
+use crate::births::birth::add_states;
+use crate::births::local_line::LocalLine;
 use crate::births::verdict::Verdict;
-use crate::filter::covariance::blocks;
-use crate::filter::ekf::{Ekf, Jacobian};
+use crate::filter::ekf::{Ekf, Jacobian, storage};
 use crate::filter::layout::{ALPHA, THETA, X, Y};
 use crate::walls::wall::Direction;
 
-type Filter = Ekf<3, { blocks(3) }>;
+type Filter = Ekf<{ storage(24) }>;
 
 /// Pose, grid, drive (4 to 6), four gains (7 to 10), one wall.
 const STATES: usize = 12;

@@ -4,15 +4,20 @@ use std::vec;
 use std::vec::Vec;
 
 use super::random::Random;
-use crate::filter::covariance::{Covariance, HEAD, LANES, Vector, blocks};
+use crate::filter::covariance::{Block, Covariance, HEAD, LANES, blocks, entry};
 
 /// Two whole tiles and half a one.
 const NB: usize = 5;
 const CAPACITY: usize = LANES * NB;
-type Packed = Covariance<NB, { blocks(NB) }>;
+/// The last tile has room for eight columns more.
+const ROOM: usize = CAPACITY.next_multiple_of(2 * LANES);
+type Packed = Covariance<[Block; blocks(NB)]>;
+type Vector = [Block; NB];
+
+const ZERO: Packed = Covariance([[0.0; LANES]; blocks(NB)]);
 
 fn random_symmetric(random: &mut Random, n: usize) -> (Packed, Vec<Vec<f64>>) {
-    let (mut packed, mut dense) = (Packed::ZERO, vec![vec![0.0; n]; n]);
+    let (mut packed, mut dense) = (ZERO, vec![vec![0.0; n]; n]);
     for i in 0..n {
         for j in 0..=i {
             let value = random.uniform(-1.0, 1.0) as f32;
@@ -23,13 +28,17 @@ fn random_symmetric(random: &mut Random, n: usize) -> (Packed, Vec<Vec<f64>>) {
     (packed, dense)
 }
 
-fn random_vector(random: &mut Random, n: usize) -> (Vector<NB>, Vec<f64>) {
-    let mut vector = Vector::ZERO;
+fn random_vector(random: &mut Random, n: usize) -> (Vector, Vec<f64>) {
+    let mut vector = [[0.0; LANES]; NB];
     let values: Vec<f64> = (0..n).map(|_| f64::from(random.uniform(-1.0, 1.0) as f32)).collect();
     for (i, value) in values.iter().enumerate() {
-        vector.set(i, *value as f32);
+        vector.as_flattened_mut()[i] = *value as f32;
     }
     (vector, values)
+}
+
+fn scaled(vector: &Vector, factor: f32) -> Vector {
+    vector.map(|block| block.map(|value| factor * value))
 }
 
 /// Every entry, from both sides, within a few roundings of numbers around 1; nothing outside the n x n part.
@@ -46,7 +55,7 @@ fn assert_equal(packed: &Packed, dense: &[Vec<f64>], what: &str) {
 
 #[test]
 fn every_entry_has_a_place_of_its_own() {
-    let mut packed = Packed::ZERO;
+    let mut packed = ZERO;
     let value = |i: usize, j: usize| (i.min(j) * CAPACITY + i.max(j) + 1) as f32;
     for i in 0..CAPACITY {
         for j in i..CAPACITY {
@@ -63,16 +72,14 @@ fn every_entry_has_a_place_of_its_own() {
 
 #[test]
 fn outside_there_is_nothing() {
-    let mut packed = Packed::ZERO;
-    packed.set(0, CAPACITY, 1.0);
-    packed.set(CAPACITY, 0, 1.0);
-    packed.set(CAPACITY + 9, CAPACITY + 9, 1.0);
+    let mut packed = ZERO;
+    packed.set(0, ROOM, 1.0);
+    packed.set(ROOM, 0, 1.0);
+    packed.set(ROOM + 9, ROOM + 9, 1.0);
     assert_equal(&packed, &[], "set outside");
-    assert_eq!(packed.get(3, CAPACITY), 0.0);
+    assert_eq!(packed.get(3, ROOM), 0.0);
     assert_eq!(packed.get(usize::MAX, 1), 0.0);
-    let mut vector = Vector::<NB>::ZERO;
-    vector.set(CAPACITY, 1.0);
-    assert_eq!(vector.get(CAPACITY), 0.0);
+    assert_eq!(entry(&[[1.0; LANES]; NB], CAPACITY), 0.0);
 }
 
 #[test]
@@ -82,7 +89,7 @@ fn downdate_is_the_naive_one_for_every_length() {
         let (mut packed, mut dense) = random_symmetric(&mut random, n);
         let (g, values) = random_vector(&mut random, n);
         let k = 0.7f32;
-        packed.downdate(&g, k, n);
+        packed.downdate(&g, &scaled(&g, k), n);
         for i in 0..n {
             for j in 0..n {
                 dense[i][j] -= f64::from(k) * values[i] * values[j];
@@ -99,7 +106,7 @@ fn a_product_is_the_naive_one_for_every_length_and_column() {
         let (mut packed, mut dense) = random_symmetric(&mut random, n);
         // A downdate before it: what it leaves beside the upper triangle must not show.
         let (g, values) = random_vector(&mut random, n);
-        packed.downdate(&g, 0.5, n);
+        packed.downdate(&g, &scaled(&g, 0.5), n);
         for i in 0..n {
             for j in 0..n {
                 dense[i][j] -= 0.5 * values[i] * values[j];
@@ -113,9 +120,9 @@ fn a_product_is_the_naive_one_for_every_length_and_column() {
             for i in 0..n {
                 let expected = f64::from(0.7f32) * dense[i][c % n.min(HEAD)] - f64::from(0.3f32) * dense[i][c]
                     + f64::from(0.2f32) * dense[i][n - 1 - c];
-                assert!((f64::from(out.get(i)) - expected).abs() < 1e-6, "n = {n}, column {c}, entry {i}");
+                assert!((f64::from(entry(&out, i)) - expected).abs() < 1e-6, "n = {n}, column {c}, entry {i}");
             }
-            assert!((n..n.next_multiple_of(LANES)).all(|i| out.get(i) == 0.0));
+            assert!((n..n.next_multiple_of(LANES)).all(|i| entry(&out, i) == 0.0));
         }
     }
 }

@@ -5,18 +5,17 @@ use std::vec::Vec;
 
 use super::oracle::{Oracle, dense, is_positive};
 use super::random::Random;
-use crate::filter::covariance::blocks;
-use crate::filter::ekf::{Ekf, Jacobian, LEADING, MotionJacobian};
+use crate::filter::ekf::{Ekf, Jacobian, LEADING, MotionJacobian, storage};
 
 /// Both filters, and a truth for them to estimate.
-struct Pair<const NB: usize, const BLOCKS: usize> {
-    ekf: Ekf<NB, BLOCKS>,
+struct Pair<const BLOCKS: usize> {
+    ekf: Ekf<BLOCKS>,
     oracle: Oracle,
     truth: Vec<f64>,
     random: Random,
 }
 
-impl<const NB: usize, const BLOCKS: usize> Pair<NB, BLOCKS> {
+impl<const BLOCKS: usize> Pair<BLOCKS> {
     /// Pose known, a grid that is not founded, eleven calibration factors of 1 %.
     fn new(seed: u64) -> Self {
         let ekf = Ekf::EMPTY;
@@ -157,11 +156,11 @@ impl<const NB: usize, const BLOCKS: usize> Pair<NB, BLOCKS> {
     }
 }
 
-fn random_sequence<const NB: usize, const BLOCKS: usize>(seed: u64, operations: usize) {
-    let mut pair = Pair::<NB, BLOCKS>::new(seed);
+fn random_sequence<const BLOCKS: usize>(seed: u64, operations: usize) {
+    let mut pair = Pair::<BLOCKS>::new(seed);
     pair.predict();
     pair.found();
-    let capacity = Ekf::<NB, BLOCKS>::CAPACITY;
+    let capacity = Ekf::<BLOCKS>::CAPACITY;
     let mut was_full = false;
     for operation in 0..operations {
         let walls = pair.truth.len() - 15;
@@ -191,15 +190,15 @@ fn random_sequence<const NB: usize, const BLOCKS: usize>(seed: u64, operations: 
 #[test]
 fn random_operations_follow_the_oracle_at_every_size_of_state() {
     for seed in 0..6 {
-        random_sequence::<2, { blocks(2) }>(seed, 600);
-        random_sequence::<3, { blocks(3) }>(seed, 600);
+        random_sequence::<{ storage(16) }>(seed, 600);
+        random_sequence::<{ storage(24) }>(seed, 600);
     }
-    random_sequence::<5, { blocks(5) }>(11, 900);
+    random_sequence::<{ storage(40) }>(11, 900);
 }
 
 #[test]
 fn the_robot_s_80_states_follow_the_oracle_when_full() {
-    let mut pair = Pair::<10, { blocks(10) }>::new(3);
+    let mut pair = Pair::<{ storage(80) }>::new(3);
     pair.predict();
     pair.found();
     while pair.truth.len() < 80 {
@@ -218,7 +217,7 @@ fn the_robot_s_80_states_follow_the_oracle_when_full() {
 /// Fifteen minutes of eight sensors, about: what a run does to the filter, with as many walls as a small flat has.
 #[test]
 fn twenty_thousand_operations_of_a_run_follow_the_oracle() {
-    let mut pair = Pair::<4, { blocks(4) }>::new(7);
+    let mut pair = Pair::<{ storage(32) }>::new(7);
     pair.predict();
     pair.birth();
     pair.birth();
@@ -246,7 +245,7 @@ fn twenty_thousand_operations_of_a_run_follow_the_oracle() {
 
 #[test]
 fn correlated_births_share_their_noise() {
-    let mut ekf = Ekf::<2, { blocks(2) }>::EMPTY;
+    let mut ekf = Ekf::<{ storage(16) }>::EMPTY;
     let mut oracle = Oracle::of(&ekf);
     for noise in [1e-3f32, 2e-3] {
         ekf.augment(0.0, &Jacobian::new(), noise);
@@ -260,7 +259,7 @@ fn correlated_births_share_their_noise() {
 
 #[test]
 fn an_impossible_update_changes_nothing() {
-    let mut pair = Pair::<2, { blocks(2) }>::new(1);
+    let mut pair = Pair::<{ storage(16) }>::new(1);
     pair.predict();
     let mut jacobian = Jacobian::new();
     jacobian.push((0, 1.0)).unwrap();

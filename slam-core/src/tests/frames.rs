@@ -3,7 +3,7 @@
 use core::f32::consts::{FRAC_PI_2, PI};
 
 use super::random::Random;
-use crate::filter::covariance::blocks;
+use crate::filter::ekf::storage;
 use crate::geometry::line::Line;
 use crate::walls::map_frame::CommonMotion;
 use crate::{
@@ -78,7 +78,7 @@ fn where_no_wall_holds_the_frame_it_stays() {
 }
 
 /// A robot that turns in a room, with both frames: where each says that the robot, its start and the walls are.
-fn turned(frame: MapFrame) -> Slam<4, 16, 64, 6, { blocks(6) }> {
+fn turned(frame: MapFrame) -> Slam<4, 16, 64, { storage(48) }> {
     let sensors = (0..4).map(|i| RangeSensor {
         mount: Mount { x_m: 0.0, y_m: 0.0, bearing_rad: FRAC_PI_2 * i as f32 },
         min_m: 0.1,

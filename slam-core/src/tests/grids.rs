@@ -3,23 +3,22 @@
 use core::f32::consts::FRAC_PI_2;
 
 use crate::config::WallPolicy;
-use crate::filter::covariance::blocks;
-use crate::filter::ekf::{Ekf, Jacobian};
+use crate::filter::ekf::{Ekf, Jacobian, storage};
 use crate::filter::layout::{ALPHA, THETA};
 use crate::geometry::angle::wrap;
 use crate::walls::decision::{GRID_SHARE, decide};
 use crate::walls::founding::upkeep;
-use crate::walls::list::Map;
 use crate::walls::manhattan::GridDirection;
+use crate::walls::map::Map;
 use crate::walls::wall::{Direction, WallKind};
 
-type Filter = Ekf<3, { blocks(3) }>;
+type Filter = Ekf<{ storage(24) }>;
 
 const DEGREE: f32 = core::f32::consts::PI / 180.0;
 
 /// Free walls of 1.2 m with these directions, each known to 0.3 degrees relative to a heading known to 3.
 fn home(directions_deg: &[f32]) -> (Filter, Map<8>) {
-    let (mut ekf, mut map) = (Filter::EMPTY, Map::default());
+    let (mut ekf, mut map) = (Filter::EMPTY, Map::EMPTY);
     for i in 0..4 {
         ekf.augment(0.0, &Jacobian::new(), if i == THETA { 9.0 * DEGREE * DEGREE } else { 0.0 });
     }
@@ -41,11 +40,10 @@ fn kinds(map: &Map<8>) -> std::vec::Vec<WallKind> {
 fn one_wall_alone_founds_no_grid() {
     for directions in [&[][..], &[10.0], &[10.0, 55.0]] {
         let (mut ekf, mut map) = home(directions);
-        let mut has_grid = false;
         for turn in 0..20 {
-            upkeep(&mut map, &mut ekf, &mut has_grid, WallPolicy::Grid, turn);
+            upkeep(&mut map, &mut ekf, WallPolicy::Grid, turn);
         }
-        assert!(!has_grid, "{directions:?}");
+        assert!(!map.has_grid, "{directions:?}");
         assert_eq!(ekf.covariance(ALPHA, ALPHA), 0.0);
         assert!(kinds(&map).iter().all(|kind| *kind == WallKind::Free));
     }
@@ -55,11 +53,11 @@ fn one_wall_alone_founds_no_grid() {
 fn walls_that_agree_found_the_grid_and_stand_on_it() {
     let directions = [10.3, 100.0, -80.1, 55.0];
     let (mut ekf, mut map) = home(&directions);
-    let (states, mut has_grid) = (ekf.len(), false);
+    let states = ekf.len();
     for turn in 0..20 {
-        upkeep(&mut map, &mut ekf, &mut has_grid, WallPolicy::Grid, turn);
+        upkeep(&mut map, &mut ekf, WallPolicy::Grid, turn);
     }
-    assert!(has_grid);
+    assert!(map.has_grid);
     assert_eq!(
         kinds(&map),
         [WallKind::Grid, WallKind::Grid, WallKind::Grid, WallKind::Free],
@@ -85,11 +83,11 @@ fn snapped_walls_keep_their_direction_state_and_free_ones_know_no_grid() {
         (WallPolicy::Free, WallKind::Free, false),
     ] {
         let (mut ekf, mut map) = home(&[10.0, 100.0, 190.0]);
-        let (states, mut has_grid) = (ekf.len(), false);
+        let states = ekf.len();
         for turn in 0..20 {
-            upkeep(&mut map, &mut ekf, &mut has_grid, policy, turn);
+            upkeep(&mut map, &mut ekf, policy, turn);
         }
-        assert_eq!(has_grid, grid);
+        assert_eq!(map.has_grid, grid);
         assert_eq!(ekf.len(), states);
         assert!(kinds(&map).iter().all(|k| *k == kind), "{policy:?}");
     }
@@ -115,11 +113,11 @@ fn a_direction_is_on_the_grid_off_it_or_not_clear_yet() {
 fn built_walls_keep_a_deviation_of_their_own() {
     let directions = [10.0, 100.5, -80.3, 55.0];
     let (mut ekf, mut map) = home(&directions);
-    let (states, mut has_grid) = (ekf.len(), false);
+    let states = ekf.len();
     for turn in 0..20 {
-        upkeep(&mut map, &mut ekf, &mut has_grid, WallPolicy::NearGrid, turn);
+        upkeep(&mut map, &mut ekf, WallPolicy::NearGrid, turn);
     }
-    assert!(has_grid);
+    assert!(map.has_grid);
     assert_eq!(ekf.len(), states);
     let grid = GridDirection::of(&ekf);
     for (wall, direction) in map.walls().iter().zip(directions).take(3) {

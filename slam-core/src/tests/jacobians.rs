@@ -8,14 +8,14 @@ use std::vec::Vec;
 use super::numeric::{beam, derivative, ray_to_line};
 use super::random::Random;
 use crate::config::WallPolicy;
-use crate::filter::ekf::{Ekf, Jacobian};
+use crate::filter::ekf::{Ekf, Jacobian, storage};
 use crate::filter::layout::{ALPHA, THETA, X, Y};
 use crate::walls::wall::Direction;
 use crate::{
     Config, DriveModel, Linearisation, Motion, Mount, Outcome, RangeInput, RangeModel, RangeSensor, Rig, Sample, Slam,
 };
 
-type Small = Slam<2, 4, 16, 3, 96>;
+type Small = Slam<2, 4, 16, { storage(24) }>;
 
 /// x, y, theta, alpha, two scales, the track, two gains, rho, theta_i.
 const STATES: usize = 11;
@@ -90,7 +90,7 @@ fn slam(kind: Kind, mount: [f64; 3], state: &[f64; STATES], variances: &[f32; ST
     for (mean, variance) in state.iter().zip(variances) {
         slam.ekf.augment(*mean as f32, &Jacobian::new(), *variance);
     }
-    slam.has_grid = kind != Kind::Free;
+    slam.map.has_grid = kind != Kind::Free;
     slam.map.add(RHO, kind.direction(), (-30.0, 30.0), 50, 0.0);
     slam
 }

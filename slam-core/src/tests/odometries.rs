@@ -3,7 +3,7 @@
 use super::numeric::{arc, slope};
 use super::random::Random;
 use crate::DriveModel;
-use crate::motion::dead_reckoning::Odometry;
+use crate::motion::dead_reckoning::DeadReckoning;
 use crate::motion::step::{Factor, Factors, step};
 use crate::motion::travel::Travel;
 
@@ -31,7 +31,7 @@ fn a_point_moves_with_the_factors_as_driving_again_would_move_it() {
     let factor = |i: usize| Factor { value: values[i], state: None };
     let factors = Factors { first: factor(0), second: factor(1), track: factor(2) };
     let mut random = Random::new(1);
-    let mut odometry = Odometry::default();
+    let mut odometry = DeadReckoning::START;
     let mut path = std::vec::Vec::new();
     for number in 0..300 {
         let wheels = [0, 1].map(|_| random.uniform(-0.005, 0.02) as f32);

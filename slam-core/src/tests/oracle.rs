@@ -3,7 +3,7 @@
 use std::vec;
 use std::vec::Vec;
 
-use crate::filter::ekf::{Ekf, Jacobian};
+use crate::filter::ekf::{EkfView, Jacobian};
 
 /// A dense matrix by rows.
 pub type Matrix = Vec<Vec<f64>>;
@@ -50,7 +50,7 @@ pub fn sandwich(j: &Matrix, p: &Matrix) -> Matrix {
 
 impl Oracle {
     /// The filter's present state.
-    pub fn of<const NB: usize, const BLOCKS: usize>(ekf: &Ekf<NB, BLOCKS>) -> Self {
+    pub fn of(ekf: &EkfView) -> Self {
         let n = ekf.len();
         Self {
             mean: (0..n).map(|i| ekf.mean(i).into()).collect(),
@@ -128,7 +128,7 @@ impl Oracle {
     }
 
     /// Largest difference of the filter's covariance from this one, in units of the two states' sigmas.
-    pub fn covariance_error<const NB: usize, const BLOCKS: usize>(&self, ekf: &Ekf<NB, BLOCKS>) -> f64 {
+    pub fn covariance_error(&self, ekf: &EkfView) -> f64 {
         assert_eq!(ekf.len(), self.mean.len());
         let n = self.mean.len();
         let sigma: Vec<f64> = (0..n).map(|i| self.covariance[i][i].sqrt()).collect();
@@ -146,7 +146,7 @@ impl Oracle {
     }
 
     /// Largest difference of the filter's mean from this one, in sigmas.
-    pub fn mean_error<const NB: usize, const BLOCKS: usize>(&self, ekf: &Ekf<NB, BLOCKS>) -> f64 {
+    pub fn mean_error(&self, ekf: &EkfView) -> f64 {
         let in_sigmas = |(i, mean): (usize, &f64)| {
             let difference = (f64::from(ekf.mean(i)) - mean).abs();
             if difference == 0.0 { 0.0 } else { difference / self.covariance[i][i].sqrt() }

@@ -1,7 +1,7 @@
 //! Motion on average, and what it is for.
 
 use super::random::Random;
-use crate::motion::mean_motion::Pace;
+use crate::motion::mean_motion::MeanMotion;
 use crate::motion::step::{Factor, Factors, by_scales, step};
 use crate::motion::travel::Travel;
 use crate::{DriveModel, Increment};
@@ -9,7 +9,7 @@ use crate::{DriveModel, Increment};
 #[test]
 fn a_pace_follows_the_motion() {
     let moved = Increment { forward_m: 0.03, left_m: -0.01, turn_rad: 0.02 };
-    let mut pace = Pace::STILL;
+    let mut pace = MeanMotion::STILL;
     for _ in 0..200 {
         pace.follow(moved, 0.1, 1.0);
     }
@@ -34,7 +34,7 @@ fn found_scale(steps: usize, memory_s: Option<f32>) -> f64 {
         noise_rad2_per_rad: 1e-4,
     };
     let mut random = Random::new(3);
-    let mut pace = Pace::STILL;
+    let mut pace = MeanMotion::STILL;
     let (mut x, mut scale, mut truth) = (0.0f64, 1.0f64, 0.0f64);
     let mut p = [[0.0, 0.0], [0.0, 0.05f64.powi(2)]];
     for _ in 0..steps {

@@ -1,15 +1,15 @@
 //! Readings that repeat one another: what is learned of them, and what one of them counts.
 
 use super::random::Random;
-use crate::sensing::correlation::{Hit, Repeats};
+use crate::sensing::correlation::{Hit, SurfaceCorrelation};
 
 const WALL: u16 = 3;
 const SPACING_M: f32 = 0.05;
 
 /// Innovations along a wall, a share of whose variance is the surface's, with a correlation length of a quarter metre.
-fn along_a_wall(share: f64, sensors: usize) -> Repeats<2> {
+fn along_a_wall(share: f64, sensors: usize) -> SurfaceCorrelation<2> {
     let mut random = Random::new(7);
-    let mut repeats = Repeats::NEW;
+    let mut repeats = SurfaceCorrelation::NEW;
     let keep = (-f64::from(SPACING_M) / 0.25).exp();
     let mut surface = [0.0, 0.0];
     for step in 1..4000 {
@@ -34,8 +34,8 @@ fn the_surfaces_share_is_learned() {
 
 #[test]
 fn before_any_reading_half_of_it_is_the_surfaces() {
-    assert_eq!(Repeats::<1>::NEW.share(), 0.5);
-    assert!(Repeats::<1>::NEW.count(0, WALL, 0.0, 1) > 1.0);
+    assert_eq!(SurfaceCorrelation::<1>::NEW.share(), 0.5);
+    assert!(SurfaceCorrelation::<1>::NEW.count(0, WALL, 0.0, 1) > 1.0);
 }
 
 #[test]

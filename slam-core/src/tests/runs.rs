@@ -98,7 +98,7 @@ impl Truth {
 
 /// What of the map the oracle must know; as long as it stays the same the oracle runs on its own.
 fn structure(slam: &RobotSlam) -> (usize, bool, Vec<(u16, usize, Direction)>) {
-    (slam.ekf.len(), slam.has_grid, slam.map.walls().iter().map(|w| (w.id, w.rho, w.direction)).collect())
+    (slam.ekf.len(), slam.map.has_grid, slam.map.walls().iter().map(|w| (w.id, w.rho, w.direction)).collect())
 }
 
 fn ticks(sample: &Sample<8>) -> [f64; 2] {
@@ -109,7 +109,7 @@ fn ticks(sample: &Sample<8>) -> [f64; 2] {
 }
 
 fn factor(slam: &RobotSlam, which: usize, state: &[f64]) -> f64 {
-    let layout = [slam.layout.first_scale, slam.layout.second_scale, slam.layout.track];
+    let layout = slam.drive.states.in_order();
     layout[which].map_or(1.0, |i| state[i])
 }
 
@@ -163,7 +163,7 @@ fn observe(
                 s[ALPHA] + quarters * core::f64::consts::FRAC_PI_2
             }
         };
-        slam.layout.gains[sensor].map_or(1.0, |i| s[i]) * ray_to_line(origin, phi, s[wall.rho], beta)
+        slam.sensors[sensor].gain.map_or(1.0, |i| s[i]) * ray_to_line(origin, phi, s[wall.rho], beta)
     };
     let mean = oracle.mean.clone();
     let predicted_m = range(&mean);
@@ -295,7 +295,7 @@ fn noise_that_is_new_each_time_is_found_to_be() {
     for number in 0..4000 {
         slam.step(&truth.step(&rig, number));
     }
-    let share = slam.repeats.share();
+    let share = slam.correlation.share();
     assert!(share < 0.08, "{share} of it is the surface's");
 }
 

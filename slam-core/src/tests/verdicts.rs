@@ -2,11 +2,10 @@
 
 use core::f32::consts::{FRAC_PI_2, PI};
 
-use crate::births::birth::LocalLine;
+use crate::births::local_line::LocalLine;
 use crate::births::verdict::{Doubts, Verdict, judge};
 use crate::config::WallPolicy;
-use crate::filter::covariance::blocks;
-use crate::filter::ekf::{Ekf, Jacobian};
+use crate::filter::ekf::{Ekf, Jacobian, storage};
 use crate::filter::layout::THETA;
 use crate::walls::manhattan::GridDirection;
 
@@ -14,7 +13,7 @@ const DEGREE: f32 = PI / 180.0;
 
 /// A heading known to three degrees, a grid along it, and a line seen `off` degrees from a grid direction.
 struct Case {
-    ekf: Ekf<3, { blocks(3) }>,
+    ekf: Ekf<{ storage(24) }>,
     policy: WallPolicy,
     doubts: Doubts,
 }

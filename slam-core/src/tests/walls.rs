@@ -5,18 +5,17 @@ use std::vec::Vec;
 
 use super::numeric::ray_to_line;
 use super::random::Random;
-use crate::filter::covariance::blocks;
-use crate::filter::ekf::{Ekf, Jacobian};
+use crate::filter::ekf::{Ekf, Jacobian, storage};
 use crate::filter::layout::ALPHA;
 use crate::geometry::angle::{sin_cos, wrap};
 use crate::measurement::beam::FixedMount;
 use crate::measurement::line_of_sight::first_met;
-use crate::walls::list::Map;
 use crate::walls::manhattan::GridDirection;
+use crate::walls::map::Map;
 use crate::walls::wall::Direction;
 
 const CAPACITY: usize = 16;
-type Filter = Ekf<5, { blocks(5) }>;
+type Filter = Ekf<{ storage(40) }>;
 
 fn filter(random: &mut Random) -> Filter {
     let mut ekf = Filter::EMPTY;
@@ -29,7 +28,7 @@ fn filter(random: &mut Random) -> Filter {
 
 /// Walls of every kind, all correlated with the pose.
 fn map(random: &mut Random, ekf: &mut Filter) -> Map<CAPACITY> {
-    let mut map = Map::default();
+    let mut map = Map::EMPTY;
     while !map.is_full() {
         let mut add = |value: f64, random: &mut Random| {
             let mut jacobian = Jacobian::new();
@@ -144,7 +143,7 @@ fn identifiers_are_never_used_again() {
 fn collinear_walls_become_one() {
     let mut random = Random::new(4);
     let mut ekf = filter(&mut random);
-    let mut map = Map::<CAPACITY>::default();
+    let mut map = Map::<CAPACITY>::EMPTY;
     for (rho_m, extent) in [(2.0, (-1.0, 0.5)), (2.01, (0.6, 1.5)), (2.0, (3.0, 4.0)), (2.5, (-1.0, 0.5))] {
         let rho = ekf.augment(rho_m, &Jacobian::new(), 1e-4).unwrap();
         map.add(rho, Direction::Grid(0), extent, 20, 0.0);
@@ -165,7 +164,7 @@ fn collinear_walls_become_one() {
 fn a_newborn_twin_only_prolongs_the_wall() {
     let mut random = Random::new(7);
     let mut ekf = filter(&mut random);
-    let mut map = Map::<CAPACITY>::default();
+    let mut map = Map::<CAPACITY>::EMPTY;
     for (rho_m, extent) in [(2.0, (-1.0, 0.5)), (2.01, (0.6, 1.5))] {
         let rho = ekf.augment(rho_m, &Jacobian::new(), 1e-4).unwrap();
         map.add(rho, Direction::Grid(0), extent, 20, 0.0);
@@ -178,7 +177,7 @@ fn a_newborn_twin_only_prolongs_the_wall() {
 
 /// Two free walls 2 m long whose places are known to 10 cm and whose directions to one degree.
 fn two_free_walls(ekf: &mut Filter, rho_m: f32, theta_rad: f32) -> Map<CAPACITY> {
-    let mut map = Map::<CAPACITY>::default();
+    let mut map = Map::<CAPACITY>::EMPTY;
     for (rho_m, theta_rad) in [(2.0, 0.0), (rho_m, theta_rad)] {
         let rho = ekf.augment(rho_m, &Jacobian::new(), 0.5e-2).unwrap();
         let theta = ekf.augment(theta_rad, &Jacobian::new(), 1.5e-4).unwrap();
@@ -232,7 +231,7 @@ fn a_wall_near_the_grid_that_would_hide_the_newborn_is_found_again() {
 fn opposite_faces_of_a_partition_stay_two_walls() {
     let mut random = Random::new(5);
     let mut ekf = filter(&mut random);
-    let mut map = Map::<CAPACITY>::default();
+    let mut map = Map::<CAPACITY>::EMPTY;
     for (rho_m, quarter) in [(2.0, 0), (-2.0, 2)] {
         let rho = ekf.augment(rho_m, &Jacobian::new(), 1e-4).unwrap();
         map.add(rho, Direction::Grid(quarter), (-1.0, 1.0), 20, 0.0);

@@ -1,7 +1,7 @@
 //! Whether a wall stands on the grid: the odds of a direction on it against one of its own.
 
 use crate::config::WallPolicy;
-use crate::filter::ekf::Ekf;
+use crate::filter::ekf::EkfView;
 use core::f32::consts::{FRAC_2_PI, PI};
 
 /// Share of a home's walls that stand on its grid, before any is seen: "mostly parallel or orthogonal".
@@ -50,6 +50,6 @@ pub fn decide(off_rad: f32, variance: f32, share: f32) -> Option<bool> {
 }
 
 /// Variance of the angle between the directions that two states are, rad^2.
-pub fn relative_variance<const NB: usize, const BLOCKS: usize>(ekf: &Ekf<NB, BLOCKS>, i: usize, j: usize) -> f32 {
+pub fn relative_variance(ekf: &EkfView, i: usize, j: usize) -> f32 {
     (ekf.covariance(i, i) + ekf.covariance(j, j) - 2.0 * ekf.covariance(i, j)).max(0.0)
 }

@@ -5,12 +5,12 @@
 //! holds the heading just as well, so nothing is lost by waiting.
 
 use crate::config::WallPolicy;
-use crate::filter::ekf::{Ekf, Jacobian};
+use crate::filter::ekf::{EkfView, Jacobian};
 use crate::filter::layout::ALPHA;
 use crate::geometry::angle::wrap;
 use crate::walls::decision::{GRID_SHARE, GRID_TOLERANCE, decide, deviation, relative_variance};
-use crate::walls::list::Map;
 use crate::walls::manhattan::GridDirection;
+use crate::walls::map::MapView;
 use crate::walls::wall::{Direction, Wall};
 use core::f32::consts::FRAC_PI_2;
 
@@ -21,24 +21,18 @@ const FOUNDING_SIGMA: f32 = 0.035;
 const FOUNDING_LENGTH_M: f32 = 1.0;
 
 /// Founds the grid where there is none, or takes one free wall into it.
-pub fn upkeep<const W: usize, const NB: usize, const BLOCKS: usize>(
-    map: &mut Map<W>,
-    ekf: &mut Ekf<NB, BLOCKS>,
-    has_grid: &mut bool,
-    policy: WallPolicy,
-    turn: usize,
-) {
+pub fn upkeep(map: &mut MapView, ekf: &mut EkfView, policy: WallPolicy, turn: usize) {
     if policy == WallPolicy::Free || map.walls().is_empty() {
         return;
     }
-    if !*has_grid {
+    if !map.has_grid {
         let Some(theta) = founder(map.walls(), ekf, policy) else { return };
         let mut jacobian = Jacobian::new();
         let _ = jacobian.push((theta, 1.0));
         let direction = ekf.mean(theta);
         let quarters = libm::roundf(direction * (1.0 / FRAC_PI_2));
         ekf.initialise(ALPHA, direction - quarters * FRAC_PI_2, &jacobian, deviation(policy));
-        *has_grid = true;
+        map.has_grid = true;
         for index in (0..map.walls().len()).rev() {
             take_in(map, ekf, policy, index);
         }
@@ -54,11 +48,7 @@ fn off_quarter(a: f32, b: f32) -> f32 {
 }
 
 /// The direction state of the free wall with which the most length of wall agrees, where that is enough and a majority.
-fn founder<const NB: usize, const BLOCKS: usize>(
-    walls: &[Wall],
-    ekf: &Ekf<NB, BLOCKS>,
-    policy: WallPolicy,
-) -> Option<usize> {
+fn founder(walls: &[Wall], ekf: &EkfView, policy: WallPolicy) -> Option<usize> {
     let mut best: Option<(f32, usize)> = None;
     let mut total_m = 0.0;
     for (i, wall) in walls.iter().enumerate() {
@@ -87,12 +77,7 @@ fn founder<const NB: usize, const BLOCKS: usize>(
 }
 
 /// Takes a free wall into the grid where the odds are for it.
-fn take_in<const W: usize, const NB: usize, const BLOCKS: usize>(
-    map: &mut Map<W>,
-    ekf: &mut Ekf<NB, BLOCKS>,
-    policy: WallPolicy,
-    index: usize,
-) {
+fn take_in(map: &mut MapView, ekf: &mut EkfView, policy: WallPolicy, index: usize) {
     let Some(Direction::Free(theta)) = map.walls().get(index).map(|w| w.direction) else { return };
     let grid = GridDirection::of(ekf);
     let quarter = grid.quarter(ekf.mean(theta));
@@ -117,12 +102,7 @@ fn take_in<const W: usize, const NB: usize, const BLOCKS: usize>(
 
 /// The scalar measurement that a wall's direction, `off_rad` from one of the grid's, is that one. False where it is
 /// numerically impossible.
-pub fn tie<const NB: usize, const BLOCKS: usize>(
-    ekf: &mut Ekf<NB, BLOCKS>,
-    theta: usize,
-    off_rad: f32,
-    policy: WallPolicy,
-) -> bool {
+pub fn tie(ekf: &mut EkfView, theta: usize, off_rad: f32, policy: WallPolicy) -> bool {
     let mut jacobian = Jacobian::new();
     let _ = jacobian.push((theta, 1.0));
     let _ = jacobian.push((ALPHA, -1.0));

@@ -1,6 +1,6 @@
 //! The Manhattan frame: the one direction that a home's walls are parallel or orthogonal to (report 3.2, eq. 4).
 
-use crate::filter::ekf::Ekf;
+use crate::filter::ekf::EkfView;
 use crate::filter::layout::ALPHA;
 use crate::geometry::angle::sin_cos;
 use core::f32::consts::FRAC_PI_2;
@@ -16,7 +16,7 @@ pub struct GridDirection {
 
 impl GridDirection {
     /// At the filter's present estimate.
-    pub fn of<const NB: usize, const BLOCKS: usize>(ekf: &Ekf<NB, BLOCKS>) -> Self {
+    pub fn of(ekf: &EkfView) -> Self {
         let alpha_rad = ekf.mean(ALPHA);
         Self { alpha_rad, sin_cos: sin_cos(alpha_rad) }
     }

@@ -9,12 +9,13 @@
 //! deviations have it: a few that a closing loop moves do not take the frame along. The start pose is what moves.
 
 use crate::config::MapFrame;
+use crate::filter::ekf::EkfView;
 use crate::filter::layout::{X, Y};
 use crate::geometry::angle::{sin_cos, wrap};
 use crate::geometry::line::Line;
 use crate::geometry::pose::Pose;
-use crate::slam::Slam;
 use crate::walls::manhattan::GridDirection;
+use crate::walls::map::MapView;
 
 /// Walls that are off by less than this stay, metres; those that are off by more have the less weight for it.
 const STAY_M: f32 = 0.002;
@@ -86,24 +87,24 @@ impl CommonMotion {
     }
 }
 
-impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOCKS: usize> Slam<S, W, B, NB, BLOCKS> {
-    /// Moves the start pose so that walls stay where they were first drawn.
-    pub(crate) fn hold_frame(&mut self) {
-        if self.config.frame == MapFrame::Start {
+impl MapView {
+    /// Moves the start pose so that walls stay where they were first drawn. `path_m` is the robot's path length so far.
+    pub fn hold_frame(&mut self, ekf: &EkfView, path_m: f32) {
+        if self.frame == MapFrame::Start {
             return;
         }
-        let grid = GridDirection::of(&self.ekf);
-        let mut motion = CommonMotion::about(self.point_in_map([self.ekf.mean(X), self.ekf.mean(Y)]));
-        for index in 0..self.map.walls().len() {
-            let Some(wall) = self.map.walls().get(index) else { break };
-            let (line, origin_m) = self.in_map(&wall.line(&self.ekf, &grid));
-            let is_in_view = self.odometry.path_m - wall.seen_at_m < IN_VIEW_M;
+        let grid = GridDirection::of(ekf);
+        let mut motion = CommonMotion::about(self.point_in_map([ekf.mean(X), ekf.mean(Y)]));
+        for index in 0..self.walls().len() {
+            let Some(wall) = self.walls().get(index) else { break };
+            let (line, origin_m) = self.in_map(&wall.line(ekf, &grid));
+            let is_in_view = path_m - wall.seen_at_m < IN_VIEW_M;
             let importance = if is_in_view { 1.0 } else { OUT_OF_VIEW };
             if let Some(drawn) = &wall.drawn {
                 motion.add(&line, drawn, wall.lo_m + origin_m, importance);
                 motion.add(&line, drawn, wall.hi_m + origin_m, importance);
             } else if wall.updates >= DRAWN_AFTER {
-                self.map.draw(index, line);
+                self.draw(index, line);
             }
         }
         if let Some(motion) = motion.solve() {
@@ -112,8 +113,8 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
     }
 
     /// A line of the start pose's frame in the map frame, and how much its coordinates along it grow.
-    pub(crate) fn in_map(&self, line: &Line) -> (Line, f32) {
-        if self.config.frame == MapFrame::Start {
+    pub fn in_map(&self, line: &Line) -> (Line, f32) {
+        if self.frame == MapFrame::Start {
             return (*line, 0.0);
         }
         let Pose { x_m, y_m, theta_rad } = self.start;
@@ -126,7 +127,12 @@ impl<const S: usize, const W: usize, const B: usize, const NB: usize, const BLOC
     }
 
     /// A point of the start pose's frame in the map frame.
-    pub(crate) fn point_in_map(&self, point: [f32; 2]) -> [f32; 2] {
-        if self.config.frame == MapFrame::Start { point } else { self.start.transform(point) }
+    pub fn point_in_map(&self, point: [f32; 2]) -> [f32; 2] {
+        if self.frame == MapFrame::Start { point } else { self.start.transform(point) }
+    }
+
+    /// A pose of the start pose's frame in the map frame.
+    pub fn pose_in_map(&self, pose: &Pose) -> Pose {
+        if self.frame == MapFrame::Start { *pose } else { self.start.compose(pose) }
     }
 }

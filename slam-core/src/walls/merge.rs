@@ -1,9 +1,9 @@
 //! Walls that are one: merging them, and the statement that they lie in one plane.
 
-use super::list::Map;
 use super::manhattan::GridDirection;
+use super::map::MapView;
 use super::wall::{Direction, Wall};
-use crate::filter::ekf::{Ekf, Jacobian};
+use crate::filter::ekf::{EkfView, Jacobian};
 use crate::filter::layout::ALPHA;
 use crate::geometry::line::Line;
 use heapless::Vec;
@@ -27,15 +27,10 @@ const REFIND_M: f32 = 0.5;
 /// Collinear walls are one where the unseen gap between them is too narrow for a door, metres.
 const MERGE_GAP_M: f32 = super::wall::GAP_M;
 
-impl<const W: usize> Map<W> {
+impl MapView {
     /// Merges wall `index` with the first other wall that is the same one: collinear within the uncertainty of both, and
     /// overlapping or nearly so. True where there was one.
-    pub fn merge<const NB: usize, const BLOCKS: usize>(
-        &mut self,
-        ekf: &mut Ekf<NB, BLOCKS>,
-        index: usize,
-        newborn: bool,
-    ) -> bool {
+    pub fn merge(&mut self, ekf: &mut EkfView, index: usize, newborn: bool) -> bool {
         let grid = GridDirection::of(ekf);
         let Some(&wall) = self.walls().get(index) else { return false };
         let line = wall.line(ekf, &grid);
@@ -74,8 +69,8 @@ struct Tie {
 }
 
 impl Tie {
-    fn between<const NB: usize, const BLOCKS: usize>(
-        ekf: &Ekf<NB, BLOCKS>,
+    fn between(
+        ekf: &EkfView,
         grid: &GridDirection,
         (wall, line): (&Wall, &Line),
         other: &Wall,

@@ -2,8 +2,9 @@
 
 pub mod decision;
 pub mod founding;
-pub mod list;
 pub mod manhattan;
+pub mod map;
 pub mod map_frame;
 pub mod merge;
+pub mod upkeep;
 pub mod wall;

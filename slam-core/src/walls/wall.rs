@@ -1,6 +1,6 @@
 //! A wall of the map: where its states are, and what is kept about it outside the filter.
 
-use crate::filter::ekf::Ekf;
+use crate::filter::ekf::EkfView;
 use crate::geometry::angle::sin_cos;
 use crate::geometry::line::Line;
 use crate::walls::manhattan::GridDirection;
@@ -91,7 +91,7 @@ impl Wall {
     };
 
     /// Its line at the filter's present estimate.
-    pub fn line<const NB: usize, const BLOCKS: usize>(&self, ekf: &Ekf<NB, BLOCKS>, grid: &GridDirection) -> Line {
+    pub fn line(&self, ekf: &EkfView, grid: &GridDirection) -> Line {
         let rho_m = ekf.mean(self.rho);
         let on_grid = |quarter| Line { rho_m, beta_rad: grid.beta(quarter), normal: grid.normal(quarter) };
         match self.direction {

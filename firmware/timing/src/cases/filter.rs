@@ -2,33 +2,35 @@
 
 use crate::bench::Bench;
 use core::hint::black_box;
-use slam_core::covariance::blocks;
-use slam_core::ekf::{Ekf, Jacobian, LEADING, MotionJacobian};
+use slam_core::ekf::{Ekf, EkfView, Jacobian, LEADING, MotionJacobian, storage};
 use static_cell::ConstStaticCell;
 
 /// The longest state whose covariance fits the chip's RAM beside the rest of this program.
-static LONGEST: ConstStaticCell<Ekf<26, { blocks(26) }>> = ConstStaticCell::new(Ekf::EMPTY);
+static LONGEST: ConstStaticCell<Ekf<{ storage(208) }>> = ConstStaticCell::new(Ekf::IDLE);
 
 /// Every state length that is measured.
 pub fn run(bench: &Bench) {
-    one_length::<3, { blocks(3) }>(bench, ["update_n20", "predict_n20"], 20);
-    one_length::<4, { blocks(4) }>(bench, ["update_n31", "predict_n31"], 31);
-    one_length::<5, { blocks(5) }>(bench, ["update_n36", "predict_n36"], 36);
-    one_length::<6, { blocks(6) }>(bench, ["update_n47", "predict_n47"], 47);
-    one_length::<9, { blocks(9) }>(bench, ["update_n68", "predict_n68"], 68);
-    one_length::<10, { blocks(10) }>(bench, ["update_n79", "predict_n79"], 79);
-    one_length::<17, { blocks(17) }>(bench, ["update_n132", "predict_n132"], 132);
-    one_length::<18, { blocks(18) }>(bench, ["update_n143", "predict_n143"], 143);
-    measure(bench, ["update_n207", "predict_n207"], 207, LONGEST.take());
+    one_length::<{ storage(24) }>(bench, ["update_n20", "predict_n20"], 20);
+    one_length::<{ storage(32) }>(bench, ["update_n31", "predict_n31"], 31);
+    one_length::<{ storage(40) }>(bench, ["update_n36", "predict_n36"], 36);
+    one_length::<{ storage(48) }>(bench, ["update_n47", "predict_n47"], 47);
+    one_length::<{ storage(72) }>(bench, ["update_n68", "predict_n68"], 68);
+    one_length::<{ storage(80) }>(bench, ["update_n79", "predict_n79"], 79);
+    one_length::<{ storage(136) }>(bench, ["update_n132", "predict_n132"], 132);
+    one_length::<{ storage(144) }>(bench, ["update_n143", "predict_n143"], 143);
+    let longest = LONGEST.take();
+    longest.clear();
+    measure(bench, ["update_n207", "predict_n207"], 207, longest);
 }
 
 #[inline(never)]
-fn one_length<const NB: usize, const BLOCKS: usize>(bench: &Bench, names: [&str; 2], n: usize) {
-    let mut ekf: Ekf<NB, BLOCKS> = Ekf::EMPTY;
+fn one_length<const BLOCKS: usize>(bench: &Bench, names: [&str; 2], n: usize) {
+    let mut ekf: Ekf<BLOCKS> = Ekf::IDLE;
+    ekf.clear();
     measure(bench, names, n, &mut ekf);
 }
 
-fn measure<const NB: usize, const BLOCKS: usize>(bench: &Bench, names: [&str; 2], n: usize, ekf: &mut Ekf<NB, BLOCKS>) {
+fn measure(bench: &Bench, names: [&str; 2], n: usize, ekf: &mut EkfView) {
     for i in 0..n {
         // Every state depends a little on the first, so that no covariance is zero.
         let jacobian: Jacobian = (i > 0).then_some((0, 0.1)).into_iter().collect();

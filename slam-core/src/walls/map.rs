@@ -1,9 +1,13 @@
 //! The list of walls: adding, removing, and what happens when it is full.
 
-use crate::filter::ekf::Ekf;
+use crate::config::MapFrame;
+use crate::filter::ekf::EkfView;
 use crate::geometry::line::Line;
+use crate::geometry::pose::Pose;
+use crate::walls::manhattan::GridDirection;
 use crate::walls::wall::{Direction, Wall};
-use heapless::Vec;
+use core::ops::{Deref, DerefMut};
+use heapless::{Vec, VecView};
 
 /// Score of a new wall: so many more beams must pass through it than meet it before it goes.
 const BIRTH_SCORE: i8 = 5;
@@ -17,21 +21,57 @@ const FORGET_AFTER_M: f32 = 3.0;
 /// A newborn's points were picked, a known wall's readings were not: how many of these one of those outweighs.
 const WORTH: u32 = 4;
 
-/// At most `W` walls.
-#[derive(Clone, Debug, Default)]
-pub struct Map<const W: usize> {
-    walls: Vec<Wall, W>,
+/// The map: [`Map`] with its storage, [`MapView`] without its size.
+#[derive(Debug)]
+pub struct MapInner<V: ?Sized> {
     next_id: u16,
+    /// The grid was founded.
+    pub has_grid: bool,
+    /// What holds the map frame.
+    pub frame: MapFrame,
+    /// Where the robot started, in the map frame.
+    pub start: Pose,
+    walls: V,
 }
+
+/// A map of at most `W` walls.
+pub type Map<const W: usize> = MapInner<Vec<Wall, W>>;
+
+/// A map of whatever capacity.
+pub type MapView = MapInner<VecView<Wall>>;
 
 impl<const W: usize> Map<W> {
     /// No walls.
-    pub const EMPTY: Self = Self { walls: Vec::new(), next_id: 0 };
+    pub const EMPTY: Self =
+        Self { next_id: 0, has_grid: false, frame: MapFrame::Start, start: Pose::ORIGIN, walls: Vec::new() };
+}
 
-    /// Forgets every wall.
-    pub fn clear(&mut self) {
-        self.walls.clear();
+impl<const W: usize> Deref for Map<W> {
+    type Target = MapView;
+    fn deref(&self) -> &MapView {
+        self
+    }
+}
+
+impl<const W: usize> DerefMut for Map<W> {
+    fn deref_mut(&mut self) -> &mut MapView {
+        self
+    }
+}
+
+impl MapView {
+    /// Forgets every wall and the grid, and begins a new frame.
+    pub fn clear(&mut self, frame: MapFrame) {
         self.next_id = 0;
+        self.has_grid = false;
+        self.frame = frame;
+        self.start = Pose::ORIGIN;
+        self.walls.clear();
+    }
+
+    /// The grid's direction at the filter's present estimate, once it was founded.
+    pub fn grid(&self, ekf: &EkfView) -> Option<GridDirection> {
+        self.has_grid.then(|| GridDirection::of(ekf))
     }
 
     /// The walls.
@@ -78,7 +118,7 @@ impl<const W: usize> Map<W> {
     }
 
     /// Removes the first wall that beams pass through or that was noise; true where there was one.
-    pub fn prune<const NB: usize, const BLOCKS: usize>(&mut self, ekf: &mut Ekf<NB, BLOCKS>, path_m: f32) -> bool {
+    pub fn prune(&mut self, ekf: &mut EkfView, path_m: f32) -> bool {
         let gone = self
             .walls
             .iter()
@@ -91,12 +131,7 @@ impl<const W: usize> Map<W> {
 
     /// Makes room where the map is full: removes the wall that the fewest readings met of those not seen for
     /// [`FORGET_AFTER_M`], if they are fewer than `points` of the newborn times [`WORTH`]. True where one went.
-    pub fn evict<const NB: usize, const BLOCKS: usize>(
-        &mut self,
-        ekf: &mut Ekf<NB, BLOCKS>,
-        points: u32,
-        path_m: f32,
-    ) -> bool {
+    pub fn evict(&mut self, ekf: &mut EkfView, points: u32, path_m: f32) -> bool {
         let unseen = self.walls.iter().enumerate().filter(|(_, w)| path_m - w.seen_at_m > FORGET_AFTER_M);
         let least = unseen.min_by_key(|(_, w)| w.updates).filter(|(_, w)| w.updates < WORTH.saturating_mul(points));
         let Some(index) = least.map(|(index, _)| index) else { return false };
@@ -105,7 +140,7 @@ impl<const W: usize> Map<W> {
     }
 
     /// Gives what was seen of wall `gone` to wall `kept`, and removes it.
-    pub fn unite<const NB: usize, const BLOCKS: usize>(&mut self, ekf: &mut Ekf<NB, BLOCKS>, kept: usize, gone: usize) {
+    pub fn unite(&mut self, ekf: &mut EkfView, kept: usize, gone: usize) {
         let Some(&lost) = self.walls.get(gone) else { return };
         if let Some(kept) = self.walls.get_mut(kept) {
             kept.lo_m = kept.lo_m.min(lost.lo_m);
@@ -118,7 +153,7 @@ impl<const W: usize> Map<W> {
     }
 
     /// Removes wall `index` and its states.
-    fn remove<const NB: usize, const BLOCKS: usize>(&mut self, ekf: &mut Ekf<NB, BLOCKS>, index: usize) {
+    fn remove(&mut self, ekf: &mut EkfView, index: usize) {
         let Some(&wall) = self.walls.get(index) else { return };
         let last = self.walls.len() - 1;
         let moved = self.walls.get(last).copied();
@@ -139,7 +174,7 @@ impl<const W: usize> Map<W> {
     }
 
     /// Removes a state that no wall needs any more; another state moves into its place.
-    pub fn remove_state<const NB: usize, const BLOCKS: usize>(&mut self, ekf: &mut Ekf<NB, BLOCKS>, state: usize) {
+    pub fn remove_state(&mut self, ekf: &mut EkfView, state: usize) {
         let moved = ekf.remove(state);
         for wall in &mut self.walls {
             wall.follow(moved, state);

@@ -1,0 +1,30 @@
+//! Time between samples.
+
+/// The time of the last sample, microseconds; none before the first.
+#[derive(Clone, Copy, Debug)]
+pub struct Clock(Option<u64>);
+
+/// The time that passed from one sample to the next.
+#[derive(Clone, Copy, Debug)]
+pub struct Tick {
+    /// Seconds; zero for the first sample.
+    pub dt_s: f32,
+    /// There was no sample before.
+    pub is_first: bool,
+}
+
+impl Clock {
+    /// Before the first sample.
+    pub const NEW: Self = Self(None);
+
+    /// Takes the time of a sample. None, and nothing changed, where it is not later than the last one's.
+    pub fn tick(&mut self, time_us: u64) -> Option<Tick> {
+        let Some(last_us) = self.0 else {
+            self.0 = Some(time_us);
+            return Some(Tick { dt_s: 0.0, is_first: true });
+        };
+        let elapsed_us = time_us.checked_sub(last_us).filter(|elapsed| *elapsed > 0)?;
+        self.0 = Some(time_us);
+        Some(Tick { dt_s: elapsed_us as f32 * 1e-6, is_first: false })
+    }
+}

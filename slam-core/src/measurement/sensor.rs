@@ -1,0 +1,58 @@
+//! A range sensor as the filter knows it.
+
+use crate::filter::ekf::EkfView;
+use crate::measurement::beam::FixedMount;
+use crate::rig::{RangeModel, RangeSensor};
+use crate::sensing::latency::Timing;
+use crate::sensing::range::FrontEnd;
+
+/// What is kept of a sensor.
+#[derive(Clone, Copy, Debug)]
+pub struct SensorState {
+    mount: FixedMount,
+    /// Cosine of the largest incidence at which it is trusted.
+    pub min_cos: f32,
+    /// Index of the state that is its gain; none where that is known.
+    pub gain: Option<usize>,
+    /// What its inputs were so far.
+    pub front_end: FrontEnd,
+}
+
+impl SensorState {
+    /// For an estimator that has not started.
+    pub const NONE: Self = Self { mount: FixedMount::NONE, min_cos: 0.0, gain: None, front_end: FrontEnd::NEW };
+
+    /// At the start.
+    pub fn new(sensor: &RangeSensor, gain: Option<usize>) -> Self {
+        Self {
+            mount: FixedMount::new(&sensor.mount),
+            min_cos: libm::cosf(sensor.max_incidence_rad),
+            gain,
+            front_end: FrontEnd::NEW,
+        }
+    }
+
+    /// Its gain as it is estimated.
+    pub fn gain(&self, ekf: &EkfView) -> f32 {
+        self.gain.map_or(1.0, |i| ekf.mean(i))
+    }
+
+    /// The mount as it was when the reading was made.
+    pub fn mount_then(&self, model: &RangeModel, timing: &Timing, ekf: &EkfView) -> FixedMount {
+        match timing.motion_since(model, ekf) {
+            Some(moved) => self.mount.lagging([moved.forward_m, moved.left_m], moved.turn_rad),
+            None => self.mount,
+        }
+    }
+}
+
+/// One sensor of the rig.
+#[derive(Clone, Copy, Debug)]
+pub struct Sensor<'a> {
+    /// Its place in the rig's list.
+    pub index: usize,
+    /// What the rig says of it.
+    pub limits: &'a RangeSensor,
+    /// What is kept of it.
+    pub state: &'a SensorState,
+}

@@ -1,0 +1,118 @@
+//! The drive of the robot: from a sample's motion input to the step that it made.
+
+use crate::config::Config;
+use crate::filter::ekf::EkfView;
+use crate::geometry::pose::Pose;
+use crate::motion::dead_reckoning::DeadReckoning;
+use crate::motion::mean_motion::MeanMotion;
+use crate::motion::step::{self, Factor, Factors, Step};
+use crate::motion::travel::{Encoders, Travel};
+use crate::rig::DriveModel;
+use crate::sample::Motion;
+
+/// What scales multiply is an average of the motion over this time, seconds: noise of a fifteenth of a step's square, ten
+/// times a second, then draws them down by a hundredth (tests/paces.rs).
+const TRAVEL_S: f32 = 1.0;
+
+/// Indices of the states that are a drive's calibration; a factor without one is known exactly.
+#[derive(Clone, Copy, Debug)]
+pub struct DriveStates {
+    /// Scale of the left wheel, or of distance.
+    pub first_scale: Option<usize>,
+    /// Scale of the right wheel, or of turning.
+    pub second_scale: Option<usize>,
+    /// Factor of the track.
+    pub track: Option<usize>,
+}
+
+impl DriveStates {
+    /// All factors known.
+    pub const NONE: Self = Self { first_scale: None, second_scale: None, track: None };
+
+    /// In the order of [`Step::by_factor`].
+    pub fn in_order(&self) -> [Option<usize>; 3] {
+        [self.first_scale, self.second_scale, self.track]
+    }
+
+    /// The factors as they are estimated.
+    fn factors(&self, ekf: &EkfView) -> Factors {
+        let factor = |state: Option<usize>| Factor { value: state.map_or(1.0, |i| ekf.mean(i)), state };
+        Factors { first: factor(self.first_scale), second: factor(self.second_scale), track: factor(self.track) }
+    }
+}
+
+/// The motion of the robot so far.
+#[derive(Clone, Debug)]
+pub struct Drive {
+    /// Which states its calibration is.
+    pub states: DriveStates,
+    encoders: Encoders,
+    /// Motion as the odometry says it, before the scales.
+    travelled: MeanMotion,
+    /// The last step.
+    pub step: Step,
+    /// The pose by the motion input alone, with the nominal calibration.
+    pub nominal: Pose,
+    /// The pose by the motion input, with the calibration as estimated.
+    pub dead_reckoning: DeadReckoning,
+}
+
+impl Drive {
+    /// At the start.
+    pub const START: Self = Self {
+        states: DriveStates::NONE,
+        encoders: Encoders::NEW,
+        travelled: MeanMotion::STILL,
+        step: Step::STILL,
+        nominal: Pose::ORIGIN,
+        dead_reckoning: DeadReckoning::START,
+    };
+
+    /// The travel since the last sample; none where the input is not a motion of this drive.
+    pub fn travel(&mut self, model: &DriveModel, motion: &Motion, dt_s: f32) -> Option<Travel> {
+        self.encoders.travel(model, motion, dt_s)
+    }
+
+    /// Moves on by a travel, or by one that is lost, and returns the factors that the step was made with.
+    pub fn advance(
+        &mut self,
+        model: &DriveModel,
+        config: &Config,
+        travel: Option<Travel>,
+        dt_s: f32,
+        ekf: &EkfView,
+    ) -> Factors {
+        let factors = self.states.factors(ekf);
+        let step = match &travel {
+            Some(travel) => self.real_step(model, config, travel, dt_s, &factors),
+            None => self.step.lost(),
+        };
+        self.dead_reckoning.advance(&step);
+        self.step = step;
+        if let Some(travel) = travel {
+            self.nominal = step::step(model, &travel, &Factors::KNOWN).applied_to(&self.nominal);
+        }
+        factors
+    }
+
+    /// The step that was travelled, as real floors and odometry make it.
+    fn real_step(
+        &mut self,
+        model: &DriveModel,
+        config: &Config,
+        travel: &Travel,
+        dt_s: f32,
+        factors: &Factors,
+    ) -> Step {
+        let mut step = step::step(model, travel, factors);
+        let Travel::Body(raw) = *travel else { return step.unsteady(dt_s) };
+        if config.slip {
+            step = step.slipping();
+        }
+        if config.mean_travel {
+            self.travelled.follow(raw, dt_s, TRAVEL_S);
+            step.by_factor = step::by_scales(self.travelled.over(dt_s));
+        }
+        step
+    }
+}
