@@ -35,32 +35,45 @@ impl<C: Converter> BurstBank<C> {
 impl<C: Converter> RangeSensorBank<SENSORS> for BurstBank<C> {
     type Error = C::Error;
 
-    fn read(&mut self) -> Result<[RangeInput; SENSORS], C::Error> {
+    async fn read(&mut self) -> [Result<RangeInput, C::Error>; SENSORS] {
         // Sensor by sensor in turn, so that a spike hits few conversions of each.
-        let mut bursts = [[0; BURST]; SENSORS];
+        let mut bursts = [const { Ok([0; BURST]) }; SENSORS];
         for round in 0..BURST {
             for (sensor, burst) in bursts.iter_mut().enumerate() {
-                burst[round] = self.0.convert(sensor)?;
+                if let Ok(counts) = burst {
+                    match self.0.convert(sensor) {
+                        Ok(conversion) => counts[round] = conversion,
+                        Err(error) => *burst = Err(error),
+                    }
+                }
             }
         }
-        Ok(bursts.map(|mut burst| {
-            burst.sort_unstable();
-            RangeInput::Counts(burst[BURST / 2])
-        }))
+        bursts.map(|burst| {
+            burst.map(|mut counts: [u16; BURST]| {
+                counts.sort_unstable();
+                RangeInput::Counts(counts[BURST / 2])
+            })
+        })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use embassy_futures::block_on;
 
-    /// Sensor i shows 1000 + i, with noise of one count and a spike in every third conversion.
+    /// Sensor i shows 1000 + i, with noise of one count and a spike in every third conversion; one cannot be read.
     struct Spiky(u16);
+
+    const DEAD: usize = 5;
 
     impl Converter for Spiky {
         type Error = ();
 
         fn convert(&mut self, sensor: usize) -> Result<u16, ()> {
+            if sensor == DEAD {
+                return Err(());
+            }
             self.0 += 1;
             let spike = if self.0.is_multiple_of(3) { 900 } else { 0 };
             Ok(1000 + sensor as u16 + spike + self.0 % 2)
@@ -68,9 +81,13 @@ mod tests {
     }
 
     #[test]
-    fn spikes_do_not_reach_the_reading() {
-        for (sensor, range) in BurstBank::new(Spiky(0)).read().unwrap().into_iter().enumerate() {
-            let RangeInput::Counts(counts) = range else { panic!("{range:?}") };
+    fn spikes_do_not_reach_the_reading_and_a_dead_sensor_hides_no_other() {
+        for (sensor, range) in block_on(BurstBank::new(Spiky(0)).read()).into_iter().enumerate() {
+            if sensor == DEAD {
+                assert_eq!(range, Err(()));
+                continue;
+            }
+            let Ok(RangeInput::Counts(counts)) = range else { panic!("{range:?}") };
             assert!((1000..=1001).contains(&(counts - sensor as u16)), "sensor {sensor}: {counts}");
         }
     }

@@ -3,7 +3,7 @@
 //! | task | waits for | does |
 //! |---|---|---|
 //! | [`tasks::odometry`] | 50 Hz | reads the encoders |
-//! | [`tasks::sample`] | 25 Hz | reads the range sensors, each a robust reduction of a burst |
+//! | [`tasks::sample`] | 25 Hz | reads the range sensors: counts ([`burst`]) or metres ([`metric`]) |
 //! | [`tasks::estimate`] | ranges | one step of slam-core; tells the pilot and the telemetry |
 //! | [`tasks::drive`] | odometry | pilot, wheel-speed control, motors |
 //! | [`tasks::guard`] | bumper and cliff inputs | stops the wheels at once, at interrupt level, waiting for nobody; and when drive is silent |
@@ -17,6 +17,7 @@
 
 pub mod burst;
 pub mod faults;
+pub mod metric;
 pub mod periodic;
 pub mod shared;
 pub mod tasks;

@@ -10,7 +10,9 @@ use std::rc::Rc;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{ErrorType as DigitalError, InputPin, OutputPin};
 use embedded_hal::pwm::{ErrorType as PwmError, SetDutyCycle};
-use robot::{ContactPins, Contacts, Duty, HBridge, MotorPair, RangeSensorBank, WheelCounter, WheelEncoders};
+use robot::{
+    ContactPins, Contacts, Duty, HBridge, MetricSensor, MotorPair, RangeSensorBank, WheelCounter, WheelEncoders,
+};
 use slam_core::{RangeInput, Ticks};
 
 use crate::simulation::{MAX_SENSORS, Simulation};
@@ -80,6 +82,11 @@ impl Board {
         SimRanges { board: self.clone() }
     }
 
+    /// The sensor with this index, which reports metres.
+    pub fn metric_sensor(&self, index: usize) -> SimMetricSensor {
+        SimMetricSensor { board: self.clone(), index }
+    }
+
     /// The encoders, counting from zero.
     pub fn encoders(&self) -> SimEncoders {
         let raw = self.with_simulation(Simulation::raw_counters);
@@ -115,7 +122,7 @@ impl Board {
     }
 }
 
-/// The range sensors behind the simulated converter.
+/// The range sensors behind the simulated converter or bus, all read at once.
 pub struct SimRanges {
     board: Board,
 }
@@ -123,10 +130,32 @@ pub struct SimRanges {
 impl RangeSensorBank<MAX_SENSORS> for SimRanges {
     type Error = Infallible;
 
-    fn read(&mut self) -> Result<[RangeInput; MAX_SENSORS], Infallible> {
-        Ok(self.board.shared.borrow_mut().simulation.read_ranges())
+    async fn read(&mut self) -> [Result<RangeInput, Infallible>; MAX_SENSORS] {
+        self.board.shared.borrow_mut().simulation.read_ranges().map(Ok)
     }
 }
+
+/// One sensor that reports metres, on the simulated bus.
+pub struct SimMetricSensor {
+    board: Board,
+    index: usize,
+}
+
+impl MetricSensor for SimMetricSensor {
+    type Error = NoMetres;
+
+    async fn range_m(&mut self) -> Result<Option<f32>, NoMetres> {
+        match self.board.shared.borrow_mut().simulation.read_ranges().get(self.index) {
+            Some(RangeInput::Metres(metres)) => Ok(Some(*metres)),
+            Some(RangeInput::Missing) => Ok(None),
+            Some(RangeInput::Counts(_)) | None => Err(NoMetres),
+        }
+    }
+}
+
+/// The rig has no sensor with this index that reports metres.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NoMetres;
 
 /// The simulated encoders.
 pub struct SimEncoders {

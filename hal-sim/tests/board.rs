@@ -1,10 +1,21 @@
 //! The board's parts as a firmware's tasks use them.
+use core::pin::pin;
+use core::task::{Context, Poll, Waker};
 use embedded_hal::delay::DelayNs;
+use hal_sim::board::NoMetres;
 use hal_sim::{Board, SimOptions, Simulation, default_rig, plan_file};
+use robot::rig::time_of_flight_rig;
 use robot::{
-    Contacts, DriveMotors, Duty, RangeSensorBank, WheelControl, WheelControlConfig, WheelEncoders, WheelSpeeds,
+    Contacts, DriveMotors, Duty, MetricSensor, RangeSensorBank, WheelControl, WheelControlConfig, WheelEncoders,
+    WheelSpeeds,
 };
 use slam_core::RangeInput;
+
+/// What comes of a future that waits for nothing.
+fn now<T>(future: impl Future<Output = T>) -> T {
+    let Poll::Ready(value) = pin!(future).poll(&mut Context::from_waker(Waker::noop())) else { panic!("it waits") };
+    value
+}
 
 fn board(plan: &str) -> Board {
     let plan = plan_file::parse("test", "test", plan).unwrap();
@@ -41,9 +52,23 @@ fn wheel_control_through_the_h_bridges_reaches_its_speed() {
 
 #[test]
 fn range_sensors_are_converter_counts_in_the_rig_s_order() {
-    let ranges = board(HALL).range_sensors().read().unwrap();
-    assert!(ranges[..8].iter().all(|range| matches!(range, RangeInput::Counts(1..4095))));
-    assert!(ranges[8..].iter().all(|range| *range == RangeInput::Missing));
+    let ranges = now(board(HALL).range_sensors().read());
+    assert!(ranges[..8].iter().all(|range| matches!(range, Ok(RangeInput::Counts(1..4095)))));
+    assert!(ranges[8..].iter().all(|range| *range == Ok(RangeInput::Missing)));
+    assert_eq!(now(board(HALL).metric_sensor(0).range_m()), Err(NoMetres));
+}
+
+#[test]
+fn sensors_that_report_metres_are_read_one_by_one() {
+    let plan = plan_file::parse("test", "test", HALL).unwrap();
+    let board = Board::new(Simulation::new(&plan, &time_of_flight_rig(), SimOptions::default(), 3).unwrap());
+    // Ahead 4 m, left 1 m, back 1 m, right 1 m; the sensors sit 10 cm nearer and reach 2 m.
+    for (index, expected_m) in [(0, None), (1, Some(0.9)), (2, Some(0.9)), (3, Some(0.9_f32))] {
+        let range_m = now(board.metric_sensor(index).range_m()).unwrap();
+        let near = range_m.zip(expected_m).map(|(range_m, expected_m)| (range_m - expected_m).abs() < 0.1);
+        assert_eq!((range_m.is_some(), near), (expected_m.is_some(), expected_m.map(|_| true)), "{index}: {range_m:?}");
+    }
+    assert_eq!(now(board.metric_sensor(4).range_m()), Ok(None));
 }
 
 #[test]

@@ -14,6 +14,7 @@ use lab::recording::Recording;
 use lab::run::{Replay, Replayed, Run};
 use lab::show::closing;
 use monte_carlo::command::ExperimentArgs;
+use robot::rig::BuiltIn;
 use robot_tools::doctor::Doctor;
 use robot_tools::hil::{Hil, Target};
 use robot_tools::monitor::Monitor;
@@ -59,8 +60,8 @@ struct RunArgs {
     /// Seed of everything random: the same seed gives the same drive, bit for bit.
     #[arg(long, value_name = "S", default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
-    /// Rig file of the robot; the built-in one has eight Sharp sensors and two encoders.
-    #[arg(long, value_name = "FILE")]
+    /// Robot: `sharp` (the default: eight analogue sensors), `time-of-flight` (four that report metres), or a rig file.
+    #[arg(long, value_name = "NAME|FILE")]
     rig: Option<PathBuf>,
     /// Folder for the results.
     #[arg(long, value_name = "DIR", default_value = "out/run")]
@@ -107,6 +108,9 @@ struct HilArgs {
     /// With --qemu: the firmware's image; `cargo xtask hil` builds it.
     #[arg(long, value_name = "ELF", default_value = "target/thumb/thumbv7em-none-eabihf/release/hil")]
     image: PathBuf,
+    /// Robot that the firmware is built for.
+    #[arg(long, value_name = "NAME", default_value = "sharp", value_parser = built_in)]
+    rig: BuiltIn,
     /// Floor plan: the name of a built-in one, or a file.
     #[arg(long, value_name = "NAME|FILE", default_value = "flat")]
     plan: String,
@@ -119,6 +123,11 @@ struct HilArgs {
     /// Folder for the results.
     #[arg(long, value_name = "DIR", default_value = "out/hil")]
     out: PathBuf,
+}
+
+fn built_in(name: &str) -> Result<BuiltIn, String> {
+    let names = BuiltIn::ALL.map(BuiltIn::name).join(", ");
+    BuiltIn::ALL.into_iter().find(|kind| kind.name() == name).ok_or_else(|| format!("there are: {names}"))
 }
 
 /// Longest drive, minutes: a record of a day fills the memory.
@@ -177,14 +186,14 @@ fn replay(args: ReplayArgs) -> Result<(), Box<dyn Error>> {
 }
 
 fn hil(args: HilArgs) -> Result<(), Box<dyn Error>> {
-    let HilArgs { port, serial, image, plan, minutes, seed, out, .. } = args;
+    let HilArgs { port, serial, image, rig, plan, minutes, seed, out, .. } = args;
     let target = match port {
         Some(device) => Target::Port { device },
         None if serial => Target::EmulatorSerial { image },
         None => Target::Emulator { image },
     };
     let bar = ProgressBar::new(1000).with_style(style("in the loop {wide_bar} {percent} %, {eta} to go"));
-    let hil = Hil { plan, minutes, seed, out, target };
+    let hil = Hil { plan, minutes, seed, out, robot: rig, target };
     let outcome = hil.run(|share| bar.set_position((1000.0 * share) as u64));
     bar.finish_and_clear();
     let outcome = outcome?;

@@ -5,15 +5,15 @@ mod common;
 use common::Place;
 use predicates::prelude::*;
 use predicates::str::contains;
-use wire::{BoardFaults, Estimate, Faults, Frame, Sample, SlamFaults, encode};
+use wire::{BoardFaults, Estimate, Faults, Frame, Range, Sample, SlamFaults, encode};
 
 /// What a robot that stands still says in two seconds, joined in the middle of a frame.
-fn recorded() -> Vec<u8> {
+fn recorded(sensors: u16, range: impl Fn(u16, u16) -> Range) -> Vec<u8> {
     let mut bytes = vec![3, 1, 4, 0];
     for step in 1..=50_u64 {
         let time_us = step * 40_000;
-        let counts = (0..8).map(|i| Some(900 + (step as u16 % 3) * 5 + i)).collect();
-        let sample = Sample { time_us, left_ticks: 7, right_ticks: -7, counts, ..Sample::default() };
+        let ranges = (0..sensors).map(|i| range(step as u16, i)).collect();
+        let sample = Sample { time_us, left_ticks: 7, right_ticks: -7, ranges, ..Sample::default() };
         let estimate = Estimate { time_us, pose: [1.25, -0.5, 0.1], ..Estimate::default() };
         let board = BoardFaults { contact_stops: 2, ..BoardFaults::default() };
         let faults = Faults { slam: SlamFaults::default(), board };
@@ -27,7 +27,8 @@ fn recorded() -> Vec<u8> {
 #[test]
 fn it_shows_the_robot_and_records_a_log_that_replays() {
     let place = Place::new();
-    std::fs::write(place.path("line"), recorded()).unwrap();
+    let counts = |step, i| Range::Counts(900 + (step % 3) * 5 + i);
+    std::fs::write(place.path("line"), recorded(8, counts)).unwrap();
     place
         .lab()
         .args(["monitor", "--port", "line", "--out", "seen"])
@@ -37,6 +38,20 @@ fn it_shows_the_robot_and_records_a_log_that_replays() {
     assert_eq!(place.get("seen/log.csv").lines().count(), 51);
     place.lab().args(["replay", "seen/log.csv", "--rig", "seen/rig.toml", "--out", "replayed"]).assert().success();
     assert_eq!(place.summary("replayed")["rows"], 50);
+}
+
+#[test]
+fn metres_are_recorded_as_metres_and_are_not_taken_for_counts() {
+    let place = Place::new();
+    let metres = |step, i| if i == 2 { Range::Missing } else { Range::Metres(0.5 + 0.01 * f32::from(step % 3 + i)) };
+    std::fs::write(place.path("line"), recorded(4, metres)).unwrap();
+    let monitor = |rig: &[&str]| place.lab().args(["monitor", "--port", "line", "--out", "seen"]).args(rig).assert();
+    monitor(&[]).failure().stderr(contains("metres of range sensor 0").and(contains("--rig")));
+    monitor(&["--rig", "time-of-flight"]).success().stdout(contains("0.52 m"));
+    let log = place.get("seen/log.csv");
+    assert!(log.starts_with("t_s,left_ticks,right_ticks,range_0_m,range_1_m,range_2_m,range_3_m,"), "{log}");
+    assert!(log.lines().nth(1).unwrap().starts_with("0.04,7,-7,0.51,0.52,,0.54,"), "{log}");
+    place.lab().args(["replay", "seen/log.csv", "--rig", "seen/rig.toml", "--out", "replayed"]).assert().success();
 }
 
 #[test]

@@ -5,11 +5,11 @@ use std::io::{Read, Write};
 use std::path::Path;
 use std::time::Duration;
 
-use slam_core::RangeInput;
+use slam_core::{RangeInput, RangeModel};
 use wire::{Command, DecodeError, Decoder, Frame, Sample, encode};
 
 use lab::input::log::Row;
-use lab::input::rig_file::MAX_SENSORS;
+use lab::input::rig_file::{MAX_SENSORS, Robot};
 use lab::numbers::shortest;
 use lab::recording::Pose2;
 
@@ -36,14 +36,31 @@ pub fn open(device: &str) -> Result<Line, String> {
     Ok((Box::new(reader), Box::new(port)))
 }
 
-/// A robot's sample as a row of a log.
-pub fn row(sample: &Sample, truth: Option<Pose2>) -> Row {
+/// A robot's sample as a row of its log.
+///
+/// # Errors
+/// It has readings of another kind than the robot's rig says, or of more sensors.
+pub fn row(sample: &Sample, robot: &Robot, truth: Option<Pose2>) -> Result<Row, String> {
     let t_s = sample.time_us as f64 * 1e-6;
     let few = sample.to_slam();
     let mut ranges = [RangeInput::Missing; MAX_SENSORS];
-    ranges.iter_mut().zip(few.ranges).for_each(|(wide, range)| *wide = range);
+    for (i, (wide, range)) in ranges.iter_mut().zip(few.ranges).enumerate() {
+        let sends = match (range, robot.rig.sensors.get(i).map(|sensor| sensor.model)) {
+            (RangeInput::Missing, _) => None,
+            (RangeInput::Counts(_), Some(RangeModel::Sharp { .. })) => None,
+            (RangeInput::Metres(_), Some(RangeModel::Metric { .. })) => None,
+            (RangeInput::Counts(_), _) => Some("converter counts"),
+            (RangeInput::Metres(_), _) => Some("metres"),
+        };
+        if let Some(kind) = sends {
+            return Err(format!(
+                "the robot sends {kind} of range sensor {i}, which its rig has not: name the robot's rig with --rig"
+            ));
+        }
+        *wide = range;
+    }
     let sample = slam_core::Sample { time_us: few.time_us, motion: few.motion, ranges };
-    Row { t_text: shortest(t_s), t_s, sample, truth }
+    Ok(Row { t_text: shortest(t_s), t_s, sample, truth })
 }
 
 /// A robot that is listened to.

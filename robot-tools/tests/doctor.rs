@@ -1,19 +1,22 @@
 //! `lab doctor` on robots that are wired rightly and wrongly.
 
+use lab::input::built_in;
+use robot::rig::BuiltIn;
 use robot_tools::doctor::{Bench, examine};
-use wire::{Command, Contacts, Sample};
+use wire::{Command, Contacts, Range, Sample};
 
 /// A robot and a person who does what is asked; `order` says which sensor is on which input.
 struct Robot {
     order: [usize; 8],
     reversed_left: bool,
+    kind: BuiltIn,
     sample: Sample,
     said: Vec<String>,
 }
 
 impl Robot {
     fn new(order: [usize; 8], reversed_left: bool) -> Self {
-        Self { order, reversed_left, sample: Sample::default(), said: Vec::new() }
+        Self { order, reversed_left, kind: BuiltIn::Sharp, sample: Sample::default(), said: Vec::new() }
     }
 
     fn roll(&mut self, left: i32, right: i32) {
@@ -22,19 +25,24 @@ impl Robot {
     }
 
     fn examined(mut self) -> (usize, String) {
-        let wrong = examine(&mut self).unwrap();
+        let (robot, _) = built_in(self.kind).unwrap();
+        let wrong = examine(&mut self, &robot).unwrap();
         (wrong, self.said.join("\n"))
     }
 }
 
 impl Bench for Robot {
     fn ask(&mut self, what: &str) -> Result<(), String> {
-        self.sample.counts = (0..8).map(|_| Some(500)).collect();
+        // 0.3 m by the built-in rig's law: 1.83 V of 3.3 V in 12 bits.
+        let (sensors, free, held) = match self.kind {
+            BuiltIn::Sharp => (8, Range::Counts(500), Range::Counts(2268)),
+            BuiltIn::TimeOfFlight => (4, Range::Missing, Range::Metres(0.31)),
+        };
+        self.sample.ranges = (0..sensors).map(|_| free).collect();
         self.sample.contacts = Contacts::default();
         let sensor = (0..8).find(|i| what.contains(&format!("sensor {i},")));
         if let Some(sensor) = sensor {
-            // 0.3 m by the built-in rig's law: 1.83 V of 3.3 V in 12 bits.
-            self.sample.counts[self.order[sensor]] = Some(2268);
+            self.sample.ranges[self.order[sensor]] = held;
         }
         match what {
             what if what.contains("left half") => self.sample.contacts.bump_left = true,
@@ -83,4 +91,15 @@ fn a_reversed_encoder_is_named() {
     let (wrong, said) = Robot::new([0, 1, 2, 3, 4, 5, 6, 7], true).examined();
     assert_eq!(wrong, 3, "{said}");
     assert!(said.contains("WRONG  left encoder: -400 ticks: it counts backward"), "{said}");
+}
+
+#[test]
+fn sensors_that_report_metres_are_checked_the_same() {
+    let kind = BuiltIn::TimeOfFlight;
+    let (wrong, said) = Robot { kind, ..Robot::new([0, 1, 2, 3, 4, 5, 6, 7], false) }.examined();
+    assert_eq!(wrong, 0, "{said}");
+    assert!(said.contains("ok     left: 0.31 m"), "{said}");
+    let (wrong, said) = Robot { kind, ..Robot::new([1, 0, 2, 3, 4, 5, 6, 7], false) }.examined();
+    assert_eq!(wrong, 2, "{said}");
+    assert!(said.contains("WRONG  front: sensor 1, left, answered instead"), "{said}");
 }

@@ -18,7 +18,7 @@ pub mod wheel_control;
 pub use contact::{ContactPins, Contacts};
 pub use h_bridge::{HBridge, HBridgeError, MotorPair};
 pub use pilot::{Activity, Pilot, PilotConfig, Senses};
-pub use traits::{DriveMotors, Duty, RangeSensorBank, WheelCounter, WheelEncoders, WheelSpeeds};
+pub use traits::{DriveMotors, Duty, MetricSensor, RangeSensorBank, WheelCounter, WheelEncoders, WheelSpeeds};
 pub use wheel_control::{WheelControl, WheelControlConfig};
 
 /// The examples of the README, compiled and run.

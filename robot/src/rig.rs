@@ -1,10 +1,50 @@
-//! The robot that this project builds, as its estimator knows it.
+//! The robot that this project builds, as its estimator knows it, with either kind of range sensor.
 
 use heapless::Vec;
 use slam_core::{Adc, DriveModel, Mount, RangeModel, RangeSensor, Rig};
 
 /// Bearings of the range sensors, degrees counter-clockwise from straight ahead, in their order.
 pub const BEARINGS_DEG: [f32; 8] = [0.0, 45.0, 90.0, 135.0, 180.0, -135.0, -90.0, -45.0];
+
+/// A robot that the firmware's tasks are built for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BuiltIn {
+    /// [`default_rig`].
+    #[default]
+    Sharp,
+    /// [`time_of_flight_rig`].
+    TimeOfFlight,
+}
+
+impl BuiltIn {
+    /// Every one.
+    pub const ALL: [Self; 2] = [Self::Sharp, Self::TimeOfFlight];
+
+    /// What it is called on command lines.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sharp => "sharp",
+            Self::TimeOfFlight => "time-of-flight",
+        }
+    }
+
+    /// What its estimator knows of it.
+    pub fn rig<const S: usize>(self) -> Rig<S> {
+        match self {
+            Self::Sharp => default_rig(),
+            Self::TimeOfFlight => time_of_flight_rig(),
+        }
+    }
+}
+
+/// The wheels of both robots.
+const WHEELS: DriveModel = DriveModel::Wheels {
+    track_m: 0.235,
+    track_sigma: 0.0,
+    metres_per_tick: 0.000_445,
+    scale_sigma: 0.005,
+    noise_m2_per_m: 1e-5,
+};
 
 /// A round cleaning robot (radius 0.17 m) with eight Sharp infrared sensors on a ring of 6 cm on its top deck.
 ///
@@ -30,15 +70,31 @@ pub fn default_rig<const S: usize>() -> Rig<S> {
         // At most S are taken: it always fits.
         let _ = sensors.push(sensor);
     }
-    Rig {
-        drive: DriveModel::Wheels {
-            track_m: 0.235,
-            track_sigma: 0.0,
-            metres_per_tick: 0.000_445,
-            scale_sigma: 0.005,
-            noise_m2_per_m: 1e-5,
-        },
-        adc: Some(Adc { bits: 12, vref_v: 3.3 }),
-        sensors,
+    Rig { drive: WHEELS, adc: Some(Adc { bits: 12, vref_v: 3.3 }), sensors }
+}
+
+/// Bearings of the range sensors of [`time_of_flight_rig`], degrees counter-clockwise from straight ahead, in their order.
+pub const FOUR_BEARINGS_DEG: [f32; 4] = [0.0, 90.0, 180.0, -90.0];
+
+/// The same robot with four sensors that report metres, ahead, to both sides and back, on a ring of 10 cm: modules that
+/// measure the light's time of flight, with their noise of a centimetre and a hundredth of the range, up to 2 m.
+///
+/// With room for fewer than four sensors, the rig has the first ones.
+pub fn time_of_flight_rig<const S: usize>() -> Rig<S> {
+    let mut sensors = Vec::new();
+    for bearing_deg in FOUR_BEARINGS_DEG.into_iter().take(S) {
+        let bearing_rad = bearing_deg.to_radians();
+        let mount = Mount { x_m: 0.1 * libm::cosf(bearing_rad), y_m: 0.1 * libm::sinf(bearing_rad), bearing_rad };
+        let sensor = RangeSensor {
+            mount,
+            min_m: 0.04,
+            max_m: 2.0,
+            max_incidence_rad: 60_f32.to_radians(),
+            gain_sigma: 0.01,
+            model: RangeModel::Metric { noise_m: 0.01, noise_rel: 0.01 },
+        };
+        // At most S are taken: it always fits.
+        let _ = sensors.push(sensor);
     }
+    Rig { drive: WHEELS, adc: None, sensors }
 }

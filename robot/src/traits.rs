@@ -2,16 +2,27 @@
 
 use slam_core::{RangeInput, Ticks};
 
-/// Every range sensor of the robot, in the rig's order.
+/// Every range sensor of the robot, in the rig's order: converter counts, metres, or some of each.
+#[expect(async_fn_in_trait, reason = "one executor runs the task that reads: its futures need not be Send")]
 pub trait RangeSensorBank<const S: usize> {
     /// What can go wrong on the bus or the converter.
     type Error;
 
-    /// The latest reading of each sensor; [`RangeInput::Missing`] where there is none.
+    /// The latest reading of each sensor, or why this one could not be read; [`RangeInput::Missing`] where it sees nothing.
+    async fn read(&mut self) -> [Result<RangeInput, Self::Error>; S];
+}
+
+/// A range sensor on a bus that reports metres, such as one that measures the light's time of flight.
+#[expect(async_fn_in_trait, reason = "one executor runs the task that reads: its futures need not be Send")]
+pub trait MetricSensor {
+    /// What can go wrong on the bus.
+    type Error;
+
+    /// The latest range, metres; none where the sensor sees nothing.
     ///
     /// # Errors
-    /// The whole bank could not be read.
-    fn read(&mut self) -> Result<[RangeInput; S], Self::Error>;
+    /// The sensor could not be read.
+    async fn range_m(&mut self) -> Result<Option<f32>, Self::Error>;
 }
 
 /// The encoders of both wheels.

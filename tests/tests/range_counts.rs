@@ -1,6 +1,8 @@
 //! Converter counts through the robot's sensor trait into the estimator: what is no reading is refused, for its reason.
 
 use std::convert::Infallible;
+use std::pin::pin;
+use std::task::{Context, Poll, Waker};
 
 use hal_sim::{Board, ClosedLoop, Estimate, SharpOptions, SimOptions, Simulation, default_rig, default_rig_with};
 use robot::{DriveMotors, Duty, PilotConfig, RangeSensorBank, WheelEncoders};
@@ -13,9 +15,15 @@ struct Scripted<I>(I);
 impl<I: Iterator<Item = u16>> RangeSensorBank<16> for Scripted<I> {
     type Error = Infallible;
 
-    fn read(&mut self) -> Result<[RangeInput; 16], Infallible> {
-        Ok([self.0.next().map_or(RangeInput::Missing, RangeInput::Counts); 16])
+    async fn read(&mut self) -> [Result<RangeInput, Infallible>; 16] {
+        [Ok(self.0.next().map_or(RangeInput::Missing, RangeInput::Counts)); 16]
     }
+}
+
+/// What comes of a future that waits for nothing.
+fn now<T>(future: impl Future<Output = T>) -> T {
+    let Poll::Ready(value) = pin!(future).poll(&mut Context::from_waker(Waker::noop())) else { panic!("it waits") };
+    value
 }
 
 /// Reads the bank every `period_us` and feeds the estimator; the robot drives `ticks` per sample.
@@ -30,7 +38,7 @@ fn run(
     let mut slam = HostSlam::new(rig, Config::default()).unwrap();
     let mut tally = Tally::default();
     for i in 0..samples {
-        let Ok(ranges) = bank.read();
+        let ranges = now(bank.read()).map(|Ok(range)| range);
         let cumulative = ticks.wrapping_mul(i as i32);
         let motion = Motion::Ticks(Ticks { left: cumulative, right: cumulative });
         let sample = Sample { time_us: (i + 1) * period_us, motion, ranges };
@@ -140,7 +148,7 @@ fn the_simulated_board_s_converter_feeds_the_estimator() {
         // Twice as often as the sensors have something new.
         board.advance(0.02);
         let motion = Motion::Ticks(encoders.ticks().unwrap());
-        let sample = Sample { time_us: 20_000 * i, motion, ranges: ranges.read().unwrap() };
+        let sample = Sample { time_us: 20_000 * i, motion, ranges: now(ranges.read()).map(|Ok(range)| range) };
         let report = slam.step(&sample);
         tally.add(&sample, &report, 8, true);
         assert_sane(&slam);

@@ -1,17 +1,35 @@
 //! Between frames and the estimator's types.
 
-use crate::frames::{Calibration, Estimate, Factor, Parameter, SENSORS, Sample, SlamFaults, Wall, WallKind};
+use crate::frames::{Calibration, Estimate, Factor, Parameter, Range, SENSORS, Sample, SlamFaults, Wall, WallKind};
 use slam_core::{Counters, Motion, RangeInput, Slam, Ticks, WallView};
 
 impl Sample {
     /// The estimator's input. Sensors that the frame does not carry have no reading.
     pub fn to_slam(&self) -> slam_core::Sample<SENSORS> {
         let mut ranges = [RangeInput::Missing; SENSORS];
-        for (range, counts) in ranges.iter_mut().zip(&self.counts) {
-            *range = counts.map_or(RangeInput::Missing, RangeInput::Counts);
-        }
+        ranges.iter_mut().zip(&self.ranges).for_each(|(input, range)| *input = (*range).into());
         let motion = Motion::Ticks(Ticks { left: self.left_ticks, right: self.right_ticks });
         slam_core::Sample { time_us: self.time_us, motion, ranges }
+    }
+}
+
+impl From<RangeInput> for Range {
+    fn from(input: RangeInput) -> Self {
+        match input {
+            RangeInput::Missing => Self::Missing,
+            RangeInput::Counts(counts) => Self::Counts(counts),
+            RangeInput::Metres(metres) => Self::Metres(metres),
+        }
+    }
+}
+
+impl From<Range> for RangeInput {
+    fn from(range: Range) -> Self {
+        match range {
+            Range::Missing => Self::Missing,
+            Range::Counts(counts) => Self::Counts(counts),
+            Range::Metres(metres) => Self::Metres(metres),
+        }
     }
 }
 

@@ -28,7 +28,7 @@ pub enum Frame {
 }
 
 /// Raw input of one estimator step.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
     /// Time since the robot's start, microseconds.
     pub time_us: u64,
@@ -36,10 +36,22 @@ pub struct Sample {
     pub left_ticks: i32,
     /// Cumulative counts of the right wheel.
     pub right_ticks: i32,
-    /// Converter counts of each range sensor, in the rig's order; none where there was no reading.
-    pub counts: Vec<Option<u16>, SENSORS>,
+    /// Each range sensor's reading, in the rig's order.
+    pub ranges: Vec<Range, SENSORS>,
     /// Bumper and cliff inputs.
     pub contacts: Contacts,
+}
+
+/// One reading of a range sensor; floats travel with all their bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub enum Range {
+    /// No reading.
+    #[default]
+    Missing,
+    /// Converter counts of an analogue sensor.
+    Counts(u16),
+    /// Metres, of a sensor that reports them.
+    Metres(f32),
 }
 
 /// Inputs that stop the wheels.
@@ -169,7 +181,7 @@ pub struct SlamFaults {
 /// Counts of the firmware's tasks and channels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BoardFaults {
-    /// The range sensors could not be read.
+    /// Range sensors that could not be read.
     pub ranges_failed: u32,
     /// The encoders could not be read.
     pub encoders_failed: u32,

@@ -1,20 +1,23 @@
 //! Frames survive the line or are refused: none arrives changed.
 
 use proptest::prelude::*;
+use slam_core::RangeInput;
 use wire::{
-    BoardFaults, Calibration, Command, Contacts, Decoder, Estimate, Factor, Faults, Frame, Motors, Parameter, Sample,
-    SlamFaults, Wall, WallKind, encode,
+    BoardFaults, Calibration, Command, Contacts, Decoder, Estimate, Factor, Faults, Frame, Motors, Parameter, Range,
+    Sample, SlamFaults, Wall, WallKind, encode,
 };
 
 fn sample() -> impl Strategy<Value = Frame> {
-    let counts = prop::collection::vec(any::<Option<u16>>(), 0..=wire::SENSORS);
-    (any::<u64>(), any::<[i32; 2]>(), counts, any::<[bool; 3]>()).prop_map(|(time_us, ticks, counts, touched)| {
+    let range =
+        prop_oneof![Just(Range::Missing), any::<u16>().prop_map(Range::Counts), any::<f32>().prop_map(Range::Metres)];
+    let ranges = prop::collection::vec(range, 0..=wire::SENSORS);
+    (any::<u64>(), any::<[i32; 2]>(), ranges, any::<[bool; 3]>()).prop_map(|(time_us, ticks, ranges, touched)| {
         let [bump_left, bump_right, cliff] = touched;
         Frame::Sample(Sample {
             time_us,
             left_ticks: ticks[0],
             right_ticks: ticks[1],
-            counts: counts.into_iter().collect(),
+            ranges: ranges.into_iter().collect(),
             contacts: Contacts { bump_left, bump_right, cliff },
         })
     })
@@ -154,7 +157,26 @@ fn the_longest_frames_fit() {
         late_tasks: u32::MAX,
         stack_used_bytes: u32::MAX,
     };
-    for frame in [Frame::Calibration(calibration), Frame::Faults(Faults { slam: counts, board })] {
+    let sample = Sample {
+        time_us: u64::MAX,
+        left_ticks: i32::MIN,
+        right_ticks: i32::MIN,
+        ranges: [Range::Metres(f32::MIN); wire::SENSORS].into_iter().collect(),
+        contacts: Contacts::default(),
+    };
+    let faults = Faults { slam: counts, board };
+    for frame in [Frame::Sample(sample), Frame::Calibration(calibration), Frame::Faults(faults)] {
         assert_eq!(received(&encode(&frame).unwrap()), [frame]);
     }
+}
+
+#[test]
+fn both_kinds_of_range_reach_the_estimator() {
+    let ranges = [Range::Counts(1234), Range::Missing, Range::Metres(0.75)];
+    let sample = Sample { ranges: ranges.into_iter().collect(), ..Sample::default() };
+    let [Frame::Sample(heard)] = &received(&encode(&Frame::Sample(sample)).unwrap())[..] else { panic!("one sample") };
+    let inputs = heard.to_slam().ranges;
+    assert_eq!(inputs[..3], [RangeInput::Counts(1234), RangeInput::Missing, RangeInput::Metres(0.75)]);
+    assert!(inputs[3..].iter().all(|input| *input == RangeInput::Missing));
+    assert!(inputs[..3].iter().map(|input| Range::from(*input)).eq(ranges));
 }

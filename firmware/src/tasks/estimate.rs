@@ -5,7 +5,7 @@ use crate::faults::Task;
 use crate::shared::{Ranges, Shared};
 use core::cell::Cell;
 use robot::Senses;
-use slam_core::{Config, RangeInput, RobotSlam, StepReport};
+use slam_core::{Config, RobotSlam, StepReport};
 use wire::{Calibration, Estimate, Faults, Frame, Sample, Wall};
 
 /// Steps between two frames of calibration and faults: once a second.
@@ -59,15 +59,11 @@ fn tell(slam: &RobotSlam, sample: Sample, steps: u32, shared: &Shared) {
 fn raw_sample(ranges: &Ranges, shared: &Shared) -> Sample {
     let ticks = shared.latest_odometry.lock(Cell::get).ticks;
     let touched = shared.contacts();
-    let counts = ranges.ranges.iter().map(|range| match range {
-        RangeInput::Counts(counts) => Some(*counts),
-        RangeInput::Missing | RangeInput::Metres(_) => None,
-    });
     Sample {
         time_us: ranges.time_us,
         left_ticks: ticks.left,
         right_ticks: ticks.right,
-        counts: counts.collect(),
+        ranges: ranges.ranges.iter().map(|range| (*range).into()).collect(),
         contacts: wire::Contacts { bump_left: touched.bump_left, bump_right: touched.bump_right, cliff: touched.cliff },
     }
 }

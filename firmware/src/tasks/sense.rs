@@ -5,6 +5,7 @@ use crate::faults::Task;
 use crate::periodic::{CONTROL_MS, Periodic, SAMPLE_MS};
 use crate::shared::{Odometry, Ranges, Shared};
 use robot::{RangeSensorBank, WheelEncoders};
+use slam_core::RangeInput;
 
 /// Reads the encoders for wheel-speed control and estimator.
 pub async fn odometry(encoders: &mut impl WheelEncoders, shared: &Shared) -> ! {
@@ -23,14 +24,22 @@ pub async fn odometry(encoders: &mut impl WheelEncoders, shared: &Shared) -> ! {
     }
 }
 
-/// Reads the range sensors for the estimator.
-pub async fn sample(bank: &mut impl RangeSensorBank<SENSORS>, shared: &Shared) -> ! {
+/// Reads the range sensors for the estimator. One that cannot be read is missing in the sample. When none gives a range and
+/// some cannot be read, there is no sample, so that the drive task does not drive blind.
+pub async fn sample<B: RangeSensorBank<SENSORS>>(bank: &mut B, shared: &Shared) -> ! {
     let mut beat = Periodic::every_ms(SAMPLE_MS);
     loop {
         let time_us = beat.next().await.as_micros();
-        match bank.read() {
-            Ok(ranges) => shared.push_ranges(Ranges { time_us, ranges }),
-            Err(_) => shared.faults.count(|faults| &mut faults.ranges_failed),
+        let mut failed = false;
+        let ranges = bank.read().await.map(|reading| {
+            reading.unwrap_or_else(|_| {
+                failed = true;
+                shared.faults.count(|faults| &mut faults.ranges_failed);
+                RangeInput::Missing
+            })
+        });
+        if !failed || ranges.iter().any(|range| *range != RangeInput::Missing) {
+            shared.push_ranges(Ranges { time_us, ranges });
         }
         shared.reports.report(Task::Sample);
     }

@@ -1,4 +1,7 @@
 //! Wires between tests and tasks.
+#![allow(dead_code, reason = "each test uses its part")]
+
+pub mod home;
 
 use core::cell::Cell;
 use core::convert::Infallible;

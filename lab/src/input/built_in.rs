@@ -1,21 +1,49 @@
-//! The robot that is simulated when no rig file is given.
+//! The robots that need no rig file.
 
 use std::path::Path;
 
+use robot::rig::BuiltIn;
+use slam_core::RangeSensor;
+
 use crate::error::FileError;
 use crate::input::rig_file::Robot;
+use crate::input::text_file;
 
-/// Names of the built-in robot's sensors, in their order.
-const BUILT_IN_NAMES: [&str; 8] =
-    ["front", "front_left", "left", "back_left", "back", "back_right", "right", "front_right"];
-
-/// The robot that is simulated when no rig file is given, and its rig file's text.
+/// The robot that is simulated when no other is named, and its rig file's text.
 ///
 /// # Errors
 /// Never for the built-in robot as it is; what is wrong with it otherwise.
 pub fn built_in_robot() -> Result<(Robot, String), FileError> {
-    let robot = Robot { rig: hal_sim::default_rig(), names: BUILT_IN_NAMES.map(str::to_owned).to_vec() };
-    let text = robot.to_toml();
+    built_in(BuiltIn::default())
+}
+
+/// A built-in robot, and its rig file's text.
+///
+/// # Errors
+/// Never for the built-in robots as they are; what is wrong with one otherwise.
+pub fn built_in(kind: BuiltIn) -> Result<(Robot, String), FileError> {
+    let rig = kind.rig();
+    let names = rig.sensors.iter().map(|sensor| name(sensor).to_owned()).collect();
+    let text = Robot { rig, names }.to_toml();
     // A replay reads this text: the run must use the same values.
-    Ok((Robot::parse(Path::new("built-in rig"), &text)?, text))
+    Ok((Robot::parse(Path::new(kind.name()), &text)?, text))
+}
+
+/// The robot that is called so, or that this rig file describes, and its rig file's text.
+///
+/// # Errors
+/// The rig file cannot be used.
+pub fn robot(rig: &Path) -> Result<(Robot, String), FileError> {
+    if let Some(kind) = BuiltIn::ALL.into_iter().find(|kind| Path::new(kind.name()) == rig) {
+        return built_in(kind);
+    }
+    let text = text_file::read(rig)?;
+    Ok((Robot::parse(rig, &text)?, text))
+}
+
+/// What a sensor is called by its bearing, in eighth turns.
+fn name(sensor: &RangeSensor) -> &'static str {
+    const NAMES: [&str; 8] = ["front", "front_left", "left", "back_left", "back", "back_right", "right", "front_right"];
+    let eighths = (sensor.mount.bearing_rad.to_degrees() / 45.0).round() as i32;
+    NAMES[eighths.rem_euclid(8) as usize]
 }

@@ -8,4 +8,4 @@ pub mod settings;
 pub mod text_file;
 pub mod toml_table;
 
-pub use built_in::built_in_robot;
+pub use built_in::{built_in, built_in_robot, robot};

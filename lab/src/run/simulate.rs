@@ -11,10 +11,9 @@ use super::drive::Drive;
 use super::session::Session;
 use crate::error::FileError;
 use crate::evaluate::smoother;
-use crate::input::log::writer;
-use crate::input::rig_file::{Robot, rig_error};
+use crate::input::rig_file::rig_error;
 use crate::input::settings::Settings;
-use crate::input::{built_in_robot, text_file};
+use crate::input::{self, log::writer};
 use crate::recording::Recording;
 use crate::show::output::folder::Folder;
 use crate::show::output::streams::{LineFile, Streams};
@@ -30,7 +29,7 @@ pub struct Run {
     pub minutes: f64,
     /// Everything random follows from it.
     pub seed: u64,
-    /// A rig file; the built-in robot when not given.
+    /// Name of a built-in robot, or a rig file; the default robot when not given.
     pub rig: Option<PathBuf>,
     /// The output folder.
     pub out: PathBuf,
@@ -74,11 +73,8 @@ impl Run {
     pub fn run(&self, mut progress: impl FnMut(f64)) -> Result<Recording, RunError> {
         let plan = hal_sim::plan_file::load(&self.plan).map_err(RunError::Plan)?;
         let (robot, rig_toml) = match &self.rig {
-            Some(file) => {
-                let text = text_file::read(file)?;
-                (Robot::parse(file, &text)?, text)
-            }
-            None => built_in_robot()?,
+            Some(rig) => input::robot(rig)?,
+            None => input::built_in_robot()?,
         };
         let rig_name = self.rig.clone().unwrap_or_else(|| PathBuf::from("built-in rig"));
         let mut drive = Drive::new(&plan, &robot, SimOptions::default(), self.seed)

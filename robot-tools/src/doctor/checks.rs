@@ -1,7 +1,7 @@
 //! What is found from samples: pure functions.
 
 use slam_core::{DriveModel, RangeModel};
-use wire::{Contacts, Sample};
+use wire::{Contacts, Range, Sample};
 
 use lab::input::rig_file::Robot;
 
@@ -10,6 +10,8 @@ pub type Finding = Result<String, String>;
 
 /// Counts by which an output must rise when something is held in front of the sensor.
 const RISE_COUNTS: f32 = 300.0;
+/// Metres by which a reported range must fall then.
+const FALL_M: f32 = 0.4;
 /// Largest share by which a held board's range may be off.
 const RANGE_SHARE: f32 = 0.25;
 /// Largest share by which a pushed distance may be off.
@@ -50,26 +52,43 @@ pub const CONTACTS: [Contact; 3] = [
 
 /// A board at `held_m` in front of sensor `index`: does this one answer, and with about that range?
 pub fn sensor(index: usize, robot: &Robot, held_m: f32, free: &[Sample], held: &[Sample]) -> Finding {
-    let rises: Vec<f32> = (0..robot.names.len()).map(|i| median(i, held) - median(i, free)).collect();
-    let (most, rise) = rises.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).ok_or("no sensors")?;
-    if rise < RISE_COUNTS {
-        return Err("no output rose: check its supply, its output's wire and the board's distance".into());
+    let answers: Vec<f32> = (0..robot.names.len()).map(|i| answer(i, robot, free, held)).collect();
+    let (most, answer) = answers.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).ok_or("no sensors")?;
+    if answer < 1.0 {
+        return Err("no output changed: check its supply, its output's wire and the board's distance".into());
     }
     if most != index {
         return Err(format!("sensor {most}, {}, answered instead: swap their wires", robot.names[most]));
     }
-    let (RangeModel::Sharp { scale_m, exponent, .. }, Some(adc)) = (robot.rig.sensors[index].model, robot.rig.adc)
-    else {
-        return Ok("it answers".into());
+    let (range_m, shown) = match (robot.rig.sensors[index].model, robot.rig.adc) {
+        (RangeModel::Sharp { scale_m, exponent, .. }, Some(adc)) => {
+            let volts = median(index, held, counts).unwrap_or(0.0) / adc.full_scale() as f32 * adc.vref_v;
+            (scale_m * volts.powf(exponent), format!("{volts:.2} V"))
+        }
+        _ => (median(index, held, metres).unwrap_or(f32::NAN), "as it reports".to_owned()),
     };
-    let volts = median(index, held) / adc.full_scale() as f32 * adc.vref_v;
-    let range_m = scale_m * volts.powf(exponent);
     if (range_m / held_m - 1.0).abs() > RANGE_SHARE {
         return Err(format!(
-            "{volts:.2} V mean {range_m:.2} m instead of {held_m} m: check its kind and reference voltage"
+            "{range_m:.2} m, {shown}, instead of {held_m} m: check its kind, its place and the reference voltage"
         ));
     }
-    Ok(format!("{range_m:.2} m, {volts:.2} V"))
+    Ok(format!("{range_m:.2} m, {shown}"))
+}
+
+/// How clearly a sensor answers to what is held in front of it: 1 is clear enough.
+fn answer(sensor: usize, robot: &Robot, free: &[Sample], held: &[Sample]) -> f32 {
+    let Some(part) = robot.rig.sensors.get(sensor) else { return 0.0 };
+    match part.model {
+        RangeModel::Sharp { .. } => {
+            let [free, held] = [free, held].map(|samples| median(sensor, samples, counts).unwrap_or(0.0));
+            (held - free) / RISE_COUNTS
+        }
+        // Where nothing is in range there is no reading.
+        RangeModel::Metric { .. } => {
+            let [free, held] = [free, held].map(|samples| median(sensor, samples, metres).unwrap_or(part.max_m));
+            (free - held) / FALL_M
+        }
+    }
 }
 
 /// Does this input, and no other, show that it is pressed?
@@ -116,8 +135,18 @@ fn travelled(before: &[Sample], after: &[Sample]) -> Result<[i32; 2], String> {
     Ok([last.left_ticks.wrapping_sub(first.left_ticks), last.right_ticks.wrapping_sub(first.right_ticks)])
 }
 
-fn median(sensor: usize, samples: &[Sample]) -> f32 {
-    let mut counts: Vec<u16> = samples.iter().filter_map(|s| s.counts.get(sensor).copied().flatten()).collect();
-    counts.sort_unstable();
-    counts.get(counts.len() / 2).map_or(0.0, |counts| f32::from(*counts))
+fn counts(range: Range) -> Option<f32> {
+    if let Range::Counts(counts) = range { Some(f32::from(counts)) } else { None }
+}
+
+fn metres(range: Range) -> Option<f32> {
+    if let Range::Metres(metres) = range { Some(metres) } else { None }
+}
+
+/// The median of a sensor's readings of one kind.
+fn median(sensor: usize, samples: &[Sample], kind: fn(Range) -> Option<f32>) -> Option<f32> {
+    let mut values: Vec<f32> =
+        samples.iter().filter_map(|sample| sample.ranges.get(sensor).copied().and_then(kind)).collect();
+    values.sort_unstable_by(f32::total_cmp);
+    values.get(values.len() / 2).copied()
 }

@@ -3,13 +3,14 @@
 mod checks;
 
 use std::io::{BufRead, Write};
+use std::path::PathBuf;
 
 use clap::Args;
 use wire::{Command, Frame, Sample};
 
 use crate::port::{self, Port};
 use checks::Finding;
-use lab::input::built_in_robot;
+use lab::input::rig_file::Robot;
 
 /// Arguments of `lab doctor`.
 #[derive(Clone, Debug, Args)]
@@ -17,6 +18,9 @@ pub struct Doctor {
     /// The serial port that the robot is at.
     #[arg(long, value_name = "DEV")]
     port: String,
+    /// Name of the built-in robot, or its rig file.
+    #[arg(long, value_name = "NAME|FILE", default_value = "sharp")]
+    rig: PathBuf,
 }
 
 /// Samples that a check listens to: two seconds.
@@ -58,8 +62,9 @@ impl Doctor {
     /// # Errors
     /// What was found wrong, or that the robot does not answer.
     pub fn run(&self) -> Result<(), String> {
+        let (robot, _) = lab::input::robot(&self.rig).map_err(|error| error.to_string())?;
         let mut bench = Terminal { port: Port::new(port::open(&self.port)?) };
-        let wrong = examine(&mut bench)?;
+        let wrong = examine(&mut bench, &robot)?;
         match wrong {
             0 => Ok(()),
             count => Err(format!("{count} things to put right, see above")),
@@ -71,8 +76,7 @@ impl Doctor {
 ///
 /// # Errors
 /// The robot or the person does not answer.
-pub fn examine(bench: &mut impl Bench) -> Result<usize, String> {
-    let (robot, _) = built_in_robot().map_err(|error| error.to_string())?;
+pub fn examine(bench: &mut impl Bench, robot: &Robot) -> Result<usize, String> {
     let mut wrong = 0;
     let mut note = |bench: &mut dyn FnMut(&str), name: &str, finding: Finding| match finding {
         Ok(fine) => bench(&format!("  ok     {name}: {fine}")),
@@ -90,7 +94,7 @@ pub fn examine(bench: &mut impl Bench) -> Result<usize, String> {
             "Hold a white board {HELD_M} m in front of sensor {index}, {name}, at {bearing_deg:.0} degrees."
         ))?;
         let held = bench.listen(LISTEN)?;
-        let finding = checks::sensor(index, &robot, HELD_M, &free, &held);
+        let finding = checks::sensor(index, robot, HELD_M, &free, &held);
         note(&mut |text| bench.say(text), name, finding);
     }
     for part in checks::CONTACTS {
@@ -112,7 +116,7 @@ pub fn examine(bench: &mut impl Bench) -> Result<usize, String> {
     let before = bench.listen(2)?;
     bench.ask(&format!("Put the robot on the floor and push it straight forward by {PUSHED_M} m."))?;
     let after = bench.listen(2)?;
-    note(&mut |text| bench.say(text), "encoder scale", checks::scale(&robot, PUSHED_M, &before, &after));
+    note(&mut |text| bench.say(text), "encoder scale", checks::scale(robot, PUSHED_M, &before, &after));
     Ok(wrong)
 }
 

@@ -12,11 +12,11 @@ use std::path::PathBuf;
 
 use hal_sim::{Plan, SimOptions, Simulation};
 use robot::Duty;
-use slam_core::RangeInput;
-use wire::{Command, Contacts, Sample};
+use robot::rig::BuiltIn;
+use wire::{Command, Contacts, Range, Sample};
 
 use crate::port;
-use lab::input::built_in_robot;
+use lab::input::built_in;
 use lab::input::log::writer;
 use lab::input::rig_file::Robot;
 use lab::numbers::shortest;
@@ -45,6 +45,8 @@ pub struct Hil {
     pub seed: u64,
     /// The output folder.
     pub out: PathBuf,
+    /// The robot that the firmware is built for.
+    pub robot: BuiltIn,
     /// Where the firmware runs.
     pub target: Target,
 }
@@ -57,12 +59,12 @@ impl Hil {
     /// here: see [`Outcome::verdict`].
     pub fn run(&self, mut progress: impl FnMut(f64)) -> Result<Outcome, String> {
         let plan = hal_sim::plan_file::load(&self.plan).map_err(|error| error.to_string())?;
-        let (robot, rig_toml) = built_in_robot().map_err(|error| error.to_string())?;
-        let mut simulation = Simulation::new(&plan, &hal_sim::default_rig(), SimOptions::default(), self.seed)
+        let (robot, rig_toml) = built_in(self.robot).map_err(|error| error.to_string())?;
+        let mut simulation = Simulation::new(&plan, &self.robot.rig(), SimOptions::default(), self.seed)
             .map_err(|error| error.to_string())?;
         let folder = Folder::prepare(&self.out, &NAMES).map_err(|error| error.to_string())?;
         let mut files = Files::create(&folder, &robot, &rig_toml)?;
-        let mut shadow = Shadow::new()?;
+        let mut shadow = Shadow::new(self.robot)?;
         let mut link = Link::new(self.target.start()?)?;
         link.send_command(Command::Start)?;
         let mut duty = Duty::default();
@@ -91,16 +93,12 @@ impl Hil {
 fn sense(simulation: &mut Simulation, time_us: u64) -> Sample {
     let ticks = simulation.ticks();
     let ranges = simulation.read_ranges();
-    let counts = ranges.iter().take(wire::SENSORS).map(|range| match range {
-        RangeInput::Counts(counts) => Some(*counts),
-        RangeInput::Missing | RangeInput::Metres(_) => None,
-    });
     let contacts = simulation.contacts();
     Sample {
         time_us,
         left_ticks: ticks.left,
         right_ticks: ticks.right,
-        counts: counts.collect(),
+        ranges: ranges.into_iter().take(wire::SENSORS).map(Range::from).collect(),
         contacts: Contacts { bump_left: contacts.bump_left, bump_right: contacts.bump_right, cliff: contacts.cliff },
     }
 }
@@ -129,7 +127,7 @@ impl Files {
     }
 
     fn row(&mut self, robot: &Robot, shown: &Sample, estimate: &wire::Estimate, truth: Pose2) -> Result<(), String> {
-        let row = port::row(shown, Some(truth));
+        let row = port::row(shown, robot, Some(truth))?;
         let [x, y, theta_rad] = estimate.pose;
         let trajectory = tum_line(&row.t_text, [shortest(x), shortest(y)], theta_rad.into());
         let true_line = tum_line(&row.t_text, [shortest(truth.x_m), shortest(truth.y_m)], truth.theta_rad);

@@ -76,6 +76,7 @@ impl Outcome {
             "plan": hil.plan,
             "minutes": hil.minutes,
             "seed": hil.seed,
+            "robot": hil.robot.name(),
             "identical": self.identical,
             "differences": self.differences.len(),
             "ate_m": self.estimate.map(|score| score.ate_m),

@@ -1,7 +1,7 @@
 //! The host's estimator beside the firmware's: same samples, same bits.
 
 use hal_sim::{Face, SeenWall};
-use robot::rig::default_rig;
+use robot::rig::BuiltIn;
 use slam_core::{Config, RobotSlam};
 use wire::{Estimate, Faults, Sample};
 
@@ -23,8 +23,8 @@ pub struct Shadow {
 
 impl Shadow {
     /// The estimator as the firmware starts it.
-    pub fn new() -> Result<Self, String> {
-        let slam = RobotSlam::new(default_rig(), Config::default());
+    pub fn new(robot: BuiltIn) -> Result<Self, String> {
+        let slam = RobotSlam::new(robot.rig(), Config::for_rig::<8>(&robot.rig()));
         let slam = Box::new(slam.map_err(|error| format!("the built-in rig: {} {}", error.key, error.allowed))?);
         Ok(Self { slam, identical: 0, differences: Vec::new(), paths: Vec::new(), faults: None, damaged: 0 })
     }
@@ -79,15 +79,16 @@ impl Shadow {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use wire::{BoardFaults, SlamFaults};
+    use robot::rig::default_rig;
+    use wire::{BoardFaults, Range, SlamFaults};
 
     /// What a firmware that works says to two samples; `change` may falsify it.
     fn outcome(change: impl Fn(&mut Answer)) -> Outcome {
-        let mut shadow = Shadow::new().unwrap();
+        let mut shadow = Shadow::new(BuiltIn::Sharp).unwrap();
         let mut target = RobotSlam::new(default_rig(), Config::default()).unwrap();
         for step in 1..=2_u64 {
-            let counts = (0..8).map(|i| Some(1000 + 7 * i + step as u16)).collect();
-            let sample = Sample { time_us: step * 40_000, counts, ..Sample::default() };
+            let ranges = (0..8).map(|i| Range::Counts(1000 + 7 * i + step as u16)).collect();
+            let sample = Sample { time_us: step * 40_000, ranges, ..Sample::default() };
             target.step(&sample.to_slam());
             let board = BoardFaults::default();
             let mut answer = Answer {

@@ -9,7 +9,6 @@ use clap::Args;
 use wire::{Command, Frame};
 
 use crate::port::{self, Port};
-use lab::input::built_in_robot;
 use lab::input::log::writer;
 use lab::show::output::folder::Folder;
 use lab::show::output::streams::LineFile;
@@ -24,6 +23,9 @@ pub struct Monitor {
     /// Tell the robot to start driving.
     #[arg(long)]
     start: bool,
+    /// Name of the built-in robot, or its rig file.
+    #[arg(long, value_name = "NAME|FILE", default_value = "sharp")]
+    rig: PathBuf,
     /// Folder for log.csv and rig.toml.
     #[arg(long, value_name = "DIR", default_value = "out/monitor")]
     out: PathBuf,
@@ -38,7 +40,7 @@ impl Monitor {
     /// # Errors
     /// What is wrong with line or files, for people.
     pub fn run(&self) -> Result<(), String> {
-        let (robot, rig_toml) = built_in_robot().map_err(|error| error.to_string())?;
+        let (robot, rig_toml) = lab::input::robot(&self.rig).map_err(|error| error.to_string())?;
         let folder = Folder::prepare(&self.out, &["log.csv", "rig.toml"]).map_err(|error| error.to_string())?;
         folder.write("rig.toml", &rig_toml).map_err(|error| error.to_string())?;
         let mut log = LineFile::create(folder.file("log.csv")).map_err(|error| error.to_string())?;
@@ -51,7 +53,8 @@ impl Monitor {
         let mut drawn_us = 0;
         while let Some(frame) = port.frame()? {
             if let Frame::Sample(sample) = &frame {
-                log.line(&writer::line(&robot, &port::row(sample, None))).map_err(|error| error.to_string())?;
+                let row = port::row(sample, &robot, None)?;
+                log.line(&writer::line(&robot, &row)).map_err(|error| error.to_string())?;
             }
             view.take(frame);
             view.damaged = port.damaged();

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use wire::{BoardFaults, Calibration, Estimate, Faults, Frame, Sample, Wall};
+use wire::{BoardFaults, Calibration, Estimate, Faults, Frame, Range, Sample, Wall};
 
 /// Most walls that are listed.
 const LISTED: usize = 24;
@@ -79,11 +79,12 @@ impl fmt::Display for View {
 impl View {
     fn write_sample(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some(sample) = &self.sample else { return Ok(()) };
-        write!(f, "counts   ")?;
-        for counts in &sample.counts {
-            match counts {
-                Some(counts) => write!(f, " {counts:>5}")?,
-                None => write!(f, "     -")?,
+        write!(f, "ranges   ")?;
+        for range in &sample.ranges {
+            match range {
+                Range::Counts(counts) => write!(f, " {counts:>5}")?,
+                Range::Metres(metres) => write!(f, " {metres:.2} m")?,
+                Range::Missing => write!(f, "     -")?,
             }
         }
         let touched = sample.contacts;

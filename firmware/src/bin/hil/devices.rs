@@ -13,7 +13,7 @@ use embedded_io_async::{ErrorType as IoErrorType, Read, Write};
 use firmware::SENSORS;
 use firmware::tasks::Platform;
 use heapless::Vec;
-use robot::{Contacts, DriveMotors, Duty, RangeSensorBank, WheelEncoders};
+use robot::{Contacts, DriveMotors, Duty, WheelEncoders};
 use slam_core::{RangeInput, Ticks};
 use wire::Sample;
 
@@ -59,15 +59,9 @@ pub fn hear(bytes: &[u8]) {
     let _ = HEARD.try_write(bytes);
 }
 
-/// The range sensors.
-pub struct RangeSensors;
-
-impl RangeSensorBank<SENSORS> for RangeSensors {
-    type Error = Infallible;
-
-    fn read(&mut self) -> Result<[RangeInput; SENSORS], Infallible> {
-        Ok(INPUTS.lock(Cell::get).ranges)
-    }
+/// What the range sensors show now.
+pub fn ranges() -> [RangeInput; SENSORS] {
+    INPUTS.lock(Cell::get).ranges
 }
 
 /// The encoders.

@@ -6,6 +6,9 @@
 #![no_std]
 #![no_main]
 
+#[cfg_attr(feature = "hil-metric", path = "metric_bank.rs")]
+#[cfg_attr(not(feature = "hil-metric"), path = "analogue_bank.rs")]
+mod bank;
 mod clock;
 mod devices;
 mod executor;
@@ -16,13 +19,14 @@ mod stack;
 #[cfg_attr(not(feature = "hil-usart"), path = "semihosting.rs")]
 mod transport;
 
+use bank::ROBOT;
 use core::panic::PanicInfo;
 use cortex_m_semihosting::{debug, hprintln};
-use devices::{Emulated, Enable, Encoders, Input, Line, Motors, RangeSensors};
+use devices::{Emulated, Enable, Encoders, Input, Line, Motors};
 use embassy_executor::Spawner;
 use firmware::tasks;
-use firmware::{Pilot, Shared};
-use robot::{ContactPins, PilotConfig, WheelControl, WheelControlConfig, rig::default_rig};
+use firmware::{Pilot, SENSORS, Shared};
+use robot::{ContactPins, PilotConfig, WheelControl, WheelControlConfig};
 use slam_core::{Config, RobotSlam};
 use static_cell::{ConstStaticCell, StaticCell};
 
@@ -33,10 +37,14 @@ static PILOT: StaticCell<Pilot> = StaticCell::new();
 #[cortex_m_rt::entry]
 fn main() -> ! {
     let slam = SLAM.take();
-    assert!(slam.start(default_rig(), Config::default()).is_ok(), "the default rig is valid");
-    let pilot = PILOT.init_with(|| Pilot::new(PilotConfig::default(), &default_rig()));
+    assert!(slam.start(ROBOT.rig(), config()).is_ok(), "the built-in rig is valid");
+    let pilot = PILOT.init_with(|| Pilot::new(PilotConfig::default(), &ROBOT.rig()));
     let mut link = link::Link::new(transport::Transport::open());
     executor::run(|spawner| spawn(spawner, slam, pilot), || link.exchange())
+}
+
+fn config() -> Config {
+    Config::for_rig::<SENSORS>(&ROBOT.rig())
 }
 
 fn spawn(spawner: Spawner, slam: &'static mut RobotSlam, pilot: &'static mut Pilot) {
@@ -58,12 +66,12 @@ async fn odometry() -> ! {
 
 #[embassy_executor::task]
 async fn sample() -> ! {
-    tasks::sample(&mut RangeSensors, &SHARED).await
+    tasks::sample(&mut bank::bank(), &SHARED).await
 }
 
 #[embassy_executor::task]
 async fn estimate(slam: &'static mut RobotSlam) -> ! {
-    tasks::estimate(slam, Config::default(), &SHARED).await
+    tasks::estimate(slam, config(), &SHARED).await
 }
 
 #[embassy_executor::task]

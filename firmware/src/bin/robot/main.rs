@@ -20,7 +20,7 @@ use embassy_stm32::usart::{RingBufferedUartRx, UartTx};
 use embassy_stm32::wdg::IndependentWatchdog;
 use firmware::burst::BurstBank;
 use firmware::tasks::{self, Platform};
-use firmware::{Pilot, Shared};
+use firmware::{Pilot, SENSORS, Shared};
 use robot::rig::default_rig;
 use robot::{MotorPair, PilotConfig, WheelControl, WheelControlConfig};
 use slam_core::{Config, RobotSlam};
@@ -36,7 +36,7 @@ async fn main(spawner: Spawner) {
     defmt::info!("wall-slam {}, watchdog bit: {}", env!("CARGO_PKG_VERSION"), board.watchdog_bit);
     SHARED.faults.update(|faults| faults.watchdog_resets = board.watchdog_bit.into());
     let slam = SLAM.take();
-    assert!(slam.start(default_rig(), Config::default()).is_ok(), "the default rig is valid");
+    assert!(slam.start(default_rig(), config()).is_ok(), "the default rig is valid");
     let pilot = PILOT.init_with(|| Pilot::new(PilotConfig::default(), &default_rig()));
     let once = "each task is spawned once";
     interrupt_level::spawner().spawn(guard(board.contacts, board.enable).expect(once));
@@ -47,6 +47,10 @@ async fn main(spawner: Spawner) {
     spawner.spawn(telemetry(board.transmitter).expect(once));
     spawner.spawn(commands(board.receiver).expect(once));
     spawner.spawn(supervise(board.watchdog).expect(once));
+}
+
+fn config() -> Config {
+    Config::for_rig::<SENSORS>(&default_rig())
 }
 
 #[embassy_executor::task]
@@ -66,7 +70,7 @@ async fn sample(mut ranges: BurstBank<SharpSensors>) -> ! {
 
 #[embassy_executor::task]
 async fn estimate(slam: &'static mut RobotSlam) -> ! {
-    tasks::estimate(slam, Config::default(), &SHARED).await
+    tasks::estimate(slam, config(), &SHARED).await
 }
 
 #[embassy_executor::task]
