@@ -43,12 +43,14 @@ impl Wheels {
         })
     }
 
-    pub(crate) fn draw(&self, seed: u64) -> TrueDrive {
-        let factor =
-            |purpose: &str, sigma: f64| (1.0 + sigma * Rng::stream(seed, purpose, 0).gaussian()).clamp(0.5, 1.5);
+    pub(crate) fn draw(&self, options: &SimOptions, seed: u64) -> TrueDrive {
+        let factor = |purpose: &str, sigma: f64| {
+            (1.0 + options.error_ratio * sigma * Rng::stream(seed, purpose, 0).gaussian()).clamp(0.5, 1.5)
+        };
+        let unequal = 0.5 * options.drive.drift_rad_per_m * self.track_m;
         TrueDrive {
-            scale_left: factor("scale-left", self.scale_sigma),
-            scale_right: factor("scale-right", self.scale_sigma),
+            scale_left: factor("scale-left", self.scale_sigma) - unequal,
+            scale_right: factor("scale-right", self.scale_sigma) + unequal,
             track: factor("track", self.track_sigma),
         }
     }
@@ -94,6 +96,11 @@ impl Body {
         self.turned_m.map(|turned_m| libm::floor(turned_m / self.wheels.metres_per_tick) as i64)
     }
 
+    /// Travel of both wheels since the start as their encoders count it, metres.
+    pub(crate) fn counted_m(&self) -> [f64; 2] {
+        self.ticks().map(|ticks| ticks as f64 * self.wheels.metres_per_tick)
+    }
+
     /// Moves for `period_s` with this duty.
     pub(crate) fn advance(&mut self, duty: Duty, period_s: f64, world: &World, options: &SimOptions) {
         let drive = &options.drive;
@@ -121,7 +128,10 @@ impl Body {
             return 0.0;
         }
         if self.slips.unit() < 0.5 * drive.slips_per_m * turned_m.abs() {
-            self.slip_left_m[wheel] = drive.slip_m;
+            // A log-normal length of this mean.
+            let tail = drive.slip_tail;
+            let uneven = if tail > 0.0 { libm::exp(tail * (self.slips.gaussian() - 0.5 * tail)) } else { 1.0 };
+            self.slip_left_m[wheel] = drive.slip_m * uneven;
         }
         let lost_m = self.slip_left_m[wheel].min(turned_m.abs());
         self.slip_left_m[wheel] -= lost_m;

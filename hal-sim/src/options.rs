@@ -15,6 +15,21 @@ pub struct SharpOptions {
     pub spike_probability: f64,
     /// Largest spike, volts; the smallest is a tenth of it.
     pub spike_v: f64,
+    /// 1-sigma of the output as it really is, volts; by default what the rig states.
+    pub noise_v: Option<f64>,
+    /// What every conversion shows; by default the sensor's measuring cycle.
+    pub age: Option<Age>,
+    /// Time constant of the board's first-order low-pass behind each sensor, seconds; zero: none.
+    pub filter_s: f64,
+}
+
+/// An output without a cycle: each conversion is a new reading, of how things were some time before.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Age {
+    /// Mean age of a reading when it is converted, seconds.
+    pub mean_s: f64,
+    /// Largest difference of one sensor's age from that, seconds; each sensor draws its own.
+    pub spread_s: f64,
 }
 
 impl SharpOptions {
@@ -36,6 +51,9 @@ impl Default for SharpOptions {
             floor_v: None,
             spike_probability: 0.0005,
             spike_v: 0.8,
+            noise_v: None,
+            age: None,
+            filter_s: 0.0,
         }
     }
 }
@@ -51,13 +69,25 @@ pub struct DriveOptions {
     pub dead_duty: f64,
     /// Wheel slips per metre driven: for a short while one wheel turns without pulling. Zero: never.
     pub slips_per_m: f64,
-    /// Travel lost in one slip, metres.
+    /// Mean travel lost in one slip, metres.
     pub slip_m: f64,
+    /// How uneven slips are: 1-sigma of the logarithm of the travel lost in one. Zero: all are alike.
+    pub slip_tail: f64,
+    /// Turn per metre driven that unequal wheels make beyond what the rig's `scale_sigma` draws, radians.
+    pub drift_rad_per_m: f64,
 }
 
 impl Default for DriveOptions {
     fn default() -> Self {
-        Self { full_speed_mps: 0.6, lag_s: 0.08, dead_duty: 0.04, slips_per_m: 0.0, slip_m: 0.01 }
+        Self {
+            full_speed_mps: 0.6,
+            lag_s: 0.08,
+            dead_duty: 0.04,
+            slips_per_m: 0.0,
+            slip_m: 0.01,
+            slip_tail: 0.0,
+            drift_rad_per_m: 0.0,
+        }
     }
 }
 
@@ -74,6 +104,15 @@ pub struct SimOptions {
     pub sharp: SharpOptions,
     /// Angle from a wall's normal beyond which nothing comes back, radians; by default each sensor's own limit.
     pub lost_beyond_rad: Option<f64>,
+    /// The gains, wheel scales and track are drawn with so many times the sigmas that the rig states.
+    pub error_ratio: f64,
+    /// Longest step of the physics, seconds.
+    pub tick_s: f64,
+    /// 1-sigma of the error of a sample's time stamp, seconds; stamps still increase.
+    pub stamp_jitter_s: f64,
+    /// Samples have dead-reckoned motion instead of ticks: the wheels' pose, published so many times a second, of which a
+    /// sample has the latest.
+    pub odometry_hz: Option<f64>,
 }
 
 impl Default for SimOptions {
@@ -84,6 +123,10 @@ impl Default for SimOptions {
             drive: DriveOptions::default(),
             sharp: SharpOptions::default(),
             lost_beyond_rad: None,
+            error_ratio: 1.0,
+            tick_s: 0.01,
+            stamp_jitter_s: 0.0,
+            odometry_hz: None,
         }
     }
 }

@@ -65,6 +65,31 @@ pub fn counts(adc: Adc, volts: f64) -> u16 {
     libm::round(share * f64::from(adc.full_scale())) as u16
 }
 
+/// A first-order low-pass between a sensor and its converter, as a board has against the sensor's supply ripple.
+#[derive(Clone, Debug)]
+pub struct LowPass {
+    time_constant_s: f64,
+    volts: Option<f64>,
+}
+
+impl LowPass {
+    /// With this time constant, seconds; zero: it passes everything.
+    pub fn new(time_constant_s: f64) -> Self {
+        Self { time_constant_s, volts: None }
+    }
+
+    /// The input was this for so long, seconds.
+    pub fn follow(&mut self, input_v: f64, for_s: f64) {
+        let share = if self.time_constant_s > 0.0 { 1.0 - libm::exp(-for_s / self.time_constant_s) } else { 1.0 };
+        self.volts = Some(self.volts.map_or(input_v, |volts| volts + share * (input_v - volts)));
+    }
+
+    /// What the converter gets while the input is this.
+    pub fn output_v(&self, input_v: f64) -> f64 {
+        if self.time_constant_s > 0.0 { self.volts.unwrap_or(input_v) } else { input_v }
+    }
+}
+
 /// The measuring cycle of one sensor.
 #[derive(Clone, Debug)]
 pub struct SharpCycle {
@@ -129,5 +154,10 @@ impl SharpCycle {
     /// The output now, volts.
     pub fn output_v(&self) -> f64 {
         self.output_v
+    }
+
+    /// When the output changes next, seconds.
+    pub fn end_s(&self) -> f64 {
+        self.end_s
     }
 }

@@ -7,21 +7,21 @@ use slam_core::{Adc, Motion, RangeInput, RangeModel, RangeSensor, Rig, Sample, T
 
 use crate::body::{Body, TrueDrive, Wheels};
 use crate::coverage::Coverage;
+use crate::history::History;
+use crate::odometer::Odometer;
 use crate::options::SimOptions;
 use crate::plan::{Cliff, Plan};
 use crate::pose::TruePose;
 use crate::rng::Rng;
-use crate::sharp::{CycleEvent, SharpCurve, SharpCycle, counts};
+use crate::sensor::{Analogue, Output, SimSensor};
+use crate::sharp::{CycleEvent, counts};
 use crate::world::{Hit, World};
 
 /// Most range sensors of a simulated robot.
 pub const MAX_SENSORS: usize = 16;
 
-/// Longest step of the physics, seconds.
-const TICK_S: f64 = 0.01;
-
-/// Period of the wheel-speed controller, in steps of the physics.
-const CONTROL_TICKS: usize = 2;
+/// Period of the wheel-speed controller, seconds.
+const CONTROL_S: f64 = 0.02;
 
 /// Why a simulation cannot start.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,17 +68,6 @@ pub struct TrueCalibration {
     pub drive: TrueDrive,
 }
 
-/// One simulated range sensor.
-#[derive(Clone, Debug)]
-struct SimSensor {
-    sensor: RangeSensor,
-    cos_lost: f64,
-    gain: f64,
-    analogue: Option<(SharpCurve, SharpCycle)>,
-    noise: Rng,
-    spikes: Rng,
-}
-
 /// A robot in a home.
 #[derive(Clone, Debug)]
 pub struct Simulation {
@@ -89,6 +78,10 @@ pub struct Simulation {
     options: SimOptions,
     body: Body,
     last_pose: TruePose,
+    history: History,
+    odometer: Option<Odometer>,
+    stamps: Rng,
+    last_stamp_us: Option<u64>,
     sensors: Vec<SimSensor>,
     coverage: Coverage,
     calibration: TrueCalibration,
@@ -123,7 +116,7 @@ impl Simulation {
         let sensors: Vec<_> =
             rig.sensors.iter().enumerate().map(|(i, sensor)| SimSensor::new(sensor, i, &options, seed)).collect();
         let gains = sensors.iter().map(|sensor| sensor.gain).collect();
-        let drive = wheels.draw(seed);
+        let drive = wheels.draw(&options, seed);
         let mut offsets = Rng::stream(seed, "encoder-offset", 0);
         let counter_offset = [offsets.next_u64() as u16, offsets.next_u64() as u16];
         let mut simulation = Self {
@@ -134,6 +127,10 @@ impl Simulation {
             adc: rig.adc,
             body: Body::new(plan.start, wheels, drive, seed),
             last_pose: plan.start,
+            history: History::starting_at(plan.start),
+            odometer: options.odometry_hz.map(|rate_hz| Odometer::new(rate_hz, wheels.track_m, seed)),
+            stamps: Rng::stream(seed, "stamps", 0),
+            last_stamp_us: None,
             sensors,
             calibration: TrueCalibration { gains, drive },
             counter_offset,
@@ -158,8 +155,8 @@ impl Simulation {
         for i in 0..self.sensors.len() {
             let hit = self.look(i, &self.start.clone());
             let sensor = &mut self.sensors[i];
-            if let Some((curve, cycle)) = &mut sensor.analogue {
-                let volts = curve.volts(hit.map(|hit| hit.range_m)) + sensor.sensor.noise_v() * sensor.noise.gaussian();
+            let volts = sensor.volts(hit.map(|hit| hit.range_m));
+            if let Some(Analogue { output: Output::Cycle(cycle, _), .. }) = &mut sensor.analogue {
                 cycle.integrate(volts);
                 cycle.show_pending();
             }
@@ -186,13 +183,14 @@ impl Simulation {
     pub fn step(&mut self, command: WheelSpeeds) -> Sample<MAX_SENSORS> {
         self.samples += 1;
         let until_s = self.samples as f64 / self.options.rate_hz;
-        let ticks = (libm::ceil((until_s - self.time_s) / TICK_S - 1e-6) as usize).max(1);
+        let ticks = (libm::ceil((until_s - self.time_s) / self.options.tick_s - 1e-6) as usize).max(1);
         let tick_s = (until_s - self.time_s) / ticks as f64;
+        let control_ticks = (libm::round(CONTROL_S / self.options.tick_s) as usize).max(1);
         for tick in 0..ticks {
-            if tick % CONTROL_TICKS == 0 {
+            if tick % control_ticks == 0 {
                 let allowed = self.contacts().guard(command);
                 let counts = self.ticks();
-                self.duty = self.control.update(allowed, counts, (CONTROL_TICKS.min(ticks) as f64 * tick_s) as f32);
+                self.duty = self.control.update(allowed, counts, (control_ticks.min(ticks) as f64 * tick_s) as f32);
             } else if self.contacts().any() && command.is_forward() {
                 self.duty = Duty::default();
             }
@@ -204,7 +202,7 @@ impl Simulation {
 
     /// Lets time pass with the duty set last, without control: for code that owns the motors itself.
     pub fn advance(&mut self, period_s: f64) {
-        let ticks = (libm::ceil(period_s / TICK_S - 1e-6) as usize).max(1);
+        let ticks = (libm::ceil(period_s / self.options.tick_s - 1e-6) as usize).max(1);
         for _ in 0..ticks {
             self.tick(period_s / ticks as f64);
         }
@@ -221,6 +219,10 @@ impl Simulation {
         self.world.set_time(end_s);
         self.body.advance(self.duty, period_s, &self.world, &self.options);
         self.time_s = end_s;
+        self.history.push(end_s, self.body.pose);
+        if let Some(odometer) = &mut self.odometer {
+            odometer.advance(end_s, self.body.counted_m());
+        }
         for i in 0..self.sensors.len() {
             self.run_cycle(i, begin_s, end_s);
         }
@@ -228,20 +230,28 @@ impl Simulation {
     }
 
     fn run_cycle(&mut self, index: usize, begin_s: f64, end_s: f64) {
+        let mut shown_s = begin_s;
         loop {
             let sensor = &mut self.sensors[index];
-            let Some((_, cycle)) = &mut sensor.analogue else { return };
+            let Some(Analogue { output: Output::Cycle(cycle, low_pass), .. }) = &mut sensor.analogue else { return };
+            let (before_v, output_s) = (cycle.output_v(), cycle.end_s());
             match cycle.poll(end_s, &mut sensor.noise) {
-                None => return,
-                Some(CycleEvent::Output) => {}
+                None => {
+                    low_pass.follow(before_v, end_s - shown_s);
+                    return;
+                }
+                Some(CycleEvent::Output) => {
+                    low_pass.follow(before_v, output_s - shown_s);
+                    shown_s = output_s;
+                }
                 Some(CycleEvent::Middle(middle_s)) => {
                     let share = ((middle_s - begin_s) / (end_s - begin_s)).clamp(0.0, 1.0);
                     let pose = self.last_pose.interpolate(&self.body.pose, share);
                     let hit = self.look(index, &pose);
                     let sensor = &mut self.sensors[index];
-                    let noise_v = sensor.sensor.noise_v() * sensor.noise.gaussian();
-                    if let Some((curve, cycle)) = &mut sensor.analogue {
-                        cycle.integrate(curve.volts(hit.map(|hit| hit.range_m)) + noise_v);
+                    let volts = sensor.volts(hit.map(|hit| hit.range_m));
+                    if let Some(Analogue { output: Output::Cycle(cycle, _), .. }) = &mut sensor.analogue {
+                        cycle.integrate(volts);
                     }
                 }
             }
@@ -260,16 +270,34 @@ impl Simulation {
     /// Everything sensed now.
     pub fn sample(&mut self) -> Sample<MAX_SENSORS> {
         let ranges = self.read_ranges();
-        let time_us = libm::round(self.time_s * 1e6) as u64;
-        Sample { time_us, motion: Motion::Ticks(self.ticks()), ranges }
+        let motion = match &mut self.odometer {
+            Some(odometer) => Motion::Increment(odometer.take()),
+            None => Motion::Ticks(self.ticks()),
+        };
+        Sample { time_us: self.stamp_us(), motion, ranges }
+    }
+
+    /// What the sample of now is stamped with.
+    fn stamp_us(&mut self) -> u64 {
+        let jitter_s = self.options.stamp_jitter_s;
+        let off_s = if jitter_s > 0.0 { jitter_s * self.stamps.gaussian() } else { 0.0 };
+        let stamp_us = libm::round((self.time_s + off_s).max(0.0) * 1e6) as u64;
+        // A thousandth of a second after the last one at least.
+        let earliest_us = self.last_stamp_us.map_or(0, |last_us| last_us + 1000);
+        *self.last_stamp_us.insert(stamp_us.max(earliest_us))
     }
 
     /// One conversion of every range sensor.
     pub fn read_ranges(&mut self) -> [RangeInput; MAX_SENSORS] {
         let mut ranges = [RangeInput::Missing; MAX_SENSORS];
         for (i, range) in ranges.iter_mut().enumerate().take(self.sensors.len()) {
-            *range = match self.sensors[i].analogue.as_ref().map(|(_, cycle)| cycle.output_v()) {
-                Some(output_v) => self.convert(i, output_v),
+            *range = match self.sensors[i].analogue.as_ref().map(|analogue| &analogue.output) {
+                Some(Output::Cycle(cycle, low_pass)) => self.convert(i, low_pass.output_v(cycle.output_v())),
+                Some(&Output::Late(age_s)) => {
+                    let hit = self.look(i, &self.history.at(self.time_s - age_s));
+                    let output_v = self.sensors[i].volts(hit.map(|hit| hit.range_m));
+                    self.convert(i, output_v)
+                }
                 None => self.read_metric(i),
             };
         }
@@ -353,32 +381,5 @@ impl Simulation {
     /// The settings.
     pub fn options(&self) -> &SimOptions {
         &self.options
-    }
-}
-
-impl SimSensor {
-    fn new(sensor: &RangeSensor, index: usize, options: &SimOptions, seed: u64) -> Self {
-        let draw = Rng::stream(seed, "gain", index).gaussian();
-        let gain = (1.0 + f64::from(sensor.gain_sigma) * draw).clamp(0.5, 1.5);
-        let lost_rad = options.lost_beyond_rad.unwrap_or(f64::from(sensor.max_incidence_rad));
-        let mut noise = Rng::stream(seed, "range-noise", index);
-        let analogue = SharpCurve::new(sensor, gain, &options.sharp)
-            .map(|curve| (curve, SharpCycle::new(&options.sharp, &mut noise, curve.volts(None))));
-        let spikes = Rng::stream(seed, "spike", index);
-        Self { sensor: *sensor, cos_lost: libm::cos(lost_rad), gain, analogue, noise, spikes }
-    }
-}
-
-/// The noise of an analogue sensor.
-trait NoiseVolts {
-    fn noise_v(&self) -> f64;
-}
-
-impl NoiseVolts for RangeSensor {
-    fn noise_v(&self) -> f64 {
-        match self.model {
-            RangeModel::Sharp { noise_v, .. } => noise_v.into(),
-            RangeModel::Metric { .. } => 0.0,
-        }
     }
 }

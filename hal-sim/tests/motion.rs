@@ -1,7 +1,7 @@
 //! The drive: calibration errors, noise, slip, walls in the way; encoders that wrap; one seed, one run.
 use hal_sim::{DriveOptions, Plan, SimError, SimOptions, Simulation, default_rig, plan_file};
 use robot::WheelSpeeds;
-use slam_core::{DriveModel, Motion, Rig, Ticks};
+use slam_core::{DriveModel, Increment, Motion, Pose, Rig, Ticks};
 
 fn field() -> Plan {
     let text = "[start]\nx_m = 0.0\ny_m = 0.0\n[[wall]]\nfrom_m = [-900.0, 900.0]\nto_m = [900.0, 900.0]\n";
@@ -148,4 +148,59 @@ fn what_cannot_be_simulated_is_said() {
     assert!(start(&default_rig(), fast).to_string().contains("1 to 100"));
     let fat = SimOptions { body_radius_m: 0.9, ..SimOptions::default() };
     assert!(start(&default_rig(), fat).to_string().contains("[start]"));
+}
+
+#[test]
+fn uneven_slips_lose_as_much_on_average() {
+    let lost_m = |slip_tail| {
+        let slipping = DriveOptions { slips_per_m: 2.0, slip_m: 0.01, slip_tail, ..DriveOptions::default() };
+        let options = SimOptions { drive: slipping, ..SimOptions::default() };
+        let mut sum_m = 0.0;
+        for seed in 0..20 {
+            let mut simulation = Simulation::new(&field(), &rig(0.0, 0.0), options, seed).unwrap();
+            let [left_m, right_m] = drive(&mut simulation, 0.25, 0.25, 200);
+            sum_m += 0.5 * (left_m + right_m) - f64::hypot(simulation.pose().x_m, simulation.pose().y_m);
+        }
+        sum_m
+    };
+    let (alike_m, uneven_m) = (lost_m(0.0), lost_m(0.8));
+    assert!((uneven_m / alike_m - 1.0).abs() < 0.3, "{alike_m} {uneven_m}");
+}
+
+#[test]
+fn unequal_wheels_turn_the_robot_by_so_much_a_metre() {
+    let drifting = DriveOptions { drift_rad_per_m: 0.05, ..DriveOptions::default() };
+    let options = SimOptions { drive: drifting, ..SimOptions::default() };
+    let mut simulation = Simulation::new(&field(), &rig(0.0, 0.0), options, 1).unwrap();
+    let [left_m, right_m] = drive(&mut simulation, 0.25, 0.25, 100);
+    let turned_rad = simulation.pose().theta_rad - (right_m - left_m) / 0.235;
+    let expected_rad = 0.05 * 0.5 * (left_m + right_m);
+    assert!((turned_rad - expected_rad).abs() < 0.05 * expected_rad, "{turned_rad} {expected_rad}");
+}
+
+#[test]
+fn published_odometry_adds_up_to_the_wheels_pose_at_its_last_message() {
+    let options = SimOptions { odometry_hz: Some(10.0), ..SimOptions::default() };
+    let mut simulation = Simulation::new(&field(), &rig(0.0, 0.0), options, 1).unwrap();
+    let (mut sum, mut still) = (Pose::default(), 0);
+    for _ in 0..100 {
+        let Motion::Increment(i) = simulation.step(WheelSpeeds { left_mps: 0.2, right_mps: 0.25 }).motion else {
+            panic!("ticks")
+        };
+        still += u32::from(i == Increment::default());
+        sum = sum.compose(&Pose { x_m: i.forward_m, y_m: i.left_m, theta_rad: i.turn_rad });
+    }
+    let truth = simulation.pose();
+    let off_m = f64::hypot(f64::from(sum.x_m) - truth.x_m, f64::from(sum.y_m) - truth.y_m);
+    // Of 25 samples a second, 15 have no new message; the last one is a tenth of a second old at most.
+    assert!(still >= 55 && off_m < 0.03, "{still} {off_m}");
+}
+
+#[test]
+fn jittered_stamps_still_increase() {
+    let options = SimOptions { stamp_jitter_s: 0.05, ..SimOptions::default() };
+    let mut simulation = Simulation::new(&field(), &rig(0.0, 0.0), options, 1).unwrap();
+    let stamps: Vec<u64> = (0..200).map(|_| simulation.step(WheelSpeeds::STOP).time_us).collect();
+    assert!(stamps.windows(2).all(|pair| pair[0] < pair[1]));
+    assert!(stamps.windows(2).any(|pair| pair[1] - pair[0] != 40_000));
 }

@@ -1,6 +1,6 @@
 //! What the simulated range sensors read: floor, full scale, fold-back, spikes, hold and latency, gain, incidence.
 use hal_sim::sharp::{SharpCurve, counts};
-use hal_sim::{Plan, SharpOptions, SimOptions, Simulation, default_rig, default_rig_with, plan_file};
+use hal_sim::{Age, Plan, SharpOptions, SimOptions, Simulation, default_rig, default_rig_with, plan_file};
 use robot::WheelSpeeds;
 use slam_core::{Adc, RangeInput, RangeModel, Rig};
 
@@ -182,4 +182,49 @@ fn one_more_sensor_does_not_change_what_the_others_read() {
         assert_eq!(few.motion, all.motion);
         assert_eq!(few.ranges[..3], all.ranges[..3]);
     }
+}
+
+/// What the front sensor reads, metres, of a wall that the robot drives towards at 0.25 m/s, less the true range then.
+fn shown_late_m(sharp: SharpOptions) -> f64 {
+    let (rig, options) = quiet();
+    let options = SimOptions { sharp, ..options };
+    let mut simulation = Simulation::new(&wall_ahead(2.5, 0.0), &rig, options, 1).unwrap();
+    let mut late_m = 0.0;
+    let mut readings = 0;
+    for step in 0..200 {
+        let sample = simulation.step(WheelSpeeds { left_mps: 0.25, right_mps: 0.25 });
+        // Once the robot is at its speed and the wall is in range.
+        if let (RangeInput::Counts(counts), 125..) = (sample.ranges[0], step) {
+            late_m += range_m(counts) - (2.5 - 0.06 - simulation.pose().x_m);
+            readings += 1;
+        }
+    }
+    late_m / f64::from(readings)
+}
+
+#[test]
+fn a_reading_of_age_shows_where_the_robot_was() {
+    let aged = |mean_s| SharpOptions { age: Some(Age { mean_s, spread_s: 0.0 }), ..quiet().1.sharp };
+    for age_s in [0.0, 0.03, 0.06] {
+        let late_m = shown_late_m(aged(age_s));
+        assert!((late_m - 0.25 * age_s).abs() < 0.001, "{age_s}: {late_m}");
+    }
+}
+
+#[test]
+fn a_low_pass_makes_readings_later_by_its_time_constant() {
+    let direct_m = shown_late_m(quiet().1.sharp);
+    let filtered_m = shown_late_m(SharpOptions { filter_s: 0.04, ..quiet().1.sharp });
+    assert!((filtered_m - direct_m - 0.25 * 0.04).abs() < 0.003, "{direct_m} {filtered_m}");
+}
+
+#[test]
+fn the_noise_there_is_may_be_another_than_the_rig_states() {
+    let (rig, options) = quiet();
+    let sharp = SharpOptions { noise_v: Some(0.045), ..options.sharp };
+    let mut simulation = Simulation::new(&wall_ahead(0.7, 0.0), &rig, SimOptions { sharp, ..options }, 1).unwrap();
+    let volts: Vec<f64> = (0..4000).map(|_| f64::from(read(&mut simulation)) / 4095.0 * 3.3).collect();
+    let mean = volts.iter().sum::<f64>() / volts.len() as f64;
+    let sigma = (volts.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / volts.len() as f64).sqrt();
+    assert!((sigma / 0.045 - 1.0).abs() < 0.1, "{sigma}");
 }

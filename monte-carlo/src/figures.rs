@@ -5,9 +5,9 @@ mod series;
 use std::path::Path;
 
 use crate::file::Experiment;
+use crate::key::Key;
 use crate::row::Metric;
 use crate::samples::ErrorSample;
-use crate::setting::Key;
 use crate::table::Line;
 use lab::error::FileError;
 use lab::evaluate::statistics::{chi_square_mean_band, mean, median, normal_density, quantile};

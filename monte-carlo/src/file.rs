@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use crate::bar::Bar;
+use crate::key::Key;
 use crate::plan::DoorLeaf;
-use crate::setting::{Key, Setting};
+use crate::setting::Setting;
 use crate::variant::{DEFAULT, NAMED, Variant};
 use lab::error::FileError;
 use lab::input::text_file;
@@ -189,7 +190,7 @@ fn read_sweep(table: &Table<'_>, base: &Setting, plans: &[String]) -> Result<Vec
     table.nothing_else()?;
     let point = |value: f64| Case {
         name: format!("{} = {value}", key.name()),
-        setting: fixed.overlaid(&Setting { rig: None, values: [(key, value)].into() }),
+        setting: fixed.overlaid(&Setting { values: [(key, value)].into(), ..Setting::default() }),
         plans: if own.is_empty() { plans.to_vec() } else { own.clone() },
         point: Some((key, value)),
     };

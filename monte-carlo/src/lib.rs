@@ -10,6 +10,7 @@ pub mod command;
 pub mod figures;
 pub mod file;
 pub mod floor;
+pub mod key;
 pub mod page;
 pub mod plan;
 pub mod row;

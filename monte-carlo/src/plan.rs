@@ -1,10 +1,12 @@
 //! The home of one drive: a floor plan, changed as the setting says.
 
-use hal_sim::plan::{Door, Person, Plan, Room, Round};
+use hal_sim::TruePose;
+use hal_sim::plan::{Door, Face, Person, Plan, Room, Round};
 use hal_sim::rng::Rng;
 use hal_sim::world::World;
 
-use crate::setting::{Key, Setting};
+use crate::key::Key;
+use crate::setting::Setting;
 
 /// Radius of a chair leg, metres.
 const LEG_M: f64 = 0.02;
@@ -20,6 +22,9 @@ const PERSON_CLEARANCE_M: f64 = 0.25;
 
 /// Walking speed in a home, m/s.
 const WALK_MPS: f64 = 0.5;
+
+/// Thickest wall between two rooms, metres; what is thicker is furniture.
+const PARTITION_M: f64 = 0.2;
 
 /// Draws before a place is given up: a room may be too full.
 const TRIES: usize = 200;
@@ -45,6 +50,12 @@ pub fn changed(plan: &Plan, name: &str, doors: &[DoorLeaf], setting: &Setting, s
         let opens_at_s = setting.get(Key::DoorOpens).unwrap_or(f64::INFINITY);
         let own = doors.iter().filter(|leaf| leaf.plan == name);
         plan.doors.extend(own.map(|leaf| Door { from_m: leaf.from_m, to_m: leaf.to_m, closes_at_s, opens_at_s }));
+    }
+    if let Some(inner_deg) = setting.get(Key::Inner) {
+        turn_inner_walls(&mut plan, inner_deg.to_radians());
+    }
+    if let Some(scatter_deg) = setting.get(Key::Scatter) {
+        scatter(&mut plan, scatter_deg.to_radians(), &mut Rng::stream(seed, "scatter", 0));
     }
     if let Some(skew_deg) = setting.get(Key::Skew) {
         shear(&mut plan, skew_deg.to_radians().tan());
@@ -115,6 +126,71 @@ fn shear(plan: &mut Plan, slope: f64) {
     [plan.start.x_m, plan.start.y_m] = moved([plan.start.x_m, plan.start.y_m]);
 }
 
+/// Corners of the rectangle that the walls lie in.
+fn bounds(plan: &Plan) -> ([f64; 2], [f64; 2]) {
+    let ends = || plan.faces.iter().flat_map(|face| [face.from_m, face.to_m]);
+    let least = [0, 1].map(|axis| ends().map(|end| end[axis]).fold(f64::INFINITY, f64::min));
+    let most = [0, 1].map(|axis| ends().map(|end| end[axis]).fold(f64::NEG_INFINITY, f64::max));
+    (least, most)
+}
+
+/// Whether a face is one of a partition's: another one is its back, or it is an end of one.
+fn is_partition(faces: &[Face], face: &Face) -> bool {
+    let normal = face.normal();
+    let is_back = |other: &Face| {
+        let facing = normal[0] * other.normal()[0] + normal[1] * other.normal()[1];
+        let middle = [0, 1].map(|axis| 0.5 * (other.from_m[axis] + other.to_m[axis]) - face.from_m[axis]);
+        let behind_m = -(middle[0] * normal[0] + middle[1] * normal[1]);
+        let along_m = middle[0] * normal[1] - middle[1] * normal[0];
+        facing < -0.99 && (0.0..=PARTITION_M).contains(&behind_m) && (0.0..=face.length_m()).contains(&along_m)
+    };
+    face.two_sided || face.length_m() <= PARTITION_M || faces.iter().any(is_back)
+}
+
+/// Turns partitions, and nothing else, as a whole about the middle of the home; those that end at an outer wall still do.
+fn turn_inner_walls(plan: &mut Plan, angle_rad: f64) {
+    let (least, most) = bounds(plan);
+    let middle = TruePose::new(0.5 * (least[0] + most[0]), 0.5 * (least[1] + most[1]), angle_rad);
+    let still = TruePose::new(middle.x_m, middle.y_m, 0.0);
+    let at = |value: f64, limit: f64| (value - limit).abs() < 0.01;
+    let original = plan.faces.clone();
+    for face in plan.faces.iter_mut() {
+        let outer = (0..2).any(|axis| {
+            [least[axis], most[axis]]
+                .into_iter()
+                .any(|limit| at(face.from_m[axis], limit) && at(face.to_m[axis], limit))
+        });
+        if outer || !is_partition(&original, face) {
+            continue;
+        }
+        let turned = [face.from_m, face.to_m].map(|end| middle.transform(still.inverse_transform(end)));
+        let length_m = face.length_m();
+        let along = [0, 1].map(|axis| (turned[1][axis] - turned[0][axis]) / length_m);
+        let extended = |before: [f64; 2], after: [f64; 2]| {
+            let limit = (0..2).find_map(|axis| {
+                let limit = [least[axis], most[axis]].into_iter().find(|limit| at(before[axis], *limit))?;
+                (along[axis].abs() > 0.5).then_some((axis, limit))
+            });
+            limit.map_or(after, |(axis, limit)| {
+                let by_m = (limit - after[axis]) / along[axis];
+                [after[0] + by_m * along[0], after[1] + by_m * along[1]]
+            })
+        };
+        let ends = [extended(face.from_m, turned[0]), extended(face.to_m, turned[1])];
+        [face.from_m, face.to_m] = ends;
+    }
+}
+
+/// Turns each face about its middle, by an angle of its own.
+fn scatter(plan: &mut Plan, sigma_rad: f64, rng: &mut Rng) {
+    for face in &mut plan.faces {
+        let [x_m, y_m] = [0, 1].map(|axis| 0.5 * (face.from_m[axis] + face.to_m[axis]));
+        let (still, turned) = (TruePose::new(x_m, y_m, 0.0), TruePose::new(x_m, y_m, sigma_rad * rng.gaussian()));
+        face.from_m = turned.transform(still.inverse_transform(face.from_m));
+        face.to_m = turned.transform(still.inverse_transform(face.to_m));
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -124,7 +200,7 @@ mod tests {
     }
 
     fn set(key: Key, value: f64) -> Setting {
-        Setting { rig: None, values: [(key, value)].into() }
+        Setting { values: [(key, value)].into(), ..Setting::default() }
     }
 
     #[test]
@@ -151,6 +227,23 @@ mod tests {
                 assert!((lean.atan().to_degrees() - 5.0).abs() < 1e-9);
             }
         }
+    }
+
+    #[test]
+    fn inner_walls_turn_against_the_outer_ones_and_still_end_there() {
+        let before = flat();
+        let turned = changed(&before, "flat", &[], &set(Key::Inner, 5.0), 1);
+        let angle = |face: &Face| (face.to_m[1] - face.from_m[1]).atan2(face.to_m[0] - face.from_m[0]);
+        let off = |(a, b): (&Face, &Face)| hal_sim::pose::wrap(angle(b) - angle(a)).to_degrees();
+        let by: Vec<f64> = before.faces.iter().zip(&turned.faces).map(off).collect();
+        assert!(by.iter().all(|by| by.abs() < 1e-9 || (by - 5.0).abs() < 1e-9));
+        // Seven partitions of four faces, but for their ends that lie in outer walls: the outline and furniture stay.
+        assert!((20..=28).contains(&by.iter().filter(|by| by.abs() > 1.0).count()));
+        let ends_at_wall = |faces: &[Face]| {
+            let on = |value: f64| value.abs() < 1e-9;
+            faces.iter().flat_map(|face| [face.from_m, face.to_m]).filter(|end| on(end[0]) || on(end[1])).count()
+        };
+        assert!(ends_at_wall(&turned.faces) >= ends_at_wall(&before.faces) - 4);
     }
 
     #[test]

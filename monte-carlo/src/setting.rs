@@ -3,149 +3,27 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use hal_sim::{SharpOptions, SimOptions};
+use hal_sim::rng::Rng;
+use hal_sim::{Age, SharpOptions, SimOptions};
 use robot::PilotConfig;
 use slam_core::{DriveModel, RangeModel};
 
+use crate::key::Key;
 use lab::error::FileError;
 use lab::input::built_in_robot;
 use lab::input::rig_file::Robot;
-use lab::input::toml_table::{Allowed, Table};
-
-/// A quantity that an experiment can set or sweep.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Key {
-    /// 1-sigma of the range sensors' gains; the true gains are drawn from it.
-    GainSigma,
-    /// 1-sigma of the wheels' scales; the true scales are drawn from it.
-    ScaleSigma,
-    /// 1-sigma of the track; the true track is drawn from it.
-    TrackSigma,
-    /// 1-sigma of the range sensors' output, volts.
-    NoiseV,
-    /// Longest range that is a reading, metres.
-    MaxRange,
-    /// Number of range sensors: 8, 6, 4 or 2.
-    Sensors,
-    /// Cruising speed, m/s.
-    Speed,
-    /// Samples per second.
-    Rate,
-    /// Wheel slips per metre.
-    Slips,
-    /// Chair legs strewn over the rooms.
-    ChairLegs,
-    /// People walking in the rooms.
-    People,
-    /// Angle by which the walls miss the right angle, degrees.
-    Skew,
-    /// When the plan's doors of the experiment close, seconds.
-    DoorCloses,
-    /// When they open again, seconds.
-    DoorOpens,
-    /// Length of the drive, minutes.
-    Minutes,
-}
-
-const fn within(min: f64, max: f64, words: &'static str) -> Allowed {
-    Allowed { min, above_min: false, max, below_max: false, words }
-}
-
-const RELATIVE: Allowed = Allowed { below_max: true, ..within(0.0, 0.5, "a ratio of at least 0 and less than 0.5") };
-
-impl Key {
-    /// Every key.
-    pub const ALL: [Key; 15] = [
-        Self::GainSigma,
-        Self::ScaleSigma,
-        Self::TrackSigma,
-        Self::NoiseV,
-        Self::MaxRange,
-        Self::Sensors,
-        Self::Speed,
-        Self::Rate,
-        Self::Slips,
-        Self::ChairLegs,
-        Self::People,
-        Self::Skew,
-        Self::DoorCloses,
-        Self::DoorOpens,
-        Self::Minutes,
-    ];
-
-    /// As experiment files write it.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::GainSigma => "gain_sigma",
-            Self::ScaleSigma => "scale_sigma",
-            Self::TrackSigma => "track_sigma",
-            Self::NoiseV => "noise_v",
-            Self::MaxRange => "max_m",
-            Self::Sensors => "sensors",
-            Self::Speed => "speed_mps",
-            Self::Rate => "rate_hz",
-            Self::Slips => "slips_per_m",
-            Self::ChairLegs => "chair_legs",
-            Self::People => "people",
-            Self::Skew => "skew_deg",
-            Self::DoorCloses => "door_closes_s",
-            Self::DoorOpens => "door_opens_s",
-            Self::Minutes => "minutes",
-        }
-    }
-
-    /// As the axis of a figure says it.
-    pub const fn label(self) -> &'static str {
-        match self {
-            Self::GainSigma => "1-sigma error of the sensors' gains",
-            Self::ScaleSigma => "1-sigma error of the wheels' scales",
-            Self::TrackSigma => "1-sigma error of the track",
-            Self::NoiseV => "noise of the sensors' output, V",
-            Self::MaxRange => "range limit, m",
-            Self::Sensors => "range sensors",
-            Self::Speed => "speed, m/s",
-            Self::Rate => "samples per second",
-            Self::Slips => "wheel slips per metre",
-            Self::ChairLegs => "chair legs added",
-            Self::People => "people walking",
-            Self::Skew => "walls off the right angle, degrees",
-            Self::DoorCloses => "door closes at, s",
-            Self::DoorOpens => "door opens at, s",
-            Self::Minutes => "drive, minutes",
-        }
-    }
-
-    /// What its values may be.
-    pub const fn allowed(self) -> Allowed {
-        match self {
-            Self::GainSigma | Self::ScaleSigma | Self::TrackSigma => RELATIVE,
-            Self::NoiseV => within(0.001, 1.0, "volts from 0.001 to 1"),
-            Self::MaxRange => within(0.2, 10.0, "metres from 0.2 to 10"),
-            Self::Sensors => within(2.0, 8.0, "8, 6, 4 or 2"),
-            Self::Speed => within(0.05, 0.55, "m/s from 0.05 to 0.55"),
-            Self::Rate => within(1.0, 100.0, "a rate from 1 to 100"),
-            Self::Slips => within(0.0, 100.0, "slips from 0 to 100"),
-            Self::ChairLegs | Self::People => within(0.0, 200.0, "a number from 0 to 200"),
-            Self::Skew => within(-20.0, 20.0, "degrees from -20 to 20"),
-            Self::DoorCloses | Self::DoorOpens => Allowed::NOT_NEGATIVE,
-            Self::Minutes => Allowed { above_min: true, ..within(0.0, 240.0, "minutes above 0 and up to 240") },
-        }
-    }
-
-    /// The key of this name.
-    pub fn of_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|key| key.name() == name)
-    }
-}
+use lab::input::toml_table::Table;
 
 /// Values of the keys that differ from the default, and the rig where it is another one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Setting {
     /// Name or file of the rig; the built-in robot where not given. `measured` is the built-in robot with the sensors
-    /// of [`hal_sim::measured_rig`].
+    /// of [`hal_sim::measured_rig`], `short` one with those of [`hal_sim::short_rig`].
     pub rig: Option<String>,
     /// The values.
     pub values: BTreeMap<Key, f64>,
+    /// Keys whose value each seed draws, uniformly from the least to the most.
+    pub draws: BTreeMap<Key, [f64; 2]>,
 }
 
 impl Setting {
@@ -155,6 +33,17 @@ impl Setting {
     /// A value that is not allowed.
     pub fn read(table: &Table<'_>) -> Result<Self, FileError> {
         let mut setting = Self { rig: table.optional_text("rig")?, ..Self::default() };
+        if let Some(draw) = table.table("draw")? {
+            for key in Key::ALL.into_iter().filter(|key| draw.has(key.name())) {
+                let [least, most] = draw.numbers(key.name(), key.allowed())?[..] else {
+                    return Err(
+                        draw.error(key.name(), format!("must be the least and the most: two {}", key.allowed().words))
+                    );
+                };
+                setting.draws.insert(key, [least, most]);
+            }
+            draw.nothing_else()?;
+        }
         for key in Key::ALL {
             if let Some(value) = table.optional_number(key.name(), key.allowed())? {
                 // A file's 0.04 is 0.04, not the nearest f32.
@@ -169,8 +58,21 @@ impl Setting {
     pub fn overlaid(&self, over: &Setting) -> Self {
         let mut both = self.clone();
         both.rig = over.rig.clone().or(both.rig);
+        // What is set is not drawn, and the other way round.
+        both.draws.retain(|key, _| !over.values.contains_key(key));
+        both.values.retain(|key, _| !over.draws.contains_key(key));
         both.values.extend(&over.values);
+        both.draws.extend(&over.draws);
         both
+    }
+
+    /// This setting as one seed draws it.
+    pub fn drawn(&self, seed: u64) -> Self {
+        let mut drawn = Self { draws: BTreeMap::new(), ..self.clone() };
+        for (key, [least, most]) in &self.draws {
+            drawn.values.insert(*key, Rng::stream(seed, key.name(), 0).uniform(*least, *most));
+        }
+        drawn
     }
 
     /// The value of a key that was set.
@@ -186,6 +88,7 @@ impl Setting {
         let mut robot = match self.rig.as_deref() {
             None => built_in_robot()?.0,
             Some("measured") => Robot { rig: hal_sim::measured_rig(), ..built_in_robot()?.0 },
+            Some("short") => Robot { rig: hal_sim::short_rig(), ..built_in_robot()?.0 },
             Some(file) => Robot::read(Path::new(file))?,
         };
         self.keep_sensors(&mut robot);
@@ -204,6 +107,24 @@ impl Setting {
         Ok(robot)
     }
 
+    /// What the estimator is told of this robot: its odometry where samples have no ticks.
+    pub fn told(&self, robot: &Robot) -> Robot {
+        let mut told = robot.clone();
+        if let (Some(_), DriveModel::Wheels { track_m, scale_sigma, noise_m2_per_m, .. }) =
+            (self.get(Key::OdometryRate), robot.rig.drive)
+        {
+            // The mean and the difference of two wheels' noises; a turn on the spot is half a track's travel a radian.
+            let noise_rad2_per_m = 2.0 * noise_m2_per_m / (track_m * track_m);
+            told.rig.drive = DriveModel::Odometry {
+                scale_sigma,
+                noise_m2_per_m: 0.5 * noise_m2_per_m,
+                noise_rad2_per_m,
+                noise_rad2_per_rad: 0.5 * track_m * noise_rad2_per_m,
+            };
+        }
+        told
+    }
+
     /// Eight sensors are an eighth of a turn apart. Six leave out those behind at a slant, four look ahead, to both sides
     /// and back, two ahead and to the left.
     fn keep_sensors(&self, robot: &mut Robot) {
@@ -220,12 +141,24 @@ impl Setting {
 
     /// The simulator's options.
     pub fn options(&self) -> SimOptions {
-        let default = SimOptions::default();
-        let mut options = SimOptions { rate_hz: self.get(Key::Rate).unwrap_or(default.rate_hz), ..default };
-        options.drive.slips_per_m = self.get(Key::Slips).unwrap_or(options.drive.slips_per_m);
+        let mut options = SimOptions::default();
+        let over = |value: &mut f64, key: Key, unit: f64| *value = self.get(key).map_or(*value, |set| set * unit);
+        over(&mut options.rate_hz, Key::Rate, 1.0);
+        over(&mut options.error_ratio, Key::ErrorRatio, 1.0);
+        over(&mut options.tick_s, Key::Tick, 1e-3);
+        over(&mut options.stamp_jitter_s, Key::StampJitter, 1e-3);
+        over(&mut options.drive.slips_per_m, Key::Slips, 1.0);
+        over(&mut options.drive.slip_m, Key::SlipLength, 1.0);
+        over(&mut options.drive.slip_tail, Key::SlipTail, 1.0);
+        over(&mut options.drive.drift_rad_per_m, Key::Drift, 1_f64.to_radians());
+        options.odometry_hz = self.get(Key::OdometryRate);
         if self.rig.as_deref() == Some("measured") {
             options.sharp = SharpOptions::measured();
         }
+        over(&mut options.sharp.filter_s, Key::Filter, 1e-3);
+        options.sharp.noise_v = self.get(Key::TrueNoiseV);
+        let spread_s = 1e-3 * self.get(Key::AgeSpread).unwrap_or(0.0);
+        options.sharp.age = self.get(Key::Age).map(|mean_ms| Age { mean_s: 1e-3 * mean_ms, spread_s });
         options
     }
 
@@ -242,12 +175,16 @@ mod tests {
     use super::*;
 
     fn set(key: Key, value: f64) -> Setting {
-        Setting { rig: None, values: BTreeMap::from([(key, value)]) }
+        Setting { values: BTreeMap::from([(key, value)]), ..Setting::default() }
     }
 
     #[test]
     fn the_overlaid_value_wins_and_the_rest_stays() {
-        let base = Setting { rig: Some("measured".into()), values: [(Key::Rate, 25.0), (Key::Speed, 0.2)].into() };
+        let base = Setting {
+            rig: Some("measured".into()),
+            values: [(Key::Rate, 25.0), (Key::Speed, 0.2)].into(),
+            ..Setting::default()
+        };
         let both = base.overlaid(&set(Key::Rate, 10.0));
         assert_eq!((both.get(Key::Rate), both.get(Key::Speed)), (Some(10.0), Some(0.2)));
         assert_eq!(both.rig.as_deref(), Some("measured"));
@@ -277,11 +214,33 @@ mod tests {
             (Key::Speed, 0.2),
             (Key::Rate, 5.0),
             (Key::Slips, 1.0),
+            (Key::SlipLength, 0.02),
+            (Key::SlipTail, 1.0),
+            (Key::Drift, 1.0),
+            (Key::ErrorRatio, 2.0),
+            (Key::TrueNoiseV, 0.045),
+            (Key::Age, 20.0),
+            (Key::Filter, 10.0),
+            (Key::StampJitter, 5.0),
+            (Key::OdometryRate, 20.0),
+            (Key::Tick, 1.0),
         ] {
             let changed = set(key, value);
             let same =
                 changed.robot().expect("a robot") == robot && changed.options() == options && changed.pilot() == pilot;
             assert!(!same, "{key:?}");
         }
+    }
+
+    #[test]
+    fn each_seed_draws_its_own_value_within_the_limits() {
+        let setting = Setting { draws: [(Key::Age, [10.0, 30.0])].into(), ..Setting::default() };
+        let ages: Vec<f64> = (0..50).filter_map(|seed| setting.drawn(seed).get(Key::Age)).collect();
+        assert_eq!(ages.len(), 50);
+        assert!(ages.iter().all(|age| (10.0..30.0).contains(age)));
+        assert!(ages.iter().any(|age| *age < 15.0) && ages.iter().any(|age| *age > 25.0));
+        assert_eq!(setting.drawn(7), setting.drawn(7));
+        let fixed = setting.overlaid(&set(Key::Age, 5.0)).drawn(1);
+        assert_eq!(fixed.get(Key::Age), Some(5.0));
     }
 }

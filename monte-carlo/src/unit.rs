@@ -7,9 +7,9 @@ use slam_core::{Config, RigError};
 
 use crate::file::{Case, Experiment};
 use crate::floor;
+use crate::key::Key;
 use crate::plan::changed;
 use crate::row::{Metric, RunKey, RunRow};
-use crate::setting::Key;
 use crate::track::{Track, Tracker, replay};
 use crate::variant::{Buffer, Method, Variant};
 use lab::error::FileError;
@@ -121,12 +121,13 @@ impl Unit<'_> {
 
     /// The drive, and the track of the default estimator that steered it.
     fn drive(&self, experiment: &Experiment) -> Result<(Driven, Track), UnitError> {
-        let setting = &self.case.setting;
+        let setting = &self.case.setting.drawn(self.seed);
         let original = hal_sim::plan_file::load(self.plan).map_err(|error| UnitError(error.to_string()))?;
         let plan = changed(&original, self.plan, &experiment.doors, setting, self.seed);
         let robot = setting.robot()?;
         let simulation = Simulation::new(&plan, &robot.rig, setting.options(), self.seed)?;
         let mut closed_loop = ClosedLoop::new(simulation, &robot.rig, setting.pilot());
+        let robot = setting.told(&robot);
         let mut tracker = Tracker::<128>::new(&robot, Config::default())?;
         let minutes = setting.get(Key::Minutes).unwrap_or(MINUTES);
         let frames = closed_loop.record(60.0 * minutes, &mut |sample| tracker.estimate(sample));
