@@ -207,7 +207,8 @@ fn a_reading_of_age_shows_where_the_robot_was() {
     let aged = |mean_s| SharpOptions { age: Some(Age { mean_s, spread_s: 0.0 }), ..quiet().1.sharp };
     for age_s in [0.0, 0.03, 0.06] {
         let late_m = shown_late_m(aged(age_s));
-        assert!((late_m - 0.25 * age_s).abs() < 0.001, "{age_s}: {late_m}");
+        // Half a count of the converter is 1.5 mm there.
+        assert!((late_m - 0.25 * age_s).abs() < 0.003, "{age_s}: {late_m}");
     }
 }
 
