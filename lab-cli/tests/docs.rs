@@ -68,8 +68,8 @@ fn every_figure_is_documented() {
 #[test]
 fn the_experiment_example_is_good() {
     use monte_carlo::file::Experiment;
-    use monte_carlo::row::Metric;
     use monte_carlo::key::Key;
+    use monte_carlo::row::Metric;
     use monte_carlo::variant::NAMED;
     let text = include_str!("../../docs/reference/experiments.md");
     let example = text.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).expect("an example");
