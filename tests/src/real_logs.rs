@@ -1,6 +1,5 @@
 //! Where real logs are, on machines that have them.
 
-use std::io::{self, Write};
 use std::path::PathBuf;
 
 use lab::input::settings::Settings;
@@ -40,31 +39,25 @@ pub const CORRIDOR: RealLog = RealLog {
 };
 
 impl RealLog {
-    /// The log's folder, in `SLAM_DATA` or in `shared/data` beside the repository. None, said loudly, where it is not
-    /// there: the logs are not this project's to publish.
-    pub fn folder(&self) -> Option<PathBuf> {
+    /// The log's folder, in `SLAM_DATA` or in `shared/data` beside the repository.
+    ///
+    /// # Panics
+    /// It is not there: the logs are not this project's to publish.
+    pub fn folder(&self) -> PathBuf {
         let beside = || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
         let root = std::env::var_os("SLAM_DATA").map_or_else(beside, PathBuf::from);
         let folder = root.join(self.name);
-        if folder.is_dir() {
-            return Some(folder);
-        }
-        // Straight to the stream: the test harness would swallow what a passing test prints.
-        let _ = writeln!(
-            io::stderr(),
-            "\nSKIPPED: no real log {} in {}; set SLAM_DATA to the folder that holds it\n",
-            self.name,
-            root.display()
-        );
-        None
+        let name = self.name;
+        assert!(folder.is_dir(), "no real log {name} in {}; set SLAM_DATA to the folder that holds it", root.display());
+        folder
     }
 
-    /// Replays it with the estimator's defaults, as the program does; none where it is not at hand.
+    /// Replays it with the estimator's defaults, as the program does.
     ///
     /// # Panics
-    /// It cannot be replayed.
-    pub fn replay(&self) -> Option<Replayed> {
-        let folder = self.folder()?;
+    /// It is not at hand, or cannot be replayed.
+    pub fn replay(&self) -> Replayed {
+        let folder = self.folder();
         let out = tempfile::TempDir::new().expect("a temporary folder");
         let replay = Replay {
             log: folder.join(self.file),
@@ -74,6 +67,6 @@ impl RealLog {
             settings: Settings::Exactly(Config::real_rooms()),
             trace: false,
         };
-        Some(replay.run(|_| ()).unwrap_or_else(|error| panic!("{error}")))
+        replay.run(|_| ()).unwrap_or_else(|error| panic!("{error}"))
     }
 }

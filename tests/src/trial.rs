@@ -43,18 +43,18 @@ pub struct LoadedLog {
 }
 
 impl LoadedLog {
-    /// Reads a log; none where it is not at hand.
+    /// Reads a log.
     ///
     /// # Panics
-    /// It is damaged.
-    pub fn read(log: RealLog) -> Option<Self> {
-        let folder = log.folder()?;
+    /// It is not at hand, or damaged.
+    pub fn read(log: RealLog) -> Self {
+        let folder = log.folder();
         let mut robot = Robot::read(&folder.join("rig.toml")).unwrap_or_else(|error| panic!("{error}"));
         let rows = log::open(&folder.join(log.file), &mut robot).and_then(|rows| rows.collect::<Result<Vec<_>, _>>());
         let rows = rows.unwrap_or_else(|error| panic!("{error}"));
         let truth = folder.join("truth.csv");
         let truth = truth.is_file().then(|| truth::read(&truth).unwrap_or_else(|error| panic!("{error}")));
-        Some(Self { robot, rows, truth })
+        Self { robot, rows, truth }
     }
 
     /// What the estimator makes of it in a trial.

@@ -1,11 +1,11 @@
-//! Logs of real robots, where they are at hand.
+//! Logs of real robots. They are not part of the project: `cargo xtask test real-logs` runs these tests where they are.
 
 use lab::recording::Figures;
 use tests::real_logs::{CORRIDOR, FREIBURG, HALLWAYS, RealLog};
 
-/// Replays a real log to its end; none where it is not at hand.
-fn replay(log: RealLog, rows: usize) -> Option<Figures> {
-    let replayed = log.replay()?;
+/// Replays a real log to its end.
+fn replay(log: RealLog, rows: usize) -> Figures {
+    let replayed = log.replay();
     assert!(replayed.error.is_none() && replayed.notes.is_empty(), "{:?} {:?}", replayed.error, replayed.notes);
     let recording = replayed.recording;
     assert_eq!(recording.steps.len(), rows);
@@ -15,7 +15,7 @@ fn replay(log: RealLog, rows: usize) -> Option<Figures> {
     };
     assert!(recording.steps.iter().all(finite));
     assert!(recording.figures.walls > 0 && recording.figures.updates > 1000, "{:?}", recording.figures);
-    Some(recording.figures)
+    recording.figures
 }
 
 /// Odometry's map entropy less the estimate's.
@@ -25,8 +25,9 @@ fn sharper_nats(figures: &Figures) -> f64 {
 }
 
 #[test]
+#[ignore = "needs the logs of real robots: cargo xtask test real-logs"]
 fn freiburg_offices_with_a_laser() {
-    let Some(figures) = replay(FREIBURG, 2400) else { return };
+    let figures = replay(FREIBURG, 2400);
     let (estimate, odometry) = (figures.estimate.expect("a truth"), figures.odometry.expect("a truth"));
     // A property of the log alone: it pins reading, dead reckoning, pairing and alignment.
     assert!((odometry.ate_m - 0.783).abs() < 0.005, "{odometry:?}");
@@ -34,14 +35,16 @@ fn freiburg_offices_with_a_laser() {
 }
 
 #[test]
+#[ignore = "needs the logs of real robots: cargo xtask test real-logs"]
 fn hallways_with_a_drone() {
-    let Some(figures) = replay(HALLWAYS, 3431) else { return };
+    let figures = replay(HALLWAYS, 3431);
     assert!(sharper_nats(&figures) > 0.0, "more blurred than odometry: {:?}", figures.consistency);
 }
 
 #[test]
+#[ignore = "needs the logs of real robots: cargo xtask test real-logs"]
 fn a_corridor_in_a_carmen_log() {
-    let Some(figures) = replay(CORRIDOR, 713) else { return };
+    let figures = replay(CORRIDOR, 713);
     assert!((figures.path_m - 41.2).abs() < 0.1, "{figures:?}");
     assert!(sharper_nats(&figures) > 0.2, "hardly sharper than odometry: {:?}", figures.consistency);
 }

@@ -9,6 +9,7 @@ mod figures;
 mod hil;
 mod panic_check;
 mod qemu;
+mod real_logs;
 mod run;
 mod setup;
 mod size;

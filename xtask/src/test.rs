@@ -3,6 +3,7 @@
 use crate::fail_safe;
 use crate::hil;
 use crate::panic_check::panic_check;
+use crate::real_logs;
 use crate::run::{Result, cargo, run, target_dir};
 use crate::setup;
 use crate::size;
@@ -10,43 +11,72 @@ use crate::thumb::Thumb;
 use crate::timing;
 use std::time::Instant;
 
-type Step = (&'static str, fn() -> Result);
+struct Step {
+    name: &'static str,
+    run: fn() -> Result,
+    /// What this machine lacks for the step and set-up cannot install.
+    missing: fn() -> Option<String>,
+}
+
+const fn step(name: &'static str, run: fn() -> Result) -> Step {
+    Step { name, run, missing: || None }
+}
 
 const STEPS: &[Step] = &[
-    ("fmt", fmt),
-    ("clippy", clippy),
-    ("doc", doc),
-    ("no-std", no_std),
-    ("host", host),
-    ("firmware-lint", firmware_lint),
-    ("firmware-host", firmware_host),
-    ("fail-safe", fail_safe::test),
-    ("hil", hil::test),
-    ("panic-check", panic_check),
-    ("size", size::size),
-    ("timing", || timing::timing(false)),
+    step("fmt", fmt),
+    step("clippy", clippy),
+    step("doc", doc),
+    step("no-std", no_std),
+    step("host", host),
+    Step { name: "real-logs", run: real_logs::test, missing: real_logs::missing },
+    step("firmware-lint", firmware_lint),
+    step("firmware-host", firmware_host),
+    step("fail-safe", fail_safe::test),
+    step("hil", hil::test),
+    step("panic-check", panic_check),
+    step("size", size::size),
+    step("timing", || timing::timing(false)),
 ];
 
 /// The steps' names, for the help text.
 pub fn step_names() -> String {
-    STEPS.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ")
+    STEPS.iter().map(|step| step.name).collect::<Vec<_>>().join(", ")
 }
 
-/// Installs what is missing, then runs the named steps, or all.
+/// Installs what is missing, then runs the named steps, or all. A step that cannot run here is an error where it was named,
+/// and said twice where it was not.
 pub fn test(wanted: &[&str]) -> Result {
-    if let Some(unknown) = wanted.iter().find(|name| STEPS.iter().all(|(step, _)| step != *name)) {
+    if let Some(unknown) = wanted.iter().find(|name| STEPS.iter().all(|step| step.name != **name)) {
         return Err(format!("no step is called '{unknown}'; there are: {}", step_names()));
     }
     setup::setup()?;
-    let mut times = Vec::new();
-    for (name, step) in STEPS.iter().filter(|(name, _)| wanted.is_empty() || wanted.contains(name)) {
+    let (mut times, mut not_run) = (Vec::new(), Vec::new());
+    for Step { name, run, missing } in STEPS.iter().filter(|step| wanted.is_empty() || wanted.contains(&step.name)) {
         println!("== {name}");
+        if let Some(missing) = missing() {
+            let message = format!("step '{name}' CANNOT RUN: {missing}");
+            if !wanted.is_empty() {
+                return Err(message);
+            }
+            eprintln!("\n!! {message}\n");
+            not_run.push(message);
+            continue;
+        }
         let start = Instant::now();
-        step().map_err(|error| format!("step '{name}': {error}"))?;
+        run().map_err(|error| format!("step '{name}': {error}"))?;
         times.push(format!("{name} {:.0} s", start.elapsed().as_secs_f64()));
     }
-    println!("== all passed: {}", times.join(", "));
+    println!("{}", summary(&times, &not_run));
     Ok(())
+}
+
+/// The last line: what passed, and what did not run.
+fn summary(times: &[String], not_run: &[String]) -> String {
+    let passed = times.join(", ");
+    if not_run.is_empty() {
+        return format!("== all passed: {passed}");
+    }
+    format!("== passed: {passed}; NOT ALL WAS RUN: {}", not_run.join("; "))
 }
 
 fn fmt() -> Result {
@@ -101,4 +131,17 @@ fn firmware_host() -> Result {
     let dir = target_dir().join("firmware-host");
     run(cargo(&["clippy"]).args(manifest).args(["--", "-D", "warnings"]).env("CARGO_TARGET_DIR", &dir))?;
     run(cargo(&["test"]).args(manifest).env("CARGO_TARGET_DIR", &dir))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_did_not_run_is_named_at_the_end() {
+        let times = ["fmt 1 s".to_owned()];
+        assert_eq!(summary(&times, &[]), "== all passed: fmt 1 s");
+        let line = summary(&times, &["step 'real-logs' CANNOT RUN: no logs".to_owned()]);
+        assert!(!line.contains("all passed") && line.contains("fmt 1 s") && line.contains("'real-logs'"), "{line}");
+    }
 }
