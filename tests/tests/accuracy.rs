@@ -1,6 +1,6 @@
 //! What must hold for the built-in robot in the four-room flat: 1 % gain and 0.5 % wheel errors, drawn anew by each seed.
 
-use lab::evaluate::statistics::median;
+use lab::evaluate::statistics::{chi_square_mean_band, median};
 use lab::recording::Recording;
 use tests::simulated::drive;
 
@@ -13,7 +13,11 @@ fn five_seeds_of_the_flat() {
         assert!(run.figures.path_m >= 60.0, "{} m", run.figures.path_m);
         let map = run.figures.map.expect("there is a plan");
         assert_eq!(map.missed, 0, "{map:?}");
+        assert!(map.invented <= 1, "{map:?}");
     }
+    let nees: f64 = scores().map(|score| score.nees.expect("there is a covariance")).sum();
+    let (nees, [_, most]) = (nees / runs.len() as f64, chi_square_mean_band(3, runs.len()));
+    assert!(nees <= most, "mean NEES {nees}, over {most}");
     let middle = |values: Vec<f64>| median(&values).expect("there are runs");
     let ate_m = middle(scores().map(|score| score.ate_m).collect());
     let heading_deg = middle(scores().map(|score| score.heading_deg).collect());
