@@ -1,15 +1,14 @@
 //! Floor plans as TOML: the built-in ones and the user's own. The format is described in `docs/reference/plans.md`.
 
-mod check;
-mod schema;
+mod keys;
 
-use core::fmt;
 use std::path::Path;
+
+use input_file::{FileError, Number, TomlFile};
 
 use crate::plan::{Cliff, Door, Face, Person, Plan, Room, Round};
 use crate::pose::TruePose;
-use check::Check;
-use schema::{Cuboid, File};
+use keys::{Cuboid, File, Point};
 
 /// The built-in plans: name and text.
 pub const BUILT_IN: [(&str, &str); 6] = [
@@ -21,66 +20,29 @@ pub const BUILT_IN: [(&str, &str); 6] = [
     ("diagonal", include_str!("../plans/diagonal.toml")),
 ];
 
-/// Why a plan cannot be used.
-#[derive(Clone, Debug, PartialEq)]
-pub enum PlanError {
-    /// The name is not a built-in plan's and there is no such file either.
-    Unknown(String),
-    /// The file cannot be read.
-    Unreadable {
-        /// File.
-        file: String,
-        /// What the system says.
-        reason: String,
-    },
-    /// The file is no TOML, or has an unknown, missing or mistyped key.
-    Syntax {
-        /// File.
-        file: String,
-        /// Where and what, with the line.
-        message: String,
-    },
-    /// A value that cannot be.
-    Value {
-        /// File.
-        file: String,
-        /// Key, such as `box[2].min_m`.
-        key: String,
-        /// What is allowed.
-        allowed: &'static str,
-    },
-}
+/// Shortest straight piece, metres.
+const SHORTEST_M: f64 = 1e-3;
 
-impl fmt::Display for PlanError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Unknown(name) => {
-                let names: Vec<_> = BUILT_IN.iter().map(|(name, _)| *name).collect();
-                write!(f, "plan \"{name}\": no such file, and no built-in plan; built in are {}", names.join(", "))
-            }
-            Self::Unreadable { file, reason } => write!(f, "{file}: cannot be read: {reason}"),
-            Self::Syntax { file, message } => write!(f, "{file}: {message}"),
-            Self::Value { file, key, allowed } => write!(f, "{file}: {key}: {allowed}"),
-        }
-    }
-}
+/// Radius of a person's legs where the file names none, metres.
+const LEG_RADIUS_M: f64 = 0.15;
 
-impl std::error::Error for PlanError {}
+/// Speed of a person where the file names none, m/s.
+const WALKING_MPS: f64 = 0.5;
 
 /// The plan with this built-in name, or else the plan in the file of this name.
 ///
 /// # Errors
 /// Neither exists, or the file is not a plan.
-pub fn load(name_or_file: &str) -> Result<Plan, PlanError> {
+pub fn load(name_or_file: &str) -> Result<Plan, FileError> {
     if let Some((name, text)) = BUILT_IN.iter().find(|(name, _)| *name == name_or_file) {
         return parse(&format!("built-in plan {name}"), name, text);
     }
     let path = Path::new(name_or_file);
     if !path.exists() {
-        return Err(PlanError::Unknown(name_or_file.into()));
+        let names = BUILT_IN.map(|(name, _)| name).join(", ");
+        return Err(FileError::new(path, format!("is neither a file nor a built-in plan; built in are {names}")));
     }
-    let unreadable = |e: std::io::Error| PlanError::Unreadable { file: name_or_file.into(), reason: e.to_string() };
-    let text = std::fs::read_to_string(path).map_err(unreadable)?;
+    let text = input_file::read(path)?;
     let stem = path.file_stem().map_or_else(|| name_or_file.into(), |stem| stem.to_string_lossy().into_owned());
     parse(name_or_file, &stem, &text)
 }
@@ -89,124 +51,127 @@ pub fn load(name_or_file: &str) -> Result<Plan, PlanError> {
 ///
 /// # Errors
 /// The text is no TOML, or a key is unknown, missing, mistyped or impossible.
-pub fn parse(file: &str, name: &str, text: &str) -> Result<Plan, PlanError> {
-    let parsed: File =
-        toml::from_str(text).map_err(|e| PlanError::Syntax { file: file.into(), message: syntax_message(text, &e) })?;
-    let check = Check { file };
-    check.point("start", [parsed.start.x_m, parsed.start.y_m])?;
-    if !parsed.start.heading_deg.is_finite() {
-        return check.fail("start.heading_deg".into(), "a finite number of degrees is allowed");
-    }
+pub fn parse(file: &str, name: &str, text: &str) -> Result<Plan, FileError> {
+    let toml = TomlFile::new(Path::new(file), text);
+    let keys: File = toml.read()?;
+    let heading_deg = keys.start.heading_deg.as_ref().map_or(0.0, Number::get);
     let mut plan = Plan {
-        name: parsed.name.clone().unwrap_or_else(|| name.into()),
-        start: TruePose::new(parsed.start.x_m, parsed.start.y_m, parsed.start.heading_deg.to_radians()),
-        faces: faces(&check, &parsed)?,
+        name: keys.name.clone().unwrap_or_else(|| name.into()),
+        start: TruePose::new(keys.start.x_m.get(), keys.start.y_m.get(), heading_deg.to_radians()),
+        faces: faces(&toml, &keys)?,
         rounds: Vec::new(),
         rooms: Vec::new(),
         doors: Vec::new(),
         people: Vec::new(),
         cliffs: Vec::new(),
     };
-    add_areas(&check, &parsed, &mut plan)?;
-    add_moving(&check, &parsed, &mut plan)?;
+    add_areas(&toml, &keys, &mut plan)?;
+    add_moving(&toml, &keys, &mut plan)?;
     if plan.faces.is_empty() && plan.rounds.is_empty() {
-        return check.fail("outline".into(), "a plan needs at least one outline, box, wall or round");
+        return Err(toml.error("outline", "is missing; a plan needs at least one outline, box, wall or round"));
     }
     Ok(plan)
 }
 
-/// One line: the line number, and what is wrong with it.
-fn syntax_message(text: &str, error: &toml::de::Error) -> String {
-    let message = error.message().replace('\n', "; ");
-    match error.span() {
-        Some(span) => {
-            let before = &text[..span.start.min(text.len())];
-            let line = before.matches('\n').count() + 1;
-            let column = before.chars().rev().take_while(|&c| c != '\n').count() + 1;
-            format!("line {line}, column {column}: {message}")
-        }
-        None => message,
+fn metres(point: &Point) -> [f64; 2] {
+    [point[0].get(), point[1].get()]
+}
+
+/// Both corners of a rectangle, metres.
+fn rectangle(toml: &TomlFile<'_>, place: &str, min: &Point, max: &Point) -> Result<[[f64; 2]; 2], FileError> {
+    let (min_m, max_m) = (metres(min), metres(max));
+    if min_m[0] < max_m[0] && min_m[1] < max_m[1] {
+        Ok([min_m, max_m])
+    } else {
+        Err(toml.error(&format!("{place}.max_m"), "both coordinates must be larger than min_m's"))
     }
 }
 
-fn faces(check: &Check, file: &File) -> Result<Vec<Face>, PlanError> {
+/// Both ends of a straight piece, metres.
+fn segment(toml: &TomlFile<'_>, place: &str, from: &Point, to: &Point) -> Result<[[f64; 2]; 2], FileError> {
+    let (from_m, to_m) = (metres(from), metres(to));
+    if libm::hypot(to_m[0] - from_m[0], to_m[1] - from_m[1]) > SHORTEST_M {
+        Ok([from_m, to_m])
+    } else {
+        Err(toml.error(&format!("{place}.to_m"), "must be at least 1 mm from from_m"))
+    }
+}
+
+fn faces(toml: &TomlFile<'_>, file: &File) -> Result<Vec<Face>, FileError> {
     let mut faces = Vec::new();
     for (i, outline) in file.outline.iter().enumerate() {
-        let key = format!("outline[{i}].points_m");
-        if outline.points_m.len() < 3 {
-            return check.fail(key, "at least three points are needed");
+        let place = format!("outline[{i}].points_m");
+        let points_m: Vec<[f64; 2]> = outline.points_m.iter().map(metres).collect();
+        if points_m.len() < 3 {
+            return Err(toml.error(&place, "at least three points are needed"));
         }
-        let next = outline.points_m.iter().cycle().skip(1);
-        for (from_m, to_m) in outline.points_m.iter().zip(next) {
-            check.segment(&key, *from_m, *to_m)?;
-            faces.push(Face { from_m: *from_m, to_m: *to_m, two_sided: false });
+        for (j, from_m) in points_m.iter().enumerate() {
+            let to_m = points_m[(j + 1) % points_m.len()];
+            if libm::hypot(to_m[0] - from_m[0], to_m[1] - from_m[1]) <= SHORTEST_M {
+                return Err(toml.error(&format!("{place}[{j}]"), "must be at least 1 mm from the next point"));
+            }
+            faces.push(Face { from_m: *from_m, to_m, two_sided: false });
         }
     }
     for (i, cuboid) in file.boxes.iter().enumerate() {
-        let key = format!("box[{i}]");
-        check.rectangle(&key, cuboid.min_m, cuboid.max_m)?;
-        if !cuboid.turn_deg.is_finite() {
-            return check.fail(format!("{key}.turn_deg"), "a finite number of degrees is allowed");
-        }
-        faces.extend(cuboid.faces());
+        let corners_m = rectangle(toml, &format!("box[{i}]"), &cuboid.min_m, &cuboid.max_m)?;
+        faces.extend(cuboid.faces(corners_m));
     }
     for (i, wall) in file.wall.iter().enumerate() {
-        check.segment(&format!("wall[{i}]"), wall.from_m, wall.to_m)?;
-        faces.push(Face { from_m: wall.from_m, to_m: wall.to_m, two_sided: true });
+        let [from_m, to_m] = segment(toml, &format!("wall[{i}]"), &wall.from_m, &wall.to_m)?;
+        faces.push(Face { from_m, to_m, two_sided: true });
     }
     Ok(faces)
 }
 
 impl Cuboid {
     /// The four sides, clockwise, so that each is seen from outside.
-    fn faces(&self) -> impl Iterator<Item = Face> {
-        let centre_m = [0, 1].map(|axis| 0.5 * (self.min_m[axis] + self.max_m[axis]));
-        let half_m = [0, 1].map(|axis| 0.5 * (self.max_m[axis] - self.min_m[axis]));
-        let turned = TruePose::new(centre_m[0], centre_m[1], self.turn_deg.to_radians());
+    fn faces(&self, [min_m, max_m]: [[f64; 2]; 2]) -> impl Iterator<Item = Face> {
+        let centre_m = [0, 1].map(|axis| 0.5 * (min_m[axis] + max_m[axis]));
+        let half_m = [0, 1].map(|axis| 0.5 * (max_m[axis] - min_m[axis]));
+        let turn_deg = self.turn_deg.as_ref().map_or(0.0, Number::get);
+        let turned = TruePose::new(centre_m[0], centre_m[1], turn_deg.to_radians());
         let corners = [[-1.0, -1.0], [-1.0, 1.0], [1.0, 1.0], [1.0, -1.0]]
             .map(|[x, y]: [f64; 2]| turned.transform([x * half_m[0], y * half_m[1]]));
         (0..4).map(move |i| Face { from_m: corners[i], to_m: corners[(i + 1) % 4], two_sided: false })
     }
 }
 
-fn add_areas(check: &Check, file: &File, plan: &mut Plan) -> Result<(), PlanError> {
-    for (i, round) in file.round.iter().enumerate() {
-        check.point(&format!("round[{i}].centre_m"), round.centre_m)?;
-        check.positive(&format!("round[{i}].radius_m"), round.radius_m)?;
-        plan.rounds.push(Round { centre_m: round.centre_m, radius_m: round.radius_m });
+fn add_areas(toml: &TomlFile<'_>, file: &File, plan: &mut Plan) -> Result<(), FileError> {
+    for round in &file.round {
+        plan.rounds.push(Round { centre_m: metres(&round.centre_m), radius_m: round.radius_m.get() });
     }
     for (i, room) in file.room.iter().enumerate() {
-        check.rectangle(&format!("room[{i}]"), room.min_m, room.max_m)?;
-        plan.rooms.push(Room { name: room.name.clone(), min_m: room.min_m, max_m: room.max_m });
+        let [min_m, max_m] = rectangle(toml, &format!("room[{i}]"), &room.min_m, &room.max_m)?;
+        plan.rooms.push(Room { name: room.name.clone(), min_m, max_m });
     }
     for (i, hole) in file.cliff.iter().enumerate() {
-        check.rectangle(&format!("cliff[{i}]"), hole.min_m, hole.max_m)?;
-        plan.cliffs.push(Cliff { min_m: hole.min_m, max_m: hole.max_m });
+        let [min_m, max_m] = rectangle(toml, &format!("cliff[{i}]"), &hole.min_m, &hole.max_m)?;
+        plan.cliffs.push(Cliff { min_m, max_m });
     }
     Ok(())
 }
 
-fn add_moving(check: &Check, file: &File, plan: &mut Plan) -> Result<(), PlanError> {
+fn add_moving(toml: &TomlFile<'_>, file: &File, plan: &mut Plan) -> Result<(), FileError> {
     for (i, door) in file.door.iter().enumerate() {
-        check.segment(&format!("door[{i}]"), door.from_m, door.to_m)?;
+        let [from_m, to_m] = segment(toml, &format!("door[{i}]"), &door.from_m, &door.to_m)?;
+        let closes_at_s = door.closes_at_s.as_ref().map_or(0.0, Number::get);
         let opens_at_s = door.opens_at_s.unwrap_or(f64::INFINITY);
-        if door.closes_at_s.is_nan() || opens_at_s.is_nan() || opens_at_s <= door.closes_at_s {
-            return check.fail(format!("door[{i}].opens_at_s"), "must be later than closes_at_s");
+        if opens_at_s.is_nan() || opens_at_s <= closes_at_s {
+            return Err(toml.error(&format!("door[{i}].opens_at_s"), "must be later than closes_at_s"));
         }
-        let door = Door { from_m: door.from_m, to_m: door.to_m, closes_at_s: door.closes_at_s, opens_at_s };
-        plan.doors.push(door);
+        plan.doors.push(Door { from_m, to_m, closes_at_s, opens_at_s });
     }
     for (i, person) in file.person.iter().enumerate() {
-        check.positive(&format!("person[{i}].radius_m"), person.radius_m)?;
-        check.positive(&format!("person[{i}].speed_mps"), person.speed_mps)?;
-        if person.path_m.is_empty() {
-            return check.fail(format!("person[{i}].path_m"), "at least one point is needed");
+        let path_m: Vec<[f64; 2]> = person.path_m.iter().map(metres).collect();
+        if path_m.is_empty() {
+            return Err(toml.error(&format!("person[{i}].path_m"), "at least one point is needed"));
         }
-        for point_m in &person.path_m {
-            check.point(&format!("person[{i}].path_m"), *point_m)?;
-        }
-        let path_m = person.path_m.clone();
-        plan.people.push(Person { radius_m: person.radius_m, speed_mps: person.speed_mps, path_m });
+        plan.people.push(Person {
+            radius_m: person.radius_m.as_ref().map_or(LEG_RADIUS_M, Number::get),
+            speed_mps: person.speed_mps.as_ref().map_or(WALKING_MPS, Number::get),
+            path_m,
+        });
     }
     Ok(())
 }
@@ -249,24 +214,33 @@ mod tests {
         let cases = [
             (
                 format!("{START}[[box]]\nmin_m = [1.0, 1.0]\nmax_m = [0.5, 2.0]"),
-                "home.toml: box[0].max_m: both coordinates",
+                "home.toml:6: box[0].max_m: both coordinates",
             ),
             (
                 format!("{START}[[round]]\ncentre_m = [0.0, 0.0]\nradius_m = -1.0"),
-                "round[0].radius_m: a number above 0",
+                "home.toml:6: round[0].radius_m: is -1.0; it must be a number above 0",
             ),
-            (format!("{START}[[outline]]\npoints_m = [[0.0, 0.0], [1.0, 0.0]]"), "outline[0].points_m: at least three"),
-            (format!("{START}[[wall]]\nfrom_m = [0.0, 0.0]\nto_m = [0.0, 0.0]"), "wall[0].to_m"),
-            (format!("{START}[[wall]]\nfrom_m = [nan, 0.0]\nto_m = [1.0, 0.0]"), "wall[0].from_m: metres between"),
-            (format!("{START}[[wal]]\n"), "home.toml: line 4, column 3: unknown field `wal`, expected one of"),
-            ("[start]\nx_m = 1.0\n".into(), "missing field `y_m`"),
-            ("[start]\nx_m = \"left\"\ny_m = 0.0\n".into(), "line 2, column 7: invalid type: string"),
-            (START.into(), "a plan needs at least one"),
-            ("[start\n".into(), "line 1"),
+            (
+                format!("{START}[[outline]]\npoints_m = [[0.0, 0.0], [1.0, 0.0]]"),
+                "home.toml:5: outline[0].points_m: at least three",
+            ),
+            (format!("{START}[[wall]]\nfrom_m = [0.0, 0.0]\nto_m = [0.0, 0.0]"), "home.toml:6: wall[0].to_m: must be"),
+            (
+                format!("{START}[[wall]]\nfrom_m = [nan, 0.0]\nto_m = [1.0, 0.0]"),
+                "home.toml:5: wall[0].from_m[0]: is nan; it must be metres from",
+            ),
+            (format!("{START}[[wal]]\n"), "home.toml:4: wal: is not known here; known are name, start, outline"),
+            ("[start]\nx_m = 1.0\n".into(), "home.toml:1: start.y_m: is missing; it must be metres from"),
+            (
+                "[start]\nx_m = \"left\"\ny_m = 0.0\n".into(),
+                "home.toml:2: start.x_m: is a text; it must be metres from",
+            ),
+            (START.into(), "home.toml:1: outline: is missing; a plan needs at least one"),
+            ("[start\n".into(), "home.toml:1: is not valid TOML"),
         ];
         for (text, expected) in cases {
             let message = error(&text);
-            assert!(message.contains(expected) && message.starts_with("home.toml: "), "{message}");
+            assert!(message.contains(expected) && message.starts_with("home.toml:"), "{message}");
             assert!(!message.contains('\n'), "{message}");
         }
         let unknown = load("no-such-plan").unwrap_err().to_string();

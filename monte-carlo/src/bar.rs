@@ -2,10 +2,10 @@
 
 use crate::file::Case;
 use crate::row::{Metric, RunRow};
+use crate::toml_table::{Allowed, Table};
 use crate::variant::{DEFAULT, Variant};
-use lab::error::FileError;
+use input_file::FileError;
 use lab::evaluate::statistics::{chi_square_mean_band, max, mean, median, rms};
-use lab::input::toml_table::{Allowed, Table};
 
 /// What is made of one figure over the runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -11,7 +11,7 @@ use crate::page::{self, Written};
 use crate::runner::{Runner, Shard};
 use crate::sensor::SensorArgs;
 use crate::{store, table};
-use lab::error::FileError;
+use input_file::FileError;
 
 /// `lab experiment`.
 #[derive(Debug, Args)]

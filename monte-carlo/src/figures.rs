@@ -9,7 +9,7 @@ use crate::key::Key;
 use crate::row::Metric;
 use crate::samples::ErrorSample;
 use crate::table::Line;
-use lab::error::FileError;
+use input_file::FileError;
 use lab::evaluate::statistics::{chi_square_mean_band, mean, median, normal_density, quantile};
 use lab::show::chart::{Axis, Panel, svg};
 

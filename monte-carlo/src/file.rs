@@ -6,10 +6,9 @@ use crate::bar::Bar;
 use crate::key::Key;
 use crate::plan::DoorLeaf;
 use crate::setting::Setting;
+use crate::toml_table::{Allowed, Table, parse};
 use crate::variant::{DEFAULT, NAMED, Variant};
-use lab::error::FileError;
-use lab::input::text_file;
-use lab::input::toml_table::{Allowed, Table, parse};
+use input_file::FileError;
 
 /// Most seeds of an experiment.
 const MAX_SEEDS: i64 = 100_000;
@@ -58,7 +57,7 @@ impl Experiment {
     /// # Errors
     /// It cannot be read, is not TOML, or a value is missing, unknown or impossible.
     pub fn read(file: &Path) -> Result<Self, FileError> {
-        let text = text_file::read(file)?;
+        let text = input_file::read(file)?;
         Self::parse(file, &text)
     }
 
@@ -109,7 +108,8 @@ impl Experiment {
 /// Checks that every plan of a list is there, so that a sweep does not end at its last plan.
 fn check_plans(table: &Table<'_>, plans: &[String]) -> Result<(), FileError> {
     for plan in plans {
-        hal_sim::plan_file::load(plan).map_err(|error| table.error("plans", error.to_string()))?;
+        hal_sim::plan_file::load(plan)
+            .map_err(|error| table.error("plans", format!("plan {plan:?} cannot be used: {error}")))?;
     }
     Ok(())
 }

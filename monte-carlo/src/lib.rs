@@ -20,6 +20,7 @@ pub mod sensor;
 pub mod setting;
 pub mod store;
 pub mod table;
+pub mod toml_table;
 pub mod track;
 pub mod unit;
 pub mod variant;

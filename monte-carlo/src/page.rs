@@ -8,8 +8,7 @@ use crate::figures::{self, Figure};
 use crate::file::Experiment;
 use crate::table::{self, Line};
 use crate::{figures::FOLDER, store};
-use lab::error::FileError;
-use lab::input::text_file;
+use input_file::FileError;
 
 const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:1100px;margin:2rem auto;padding:0 1rem;\
 color:#24292f;background:#fff}table{border-collapse:collapse;font-size:13px;display:block;overflow-x:auto}\
@@ -62,7 +61,7 @@ fn series(folder: &Path) -> Result<Vec<Figure>, FileError> {
     let figure = |path: &std::path::PathBuf| {
         let file = path.with_extension("svg");
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        Ok(Figure { name, caption: text_file::read(path)?, svg: text_file::read(&file)? })
+        Ok(Figure { name, caption: input_file::read(path)?, svg: input_file::read(&file)? })
     };
     captions.iter().map(figure).collect()
 }

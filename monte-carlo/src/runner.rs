@@ -12,7 +12,7 @@ use crate::samples::ErrorSample;
 use crate::store::Store;
 use crate::unit::{Outcome, Unit};
 use crate::variant::Variant;
-use lab::error::FileError;
+use input_file::FileError;
 
 /// A part of an experiment: every n-th unit of work from the k-th on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

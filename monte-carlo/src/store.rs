@@ -8,8 +8,7 @@ use std::path::{Path, PathBuf};
 use crate::file::Experiment;
 use crate::row::{RunKey, RunRow};
 use crate::samples::ErrorSample;
-use lab::error::FileError;
-use lab::input::text_file;
+use input_file::FileError;
 
 /// The rows.
 pub const RUNS: &str = "runs.csv";
@@ -79,7 +78,7 @@ impl Store {
 /// # Errors
 /// The file cannot be read, or a line is no row.
 pub fn read(file: &Path) -> Result<Vec<RunRow>, FileError> {
-    let text = text_file::read(file)?;
+    let text = input_file::read(file)?;
     let mut lines = text.lines().enumerate();
     match lines.next() {
         Some((_, header)) if header == RunRow::header() => {}
@@ -98,7 +97,7 @@ pub fn read(file: &Path) -> Result<Vec<RunRow>, FileError> {
 /// # Errors
 /// The file cannot be read, or a line is no sample.
 pub fn read_samples(file: &Path) -> Result<Vec<ErrorSample>, FileError> {
-    let text = text_file::read(file)?;
+    let text = input_file::read(file)?;
     let mut samples = Vec::new();
     for (i, line) in text.lines().enumerate().skip(1) {
         let sample = ErrorSample::parse(line)
@@ -117,7 +116,7 @@ pub fn merge(folder: &Path, parts: &[PathBuf]) -> Result<Experiment, FileError> 
         return Err(FileError::new(folder, "nothing to merge; name the folders that --shard wrote"));
     };
     let experiment = Experiment::read(&first.join(EXPERIMENT))?;
-    let first_build = text_file::read(&first.join(BUILD))?;
+    let first_build = input_file::read(&first.join(BUILD))?;
     std::fs::create_dir_all(folder).map_err(|cause| FileError::system(folder, "create", &cause))?;
     keep_same(&folder.join(EXPERIMENT), &experiment.text, "rows of another experiment")?;
     keep_same(&folder.join(BUILD), &first_build, "rows that another build of this program made")?;

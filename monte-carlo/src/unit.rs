@@ -12,7 +12,7 @@ use crate::plan::changed;
 use crate::row::{Metric, RunKey, RunRow};
 use crate::track::{Track, Tracker, replay};
 use crate::variant::{Buffer, Method, Variant};
-use lab::error::FileError;
+use input_file::FileError;
 use lab::evaluate::score::map::{LONG_M, PASSED_M, PassedWall};
 use lab::evaluate::score::path::length_m;
 use lab::evaluate::score::{map, path};

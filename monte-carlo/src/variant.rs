@@ -2,9 +2,9 @@
 
 use slam_core::{Clustering, Config, Linearisation, WallPolicy};
 
-use lab::error::FileError;
+use crate::toml_table::{Allowed, Table};
+use input_file::FileError;
 use lab::input::part::{self, Part};
-use lab::input::toml_table::{Allowed, Table};
 
 /// How a variant comes to a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -157,7 +157,7 @@ mod tests {
     fn parts_can_be_left_out_by_name() {
         let read = |text: &str| {
             let file = std::path::Path::new("x.toml");
-            let entries = lab::input::toml_table::parse(file, text).expect("TOML");
+            let entries = crate::toml_table::parse(file, text).expect("TOML");
             Variant::read(&Table::root(file, text, entries.get_ref())).map_err(|error| error.to_string())
         };
         let found = read("name = \"exact\"\nwithout = [\"gains\", \"scales\"]").expect("a variant");

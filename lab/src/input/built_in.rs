@@ -5,9 +5,8 @@ use std::path::Path;
 use robot::rig::BuiltIn;
 use slam_core::RangeSensor;
 
-use crate::error::FileError;
+use input_file::FileError;
 use crate::input::rig_file::Robot;
-use crate::input::text_file;
 
 /// The robot that is simulated when no other is named, and its rig file's text.
 ///
@@ -37,7 +36,7 @@ pub fn robot(rig: &Path) -> Result<(Robot, String), FileError> {
     if let Some(kind) = BuiltIn::ALL.into_iter().find(|kind| Path::new(kind.name()) == rig) {
         return built_in(kind);
     }
-    let text = text_file::read(rig)?;
+    let text = input_file::read(rig)?;
     Ok((Robot::parse(rig, &text)?, text))
 }
 

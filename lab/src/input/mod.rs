@@ -5,7 +5,5 @@ pub mod log;
 pub mod part;
 pub mod rig_file;
 pub mod settings;
-pub mod text_file;
-pub mod toml_table;
 
 pub use built_in::{built_in, built_in_robot, robot};

@@ -1,13 +1,12 @@
 //! `rig.toml`: what the robot is made of.
 
+mod keys;
+
 use std::fmt::Write as _;
 use std::path::Path;
 
+use input_file::{FileError, Limits, Number, TomlFile};
 use slam_core::{Adc, DriveModel, Mount, RangeModel, RangeSensor, Rig, RigError};
-
-use crate::error::FileError;
-use crate::input::text_file;
-use crate::input::toml_table::{Allowed, Table, parse};
 
 /// Most range sensors that the workbench takes.
 pub const MAX_SENSORS: usize = 16;
@@ -20,15 +19,6 @@ const WIDEST_INCIDENCE_DEG: f32 = 89.9;
 
 /// Shortest range that the estimator takes, metres: a rig file's 0 means no limit.
 const SHORTEST_M: f32 = 1e-6;
-
-const fn closed(min: f64, max: f64, words: &'static str) -> Allowed {
-    Allowed { min, above_min: false, max, below_max: false, words }
-}
-
-const RELATIVE: Allowed = Allowed { below_max: true, ..closed(0.0, 0.5, "a ratio of at least 0 and less than 0.5") };
-const INCIDENCE: Allowed = Allowed { above_min: true, ..closed(0.0, 90.0, "an angle above 0 and up to 90") };
-const BEARING: Allowed = closed(-360.0, 360.0, "an angle from -360 to 360");
-const EXPONENT: Allowed = Allowed { below_max: true, ..closed(-4.0, 0.0, "a number from -4 to below 0") };
 
 /// A robot as its rig file describes it.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,7 +35,7 @@ impl Robot {
     /// # Errors
     /// The file cannot be read, is not TOML, or a value is missing, unknown or impossible.
     pub fn read(file: &Path) -> Result<Self, FileError> {
-        let text = text_file::read(file)?;
+        let text = input_file::read(file)?;
         Self::parse(file, &text)
     }
 
@@ -54,41 +44,27 @@ impl Robot {
     /// # Errors
     /// The text is not TOML, or a value is missing, unknown or impossible.
     pub fn parse(file: &Path, text: &str) -> Result<Self, FileError> {
-        let document = parse(file, text)?;
-        let root = Table::root(file, text, document.get_ref());
-        let drive = read_drive(&root)?;
-        let adc = root.table("adc")?.map(|table| read_adc(&table)).transpose()?;
-        let tables = root.tables("range_sensor")?;
-        if tables.is_empty() || tables.len() > MAX_SENSORS {
-            let message = format!("there are {}; there must be 1 to {MAX_SENSORS} [[range_sensor]]", tables.len());
-            return Err(root.error("range_sensor", message));
+        let toml = TomlFile::new(file, text);
+        let keys: keys::File = toml.read()?;
+        let drive_key = if keys.wheels.is_some() { "wheels" } else { "odometry" };
+        let names = names(&toml, &keys.range_sensor)?;
+        let rig = Rig {
+            drive: drive(&toml, keys.wheels, keys.odometry)?,
+            adc: keys.adc.map(|adc| Adc { bits: adc.bits.get() as u8, vref_v: adc.vref_v.single() }),
+            sensors: keys
+                .range_sensor
+                .iter()
+                .enumerate()
+                .map(|(i, keys)| sensor(&toml, i, keys))
+                .collect::<Result<_, _>>()?,
+        };
+        let is_analogue = |sensor: &RangeSensor| matches!(sensor.model, RangeModel::Sharp { .. });
+        if let (Some(first), None) = (rig.sensors.iter().position(is_analogue), rig.adc) {
+            return Err(toml.error("adc", format!("is missing; {} is an analogue sensor", names[first])));
         }
-        let mut rig = Rig { drive, adc, sensors: Default::default() };
-        let mut names: Vec<String> = Vec::new();
-        for table in &tables {
-            let name = table.text("name")?;
-            if names.contains(&name) {
-                return Err(table.error("name", format!("is {name:?} again; each sensor has its own name")));
-            }
-            if name.contains([',', '"', '\n', '\r']) {
-                return Err(table.error("name", "holds a comma, quote or line break, which a CSV file cannot carry"));
-            }
-            names.push(name);
-            let sensor = read_sensor(table)?;
-            if matches!(sensor.model, RangeModel::Sharp { .. }) && rig.adc.is_none() {
-                return Err(root.error("adc", format!("is missing; {} is an analogue sensor", names[names.len() - 1])));
-            }
-            // Cannot fail: the count was checked above.
-            let _ = rig.sensors.push(sensor);
-        }
-        root.nothing_else()?;
-        rig.validate().map_err(|error| {
-            let drive = if root.has("wheels") { root.table("wheels") } else { root.table("odometry") };
-            let own = |table: &Table<'_>| table.error(error.key, format!("must be {}", error.allowed));
-            match error.sensor.and_then(|index| tables.get(usize::from(index))) {
-                Some(table) => own(table),
-                None => drive.ok().flatten().map_or_else(|| own(&root), |table| own(&table)),
-            }
+        rig.validate().map_err(|RigError { sensor, key, allowed }| {
+            let table = sensor.map_or_else(|| drive_key.to_owned(), |index| format!("range_sensor[{index}]"));
+            toml.error(&format!("{table}.{key}"), format!("must be {allowed}"))
         })?;
         Ok(Self { rig, names })
     }
@@ -118,91 +94,110 @@ pub fn rig_error(file: &Path, error: &RigError) -> FileError {
     FileError::new(file, format!("is impossible; it must be {}", error.allowed)).at(key)
 }
 
-fn read_drive(root: &Table<'_>) -> Result<DriveModel, FileError> {
-    match (root.table("wheels")?, root.table("odometry")?) {
-        (Some(_), Some(_)) => Err(root.error("odometry", "is there beside [wheels]; a robot has one of the two")),
-        (None, None) => Err(root.error("wheels", "is missing; a robot has either [wheels] or [odometry]")),
-        (Some(table), None) => {
-            let drive = DriveModel::Wheels {
-                track_m: table.number("track_m", Allowed::POSITIVE)?,
-                track_sigma: table.optional_number("track_sigma", RELATIVE)?.unwrap_or(0.0),
-                metres_per_tick: table.number("metres_per_tick", Allowed::POSITIVE)?,
-                scale_sigma: table.number("scale_sigma", RELATIVE)?,
-                noise_m2_per_m: table.number("noise_m2_per_m", Allowed::NOT_NEGATIVE)?,
-            };
-            table.nothing_else()?;
-            Ok(drive)
+fn names(toml: &TomlFile<'_>, sensors: &[keys::Sensor]) -> Result<Vec<String>, FileError> {
+    if sensors.is_empty() || sensors.len() > MAX_SENSORS {
+        let message = format!("there are {}; there must be 1 to {MAX_SENSORS} [[range_sensor]]", sensors.len());
+        return Err(toml.error("range_sensor", message));
+    }
+    let mut names: Vec<String> = Vec::new();
+    for (i, sensor) in sensors.iter().enumerate() {
+        let name = sensor.name.as_ref();
+        let error = |message: String| Err(toml.error(&format!("range_sensor[{i}].name"), message));
+        if names.iter().any(|known| known == name) {
+            return error(format!("is {name:?} again; each sensor has its own name"));
         }
-        (None, Some(table)) => {
-            let drive = DriveModel::Odometry {
-                scale_sigma: table.number("scale_sigma", RELATIVE)?,
-                noise_m2_per_m: table.number("noise_m2_per_m", Allowed::NOT_NEGATIVE)?,
-                noise_rad2_per_m: table.number("noise_rad2_per_m", Allowed::NOT_NEGATIVE)?,
-                noise_rad2_per_rad: table.number("noise_rad2_per_rad", Allowed::NOT_NEGATIVE)?,
-            };
-            table.nothing_else()?;
-            Ok(drive)
+        if name.contains([',', '"', '\n', '\r']) {
+            return error("holds a comma, quote or line break, which a CSV file cannot carry".into());
         }
+        names.push(name.to_owned());
+    }
+    Ok(names)
+}
+
+fn drive(
+    toml: &TomlFile<'_>,
+    wheels: Option<keys::Wheels>,
+    odometry: Option<keys::Odometry>,
+) -> Result<DriveModel, FileError> {
+    match (wheels, odometry) {
+        (Some(_), Some(_)) => Err(toml.error("odometry", "is there beside [wheels]; a robot has one of the two")),
+        (None, None) => Err(toml.error("wheels", "is missing; a robot has either [wheels] or [odometry]")),
+        (Some(keys), None) => Ok(DriveModel::Wheels {
+            track_m: keys.track_m.single(),
+            track_sigma: keys.track_sigma.map_or(0.0, |sigma| sigma.single()),
+            metres_per_tick: keys.metres_per_tick.single(),
+            scale_sigma: keys.scale_sigma.single(),
+            noise_m2_per_m: keys.noise_m2_per_m.single(),
+        }),
+        (None, Some(keys)) => Ok(DriveModel::Odometry {
+            scale_sigma: keys.scale_sigma.single(),
+            noise_m2_per_m: keys.noise_m2_per_m.single(),
+            noise_rad2_per_m: keys.noise_rad2_per_m.single(),
+            noise_rad2_per_rad: keys.noise_rad2_per_rad.single(),
+        }),
     }
 }
 
-fn read_adc(table: &Table<'_>) -> Result<Adc, FileError> {
-    let bits = table.integer("bits", 1, 16)?;
-    let adc = Adc { bits: bits as u8, vref_v: table.number("vref_v", Allowed::POSITIVE)? };
-    table.nothing_else()?;
-    Ok(adc)
-}
-
-fn read_sensor(table: &Table<'_>) -> Result<RangeSensor, FileError> {
-    let bearing_deg = table.number("bearing_deg", BEARING)?;
-    let min_m = table.number("min_m", Allowed::NOT_NEGATIVE)?;
-    let max_m = table.number("max_m", Allowed::POSITIVE)?;
+fn sensor(toml: &TomlFile<'_>, index: usize, keys: &keys::Sensor) -> Result<RangeSensor, FileError> {
+    let place = format!("range_sensor[{index}]");
+    let (min_m, max_m) = (keys.min_m.single(), keys.max_m.single());
     if max_m <= min_m {
-        return Err(table.error("max_m", format!("is {max_m}; it must be above min_m, which is {min_m}")));
+        let message = format!("is {max_m}; it must be above min_m, which is {min_m}");
+        return Err(toml.error(&format!("{place}.max_m"), message));
     }
-    let max_incidence_deg = table.optional_number("max_incidence_deg", INCIDENCE)?.unwrap_or(DEFAULT_MAX_INCIDENCE_DEG);
-    let sensor = RangeSensor {
+    let max_incidence_deg = keys.max_incidence_deg.as_ref().map_or(DEFAULT_MAX_INCIDENCE_DEG, Number::single);
+    Ok(RangeSensor {
         mount: Mount {
-            x_m: table.number("x_m", Allowed::FINITE)?,
-            y_m: table.number("y_m", Allowed::FINITE)?,
-            bearing_rad: bearing_deg.to_radians(),
+            x_m: keys.x_m.single(),
+            y_m: keys.y_m.single(),
+            bearing_rad: keys.bearing_deg.single().to_radians(),
         },
         min_m: min_m.max(SHORTEST_M),
         max_m,
         max_incidence_rad: max_incidence_deg.min(WIDEST_INCIDENCE_DEG).to_radians(),
-        gain_sigma: table.number("gain_sigma", RELATIVE)?,
-        model: read_model(table)?,
-    };
-    table.nothing_else()?;
-    Ok(sensor)
+        gain_sigma: keys.gain_sigma.single(),
+        model: model(toml, &place, keys)?,
+    })
 }
 
-fn read_model(table: &Table<'_>) -> Result<RangeModel, FileError> {
-    let analogue = ["scale_m", "exponent", "noise_v"].into_iter().find(|key| table.has(key));
-    let metric = ["noise_m", "noise_rel"].into_iter().find(|key| table.has(key));
+fn model(toml: &TomlFile<'_>, place: &str, keys: &keys::Sensor) -> Result<RangeModel, FileError> {
+    let present = |names: [(&'static str, bool); 3]| names.into_iter().find(|(_, given)| *given).map(|(name, _)| name);
+    let analogue = present([
+        ("scale_m", keys.scale_m.is_some()),
+        ("exponent", keys.exponent.is_some()),
+        ("noise_v", keys.noise_v.is_some()),
+    ]);
+    let metric = present([("noise_m", keys.noise_m.is_some()), ("noise_rel", keys.noise_rel.is_some()), ("", false)]);
+    let at = |key: &str| format!("{place}.{key}");
     match (analogue, metric) {
-        (Some(one), Some(other)) => Err(table.error(
-            other,
+        (Some(one), Some(other)) => Err(toml.error(
+            &at(other),
             format!("is there beside {one}; a sensor is analogue (scale_m, exponent, noise_v) or reports metres (noise_m, noise_rel)"),
         )),
         (Some(_), None) => Ok(RangeModel::Sharp {
-            scale_m: table.number("scale_m", Allowed::POSITIVE)?,
-            exponent: table.number("exponent", EXPONENT)?,
-            noise_v: table.number("noise_v", Allowed::POSITIVE)?,
+            scale_m: single(toml, &at("scale_m"), keys.scale_m.as_ref())?,
+            exponent: single(toml, &at("exponent"), keys.exponent.as_ref())?,
+            noise_v: single(toml, &at("noise_v"), keys.noise_v.as_ref())?,
         }),
         (None, Some(_)) => {
-            let noise_m = table.number("noise_m", Allowed::NOT_NEGATIVE)?;
-            let noise_rel = table.number("noise_rel", Allowed::NOT_NEGATIVE)?;
+            let noise_m = single(toml, &at("noise_m"), keys.noise_m.as_ref())?;
+            let noise_rel = single(toml, &at("noise_rel"), keys.noise_rel.as_ref())?;
             if noise_m == 0.0 && noise_rel == 0.0 {
-                return Err(table.error("noise_m", "and noise_rel are both 0; one must be above 0, no sensor is exact"));
+                let message = "and noise_rel are both 0; one must be above 0, no sensor is exact";
+                return Err(toml.error(&at("noise_m"), message));
             }
             Ok(RangeModel::Metric { noise_m, noise_rel })
         }
-        (None, None) => Err(table.error(
-            "noise_m",
+        (None, None) => Err(toml.error(
+            &at("noise_m"),
             "is missing; a sensor has scale_m, exponent and noise_v (analogue) or noise_m and noise_rel (reports metres)",
         )),
     }
+}
+
+/// A number that one kind of sensor must have.
+fn single<L: Limits>(toml: &TomlFile<'_>, place: &str, number: Option<&Number<L>>) -> Result<f32, FileError> {
+    toml.required(place, number, L::ALLOWED.words).map(Number::single)
 }
 
 fn write_drive(text: &mut String, drive: &DriveModel) -> std::fmt::Result {

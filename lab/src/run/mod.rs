@@ -9,4 +9,4 @@ mod simulate;
 pub use drive::{Drive, pose2};
 pub use replay::{Replay, Replayed};
 pub use session::Session;
-pub use simulate::{Run, RunError};
+pub use simulate::Run;

@@ -5,19 +5,18 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 
 use super::session::Session;
-use crate::error::FileError;
 use crate::evaluate::score;
 use crate::evaluate::smoother;
 use crate::input::log::truth::{self, Truth};
 use crate::input::log::{self, Rows};
 use crate::input::rig_file::{Robot, rig_error};
 use crate::input::settings::Settings;
-use crate::input::text_file;
 use crate::recording::Recording;
 use crate::show::output::folder::Folder;
 use crate::show::output::streams::Streams;
 use crate::show::output::summary::Origin;
 use crate::show::output::{self, NAMES};
+use input_file::FileError;
 
 /// What to replay.
 #[derive(Clone, Debug)]
@@ -53,7 +52,7 @@ impl Replay {
     /// # Errors
     /// What keeps the replay from starting, or an output from being written.
     pub fn run(&self, mut progress: impl FnMut(usize)) -> Result<Replayed, FileError> {
-        let rig_toml = text_file::read(&self.rig)?;
+        let rig_toml = input_file::read(&self.rig)?;
         let mut robot = Robot::parse(&self.rig, &rig_toml)?;
         let mut rows = log::open(&self.log, &mut robot)?;
         let truth = self.read_truth()?;

@@ -1,15 +1,13 @@
 //! `lab run`: a simulated robot maps a simulated home.
 
-use std::fmt;
 use std::path::{Path, PathBuf};
 
-use hal_sim::{PlanError, SimError, SimOptions};
+use hal_sim::{SimError, SimOptions};
 use serde_json::json;
 use slam_core::Config;
 
 use super::drive::Drive;
 use super::session::Session;
-use crate::error::FileError;
 use crate::evaluate::smoother;
 use crate::input::rig_file::rig_error;
 use crate::input::settings::Settings;
@@ -19,6 +17,7 @@ use crate::show::output::folder::Folder;
 use crate::show::output::streams::{LineFile, Streams};
 use crate::show::output::summary::Origin;
 use crate::show::output::{self, NAMES};
+use input_file::FileError;
 
 /// What to run.
 #[derive(Clone, Debug)]
@@ -39,39 +38,13 @@ pub struct Run {
     pub trace: bool,
 }
 
-/// Why a run could not be made.
-#[derive(Clone, Debug)]
-pub enum RunError {
-    /// Something wrong with a file.
-    File(FileError),
-    /// Something wrong with the plan.
-    Plan(PlanError),
-}
-
-impl fmt::Display for RunError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::File(error) => error.fmt(f),
-            Self::Plan(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for RunError {}
-
-impl From<FileError> for RunError {
-    fn from(error: FileError) -> Self {
-        Self::File(error)
-    }
-}
-
 impl Run {
     /// Drives, estimates and writes the output folder; `progress` is told the share done, 0 to 1.
     ///
     /// # Errors
     /// What keeps the run from starting, or an output from being written.
-    pub fn run(&self, mut progress: impl FnMut(f64)) -> Result<Recording, RunError> {
-        let plan = hal_sim::plan_file::load(&self.plan).map_err(RunError::Plan)?;
+    pub fn run(&self, mut progress: impl FnMut(f64)) -> Result<Recording, FileError> {
+        let plan = hal_sim::plan_file::load(&self.plan)?;
         let (robot, rig_toml) = match &self.rig {
             Some(rig) => input::robot(rig)?,
             None => input::built_in_robot()?,

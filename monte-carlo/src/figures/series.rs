@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::{FOLDER, Figure, WIDTH, density_panel, slug, write};
 use crate::unit::Outcome;
-use lab::error::FileError;
+use input_file::FileError;
 use lab::recording::Step;
 use lab::show::chart::{Axis, Panel, svg};
 

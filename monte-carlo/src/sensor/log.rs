@@ -3,12 +3,11 @@
 use std::path::Path;
 
 use super::fit::Reading;
-use lab::error::FileError;
-use lab::input::text_file;
+use input_file::FileError;
 
 /// Reads time, range and volts; rows where one is empty or not positive are left out.
 pub fn read(file: &Path, columns: [&str; 3]) -> Result<Vec<Reading>, FileError> {
-    let text = text_file::read(file)?;
+    let text = input_file::read(file)?;
     let mut lines = text.lines().enumerate();
     let header: Vec<&str> = lines.next().map_or_else(Vec::new, |(_, line)| line.split(',').map(str::trim).collect());
     let mut places = [0; 3];

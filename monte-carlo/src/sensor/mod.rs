@@ -11,7 +11,7 @@ use clap::Args;
 
 use crate::figures::{self, Figure, density_panel};
 use fit::{Fit, Reading};
-use lab::error::FileError;
+use input_file::FileError;
 use lab::evaluate::statistics::{median, quantile};
 use lab::show::chart::{Axis, Panel, svg};
 

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::Value;
 
-use crate::error::FileError;
+use input_file::FileError;
 pub use scores::{Better, Row, rows};
 pub use summary::Summary;
 

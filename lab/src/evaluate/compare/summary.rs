@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Map, Value};
 
 use crate::PROGRAM;
-use crate::error::FileError;
-use crate::input::text_file;
+use input_file::FileError;
 
 /// What a run or a replay left in its folder.
 #[derive(Clone, Debug)]
@@ -32,7 +31,7 @@ impl Summary {
         if !file.is_file() {
             return Err(error("holds no summary.json"));
         }
-        let text = text_file::read(&file)?;
+        let text = input_file::read(&file)?;
         let what = format!("; it must be the summary.json of {PROGRAM}");
         let value: Value = serde_json::from_str(&text)
             .map_err(|cause| FileError::new(&file, format!("is not JSON ({cause}){what}")).at_line(cause.line()))?;

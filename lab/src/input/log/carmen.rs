@@ -9,9 +9,9 @@ use slam_core::{DriveModel, Motion, RangeInput, RangeModel, Sample};
 use super::lines::Lines;
 use super::odometry::Differencer;
 use super::{Clock, Fault, Row, Rows};
-use crate::error::FileError;
 use crate::input::rig_file::{MAX_SENSORS, Robot};
 use crate::recording::{Pose2, wrap};
+use input_file::FileError;
 
 /// Fields after the ranges.
 const TAIL: usize = 9;

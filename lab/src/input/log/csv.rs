@@ -5,9 +5,9 @@ use slam_core::{DriveModel, Motion, RangeInput, RangeModel, Sample, Ticks};
 use super::lines::Lines;
 use super::odometry::Differencer;
 use super::{Clock, Fault, Row, Rows};
-use crate::error::FileError;
 use crate::input::rig_file::{MAX_SENSORS, Robot};
 use crate::recording::Pose2;
+use input_file::FileError;
 
 const TICKS: [&str; 2] = ["left_ticks", "right_ticks"];
 const POSE: [&str; 3] = ["odom_x_m", "odom_y_m", "odom_theta_rad"];

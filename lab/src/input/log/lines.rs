@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use flate2::bufread::MultiGzDecoder;
 
-use crate::error::FileError;
+use input_file::FileError;
 
 /// The lines of a file.
 pub struct Lines {

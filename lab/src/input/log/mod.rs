@@ -11,9 +11,9 @@ use std::path::Path;
 
 use slam_core::Sample;
 
-use crate::error::FileError;
 use crate::input::rig_file::{MAX_SENSORS, Robot};
 use crate::recording::Pose2;
+use input_file::FileError;
 use lines::Lines;
 
 /// One row of a log.

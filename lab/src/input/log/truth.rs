@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::lines::Lines;
-use crate::error::FileError;
 use crate::recording::Pose2;
+use input_file::FileError;
 
 const COLUMNS: [&str; 4] = ["t_s", "x_m", "y_m", "theta_rad"];
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use crate::PROGRAM;
-use crate::error::FileError;
+use input_file::FileError;
 
 /// An output folder.
 #[derive(Clone, Debug)]

@@ -6,10 +6,10 @@ pub mod summary;
 pub mod tables;
 pub mod trace;
 
-use crate::error::FileError;
 use crate::recording::Recording;
 use crate::show::report;
 use folder::Folder;
+use input_file::FileError;
 use summary::Origin;
 
 /// What every run and replay writes, apart from what it adds of its own.

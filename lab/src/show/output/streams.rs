@@ -5,9 +5,9 @@ use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 
 use super::folder::Folder;
-use crate::error::FileError;
 use crate::numbers::shortest;
 use crate::recording::Step;
+use input_file::FileError;
 
 const ESTIMATE_HEADER: &str =
     "t_s,x_m,y_m,theta_rad,var_x,cov_xy,cov_xtheta,var_y,cov_ytheta,var_theta,alpha_rad,walls";

@@ -5,9 +5,9 @@ use slam_core::{Outcome, ReadingReport};
 use super::folder::Folder;
 use super::streams::LineFile;
 use super::summary::refusal_name;
-use crate::error::FileError;
 use crate::numbers::shortest;
 use crate::recording::{Recording, nis};
+use input_file::FileError;
 
 const HEADER: &str = "t_s,sensor,outcome,wall,range_m,hit_x_m,hit_y_m,innovation_m,variance_m2,nis";
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::error::FileError;
+use input_file::FileError;
 
 /// What a number may be.
 #[derive(Clone, Copy, Debug)]

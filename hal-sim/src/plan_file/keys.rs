@@ -1,0 +1,114 @@
+//! The keys of a floor plan file.
+
+use input_file::{Allowed, Finite, Limits, Number};
+use serde::Deserialize;
+
+/// A point of the plan.
+pub(super) type Point = [Number<Coordinate>; 2];
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct File {
+    pub name: Option<String>,
+    pub start: Start,
+    #[serde(default)]
+    pub outline: Vec<Outline>,
+    #[serde(default, rename = "box")]
+    pub boxes: Vec<Cuboid>,
+    #[serde(default)]
+    pub wall: Vec<Wall>,
+    #[serde(default)]
+    pub round: Vec<RoundThing>,
+    #[serde(default)]
+    pub room: Vec<RoomArea>,
+    #[serde(default)]
+    pub door: Vec<DoorLeaf>,
+    #[serde(default)]
+    pub person: Vec<Walker>,
+    #[serde(default)]
+    pub cliff: Vec<Hole>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct Start {
+    pub x_m: Number<Coordinate>,
+    pub y_m: Number<Coordinate>,
+    pub heading_deg: Option<Number<Finite>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct Outline {
+    pub points_m: Vec<Point>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct Cuboid {
+    pub min_m: Point,
+    pub max_m: Point,
+    pub turn_deg: Option<Number<Finite>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct Wall {
+    pub from_m: Point,
+    pub to_m: Point,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct RoundThing {
+    pub centre_m: Point,
+    pub radius_m: Number<Size>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct RoomArea {
+    pub name: String,
+    pub min_m: Point,
+    pub max_m: Point,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct DoorLeaf {
+    pub from_m: Point,
+    pub to_m: Point,
+    pub closes_at_s: Option<Number<Finite>>,
+    /// May be infinite: never.
+    pub opens_at_s: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct Walker {
+    pub radius_m: Option<Number<Size>>,
+    pub speed_mps: Option<Number<Size>>,
+    pub path_m: Vec<Point>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct Hole {
+    pub min_m: Point,
+    pub max_m: Point,
+}
+
+/// A coordinate in the plan's frame, metres.
+pub(super) struct Coordinate;
+
+impl Limits for Coordinate {
+    const ALLOWED: Allowed = Allowed::within(-1000.0, 1000.0, "metres from -1000 to 1000");
+}
+
+/// A radius in metres, or a speed in m/s.
+pub(super) struct Size;
+
+impl Limits for Size {
+    const ALLOWED: Allowed =
+        Allowed { above_min: true, ..Allowed::within(0.0, 1000.0, "a number above 0 and up to 1000") };
+}
