@@ -4,6 +4,7 @@ use std::error::Error;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -11,7 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use lab::evaluate::compare::Compare;
 use lab::input::settings::{Settings, VariantArgs};
 use lab::recording::Recording;
-use lab::run::{Replay, Replayed, Run};
+use lab::run::{Progress, Replay, Replayed, Run};
 use lab::show::closing;
 use monte_carlo::command::ExperimentArgs;
 use robot::rig::BuiltIn;
@@ -165,24 +166,23 @@ fn run(args: RunArgs) -> Result<(), Box<dyn Error>> {
     let RunArgs { plan, minutes, seed, rig, out, trace, variant } = args;
     let bar = ProgressBar::new(1000).with_style(style("driving {wide_bar} {percent} %, {eta} to go"));
     let run = Run { plan, minutes, seed, rig, out, settings: Settings::ForRig(variant), trace };
-    let recording = run.run(|share| bar.set_position((1000.0 * share) as u64));
+    let recording = run.run(|progress| show(&bar, progress));
     bar.finish_and_clear();
-    say(&recording?, &run.out);
-    Ok(())
+    say(&recording?, &run.out)
 }
 
 fn replay(args: ReplayArgs) -> Result<(), Box<dyn Error>> {
     let ReplayArgs { log, rig, out, truth, trace, variant } = args;
     let bar = ProgressBar::new_spinner().with_style(style("{spinner} {pos} rows, {elapsed}"));
     let replay = Replay { log, rig, out, truth, settings: Settings::ForRig(variant), trace };
-    let replayed = replay.run(|rows| bar.set_position(rows as u64));
+    let replayed = replay.run(|progress| show(&bar, progress));
     bar.finish_and_clear();
     let Replayed { recording, notes, error } = replayed?;
     for note in notes {
         eprintln!("note: {}: {note}", replay.log.display());
     }
-    say(&recording, &replay.out);
-    error.map_or(Ok(()), |error| Err(error.into()))
+    let said = say(&recording, &replay.out);
+    error.map_or(said, |error| Err(error.into()))
 }
 
 fn hil(args: HilArgs) -> Result<(), Box<dyn Error>> {
@@ -206,9 +206,25 @@ fn print(text: &str) {
     let _ = write!(std::io::stdout(), "{text}");
 }
 
-/// The closing table.
-fn say(recording: &Recording, out: &Path) {
+/// The closing table; an error where the estimate is no number.
+fn say(recording: &Recording, out: &Path) -> Result<(), Box<dyn Error>> {
     print(&format!("{}  results in {}\n", closing::table(recording), out.display()));
+    recording.fault().map_or(Ok(()), |fault| Err(fault.into()))
+}
+
+/// The progress on the bar.
+fn show(bar: &ProgressBar, progress: Progress) {
+    match progress {
+        Progress::Driven(share) => bar.set_position((1000.0 * share) as u64),
+        Progress::Rows(rows) => bar.set_position(rows as u64),
+        Progress::LookingBack(rounds) => {
+            if rounds == 1 {
+                bar.enable_steady_tick(Duration::from_millis(200));
+                bar.set_style(style("{spinner} looking back: {pos} rounds, {elapsed}"));
+            }
+            bar.set_position(rounds as u64);
+        }
+    }
 }
 
 fn style(template: &str) -> ProgressStyle {

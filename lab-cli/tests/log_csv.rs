@@ -216,6 +216,7 @@ fn bad_cells_name_file_line_and_column() {
         ("nan,0,0,5", "log.csv:3: t_s: is \"nan\"; it must be a finite number"),
         (",0,0,5", "log.csv:3: t_s: is \"\"; it must be a finite number"),
         ("inf,0,0,5", "log.csv:3: t_s: is \"inf\"; it must be a finite number"),
+        ("1e308,0,0,5", "log.csv:3: t_s: is \"1e308\"; it must be a finite number of seconds, from -1e10 to 1e10"),
         ("1,0.5,0,5", "log.csv:3: left_ticks: is \"0.5\"; it must be a whole number of ticks"),
         ("1,0,,5", "log.csv:3: right_ticks: is \"\"; it must be a whole number of ticks"),
         ("1,0,0,-5", "log.csv:3: adc_0: is \"-5\"; it must be a whole number of converter counts"),
@@ -279,4 +280,13 @@ fn files_that_are_no_logs_are_refused() {
     }
     let place = place_with(SHARP_RIG, "");
     place.replay("none.csv").assert().failure().stderr(contains("none.csv: cannot read"));
+}
+
+#[test]
+fn a_line_without_an_end_is_an_error_that_takes_no_memory() {
+    let header = "t_s,left_ticks,right_ticks,adc_0\n0,0,0,500\n";
+    let (rows, error) = rows_of(SHARP_RIG, &format!("{header}{}", "1".repeat(3 << 20)));
+    assert_eq!(rows.len(), 1);
+    let error = error.expect("no sample has a line of three million digits");
+    assert!(error.contains("log.csv:3: is longer than 1048576 bytes; a log has one sample a line"), "{error}");
 }

@@ -131,3 +131,14 @@ fn foreign_files_are_not_overwritten() {
     place.put("file", "not a folder");
     place.lab().args(["--minutes", "0.1", "--out", "file"]).assert().failure().stderr(contains("file: "));
 }
+
+#[test]
+fn a_folder_that_another_run_writes_is_left_alone() {
+    use lab::show::output::folder::Folder;
+    let place = Place::new();
+    let run = || place.lab().args(["--plan", "room", "--minutes", "0.1", "--out", "out"]).assert();
+    let held = Folder::prepare(&place.path("out"), &["log.csv"]).expect("an empty folder");
+    run().failure().stderr(predicates::str::contains("summary.json: is being written by another run; wait"));
+    drop(held);
+    run().success();
+}

@@ -86,7 +86,7 @@ fn misled(laps: usize, reads_long: f64) -> Recording {
 fn a_scale_that_was_wrong_and_walls_that_were_two_are_put_right() {
     let mut recording = misled(2, 1.05);
     let before = recording.figures.clone();
-    let back = smoother::add(&mut recording, &rig()).expect("there are walls");
+    let back = smoother::add(&mut recording, &rig(), &mut |_| ()).expect("there are walls");
     assert_eq!(back.walls().len(), 4, "both laps saw the same four walls");
     let score = recording.figures.looking_back.as_ref().expect("it is scored");
     let ate_m = |score: Option<lab::recording::PathScore>| score.expect("there is a truth").ate_m;
@@ -100,7 +100,7 @@ fn a_scale_that_was_wrong_and_walls_that_were_two_are_put_right() {
 #[test]
 fn a_path_that_was_right_stays() {
     let mut recording = misled(1, 1.0);
-    let back = smoother::add(&mut recording, &rig()).expect("there are walls");
+    let back = smoother::add(&mut recording, &rig(), &mut |_| ()).expect("there are walls");
     for (live, later) in recording.steps.iter().zip(&back.steps) {
         let off = live.pose.relative(&later.pose);
         assert!(off.x_m.hypot(off.y_m) < 0.005 && off.theta_rad.abs() < 0.002, "{off:?} at {} s", live.t_s);
@@ -116,7 +116,7 @@ fn readings_that_were_given_to_a_wrong_wall_are_outweighed() {
             *wall = (*wall + 1) % 4;
         }
     }
-    let back = smoother::add(&mut recording, &rig()).expect("there are walls");
+    let back = smoother::add(&mut recording, &rig(), &mut |_| ()).expect("there are walls");
     assert_eq!(back.walls().len(), 4);
     let score = recording.figures.looking_back.and_then(|score| score.estimate).expect("there is a truth");
     assert!(score.ate_m < 0.03, "{} m", score.ate_m);
@@ -132,7 +132,7 @@ fn readings_that_the_filter_could_not_place_are_placed() {
             reading.outcome = Outcome::Unexplained;
         }
     }
-    let back = smoother::add(&mut recording, &rig()).expect("there are walls");
+    let back = smoother::add(&mut recording, &rig(), &mut |_| ()).expect("there are walls");
     let on_walls: u32 = back.walls().iter().map(|wall| wall.updates).sum();
     // In the corners beams graze the walls.
     assert_eq!((back.walls().len(), on_walls as usize * 100 / recording.readings.len()), (4, 98));
@@ -161,15 +161,15 @@ fn a_wall_that_readings_went_through_is_not_there() {
         stood += 1;
     }
     assert!(stood > 10, "{stood}");
-    let back = smoother::add(&mut recording, &rig()).expect("there are walls");
+    let back = smoother::add(&mut recording, &rig(), &mut |_| ()).expect("there are walls");
     assert_eq!(back.walls().len(), 4);
 }
 
 #[test]
 fn where_there_is_nothing_to_see_there_is_no_look_back() {
-    assert!(smoother::add(&mut Recording::default(), &rig()).is_none());
+    assert!(smoother::add(&mut Recording::default(), &rig(), &mut |_| ()).is_none());
     let mut blind = misled(1, 1.0);
     blind.readings.fill(ReadingReport::default());
-    assert!(smoother::add(&mut blind, &rig()).is_none());
+    assert!(smoother::add(&mut blind, &rig(), &mut |_| ()).is_none());
     assert_eq!(blind.figures.looking_back, None);
 }

@@ -1,7 +1,7 @@
 //! The output folder of an experiment: rows are appended as runs end, so that nothing finished is done twice.
 
 use std::collections::HashSet;
-use std::fs::{File, OpenOptions};
+use std::fs::{File, OpenOptions, TryLockError};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -40,8 +40,17 @@ impl Store {
         drop_half_line(&runs)?;
         drop_half_line(&folder.join(SAMPLES))?;
         let finished = if runs.exists() { read(&runs)? } else { Vec::new() };
+        let rows = append(&runs, &RunRow::header())?;
+        match rows.try_lock() {
+            // A file system without locks is used without.
+            Ok(()) | Err(TryLockError::Error(_)) => {}
+            Err(TryLockError::WouldBlock) => {
+                let what = "is being written by another run; wait until it is over, or name another folder with --out";
+                return Err(FileError::new(&runs, what));
+            }
+        }
         Ok(Self {
-            runs: append(&runs, &RunRow::header())?,
+            runs: rows,
             samples: append(&folder.join(SAMPLES), &ErrorSample::header())?,
             folder: folder.to_owned(),
             finished: finished.into_iter().map(|row| row.key).collect(),

@@ -73,7 +73,7 @@ impl LoadedLog {
         }
         let mut recording = session.finish();
         score::score(&mut recording, &times_s, self.truth.as_ref());
-        smoother::add(&mut recording, &trial.robot(&self.robot).rig);
+        smoother::add(&mut recording, &trial.robot(&self.robot).rig, &mut |_| ());
         recording
     }
 }

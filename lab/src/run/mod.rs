@@ -10,3 +10,14 @@ pub use drive::{Drive, pose2};
 pub use replay::{Replay, Replayed};
 pub use session::Session;
 pub use simulate::Run;
+
+/// How far a run or a replay is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Progress {
+    /// Share of the drive that is done, 0 to 1.
+    Driven(f64),
+    /// Rows of the log that are done.
+    Rows(usize),
+    /// The rows are done; rounds in which path and map were placed once more.
+    LookingBack(usize),
+}

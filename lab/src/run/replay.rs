@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
+use super::Progress;
 use super::session::Session;
 use crate::evaluate::score;
 use crate::evaluate::smoother;
@@ -47,18 +48,18 @@ pub struct Replayed {
 }
 
 impl Replay {
-    /// Replays the log and writes the output folder; `progress` is told the rows so far.
+    /// Replays the log and writes the output folder; `progress` is told how far it is.
     ///
     /// # Errors
     /// What keeps the replay from starting, or an output from being written.
-    pub fn run(&self, mut progress: impl FnMut(usize)) -> Result<Replayed, FileError> {
+    pub fn run(&self, mut progress: impl FnMut(Progress)) -> Result<Replayed, FileError> {
         let rig_toml = input_file::read(&self.rig)?;
         let mut robot = Robot::parse(&self.rig, &rig_toml)?;
         let mut rows = log::open(&self.log, &mut robot)?;
         let truth = self.read_truth()?;
         let config = self.settings.config(&robot.rig);
         let mut session = Session::new(&robot, config, title_of(&self.log)).map_err(|e| rig_error(&self.rig, &e))?;
-        let folder = Folder::prepare(&self.out, &NAMES)?;
+        let mut folder = Folder::prepare(&self.out, &NAMES)?;
         let mut streams = Streams::create(&folder)?;
         let mut times_s = Vec::new();
         let error = feed(&mut *rows, &mut session, &mut streams, &mut times_s, &mut progress)?;
@@ -77,10 +78,11 @@ impl Replay {
             rig_toml,
             config,
             trace: self.trace,
-            error: error.as_ref().map(ToString::to_string),
+            error: error.as_ref().map(ToString::to_string).or_else(|| recording.fault()),
         };
-        let looking_back = smoother::add(&mut recording, &robot.rig);
-        output::finish(&folder, &recording, looking_back.as_ref(), &origin)?;
+        let looking_back =
+            smoother::add(&mut recording, &robot.rig, &mut |rounds| progress(Progress::LookingBack(rounds)));
+        output::finish(&mut folder, &recording, looking_back.as_ref(), &origin)?;
         Ok(Replayed { recording, notes: rows.notes(), error })
     }
 
@@ -100,14 +102,14 @@ fn feed(
     session: &mut Session,
     streams: &mut Streams,
     times_s: &mut Vec<f64>,
-    progress: &mut impl FnMut(usize),
+    progress: &mut impl FnMut(Progress),
 ) -> Result<Option<FileError>, FileError> {
     for row in rows {
         match row {
             Ok(row) => {
                 streams.push(session.push(&row))?;
                 times_s.push(row.t_s);
-                progress(times_s.len());
+                progress(Progress::Rows(times_s.len()));
             }
             Err(error) => return Ok(Some(error)),
         }

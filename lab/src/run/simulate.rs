@@ -6,6 +6,7 @@ use hal_sim::{SimError, SimOptions};
 use serde_json::json;
 use slam_core::Config;
 
+use super::Progress;
 use super::drive::Drive;
 use super::session::Session;
 use crate::evaluate::smoother;
@@ -39,11 +40,11 @@ pub struct Run {
 }
 
 impl Run {
-    /// Drives, estimates and writes the output folder; `progress` is told the share done, 0 to 1.
+    /// Drives, estimates and writes the output folder; `progress` is told how far it is.
     ///
     /// # Errors
     /// What keeps the run from starting, or an output from being written.
-    pub fn run(&self, mut progress: impl FnMut(f64)) -> Result<Recording, FileError> {
+    pub fn run(&self, mut progress: impl FnMut(Progress)) -> Result<Recording, FileError> {
         let plan = hal_sim::plan_file::load(&self.plan)?;
         let (robot, rig_toml) = match &self.rig {
             Some(rig) => input::robot(rig)?,
@@ -56,14 +57,14 @@ impl Run {
         let mut session =
             Session::new(&robot, config, plan.name.clone()).map_err(|error| rig_error(&rig_name, &error))?;
         let names: Vec<&str> = NAMES.iter().copied().chain(["log.csv", "rig.toml"]).collect();
-        let folder = Folder::prepare(&self.out, &names)?;
+        let mut folder = Folder::prepare(&self.out, &names)?;
         folder.write("rig.toml", &rig_toml)?;
         let mut streams = Streams::create(&folder)?;
         let mut log = LineFile::create(folder.file("log.csv"))?;
         log.line(&writer::header(&robot))?;
         let duration_s = 60.0 * self.minutes;
         drive.run(&mut session, duration_s, |row, recording| -> Result<(), FileError> {
-            progress(row.t_s / duration_s);
+            progress(Progress::Driven(row.t_s / duration_s));
             log.line(&writer::line(&robot, row))?;
             recording.steps.last().map_or(Ok(()), |step| streams.push(step))
         })?;
@@ -71,8 +72,10 @@ impl Run {
         streams.close()?;
         let mut recording = drive.finish(session);
         recording.seed = Some(self.seed);
-        let looking_back = smoother::add(&mut recording, &robot.rig);
-        output::finish(&folder, &recording, looking_back.as_ref(), &self.origin(rig_toml, config))?;
+        let looking_back =
+            smoother::add(&mut recording, &robot.rig, &mut |rounds| progress(Progress::LookingBack(rounds)));
+        let origin = Origin { error: recording.fault(), ..self.origin(rig_toml, config) };
+        output::finish(&mut folder, &recording, looking_back.as_ref(), &origin)?;
         Ok(recording)
     }
 

@@ -127,9 +127,11 @@ impl Graph {
         self.wall_at(self.ids.len())
     }
 
-    /// Moves everything to where it is likeliest, or so many rounds towards it; none where the problem has no solution.
-    pub fn solve(&mut self, rounds: usize) -> Option<()> {
+    /// Moves everything to where it is likeliest, or so many rounds towards it, telling `round` of each; none where the
+    /// problem has no solution.
+    pub fn solve(&mut self, rounds: usize, mut round: impl FnMut()) -> Option<()> {
         for _ in 0..rounds {
+            round();
             let mut normal = Normal::new(self.state.len());
             self.add_motion(&mut normal);
             self.add_sightings(&mut normal);

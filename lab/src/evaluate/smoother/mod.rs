@@ -35,9 +35,9 @@ const ROUNDS: usize = 25;
 const ROUNDS_BETWEEN: usize = 4;
 
 /// The record of a scored run as it looks from the end, with its own scores, which are also put among the run's figures.
-/// None where no wall was seen or nothing can be solved.
-pub fn add(recording: &mut Recording, rig: &Rig<MAX_SENSORS>) -> Option<Recording> {
-    let mut back = look_back(recording, rig)?;
+/// None where no wall was seen or nothing can be solved. `progress` is told the rounds so far: a long log takes minutes.
+pub fn add(recording: &mut Recording, rig: &Rig<MAX_SENSORS>, progress: &mut dyn FnMut(usize)) -> Option<Recording> {
+    let mut back = look_back(recording, rig, progress)?;
     back.figures = Figures { estimate: None, map: None, ..back.figures };
     score::score(&mut back, &[], None);
     let Figures { estimate, consistency, .. } = &back.figures;
@@ -46,30 +46,35 @@ pub fn add(recording: &mut Recording, rig: &Rig<MAX_SENSORS>) -> Option<Recordin
 }
 
 /// The path, the end points and the final map moved, the truth and all else as it was.
-fn look_back(recording: &Recording, rig: &Rig<MAX_SENSORS>) -> Option<Recording> {
+fn look_back(recording: &Recording, rig: &Rig<MAX_SENSORS>, progress: &mut dyn FnMut(usize)) -> Option<Recording> {
     let keyframes = Keyframes::of(recording);
     let mut graph = Graph::new(recording, rig, &keyframes)?;
-    graph.solve(ROUNDS)?;
-    unite(&mut graph)?;
+    let mut done = 0;
+    let mut round = || {
+        done += 1;
+        progress(done);
+    };
+    graph.solve(ROUNDS, &mut round)?;
+    unite(&mut graph, &mut round)?;
     for _ in 0..LABELLING_ROUNDS {
         let changed = labels::renew(&mut graph);
-        graph.solve(ROUNDS_BETWEEN)?;
-        unite(&mut graph)?;
+        graph.solve(ROUNDS_BETWEEN, &mut round)?;
+        unite(&mut graph, &mut round)?;
         if changed == 0 {
             break;
         }
     }
-    graph.solve(ROUNDS)?;
+    graph.solve(ROUNDS, &mut round)?;
     Some(moved(recording, &keyframes.path(recording, &graph.poses()), graph.walls()?))
 }
 
 /// Makes walls one that turn out to be one, as long as there are any.
-fn unite(graph: &mut Graph) -> Option<()> {
+fn unite(graph: &mut Graph, mut round: impl FnMut()) -> Option<()> {
     for _ in 0..MERGING_ROUNDS {
         if !twins::merge(graph) {
             break;
         }
-        graph.solve(ROUNDS_BETWEEN)?;
+        graph.solve(ROUNDS_BETWEEN, &mut round)?;
     }
     Some(())
 }

@@ -8,7 +8,7 @@ use slam_core::{DriveModel, Motion, RangeInput, RangeModel, Sample};
 
 use super::lines::Lines;
 use super::odometry::Differencer;
-use super::{Clock, Fault, Row, Rows};
+use super::{Clock, Fault, Row, Rows, SECONDS, seconds};
 use crate::input::rig_file::{MAX_SENSORS, Robot};
 use crate::recording::{Pose2, wrap};
 use input_file::FileError;
@@ -160,7 +160,8 @@ impl<'a> Scan<'a> {
             text.parse::<f32>().map_err(|_| what())
         });
         let ranges_m = ranges_m.collect::<Result<Vec<f32>, _>>()?;
-        Ok(Self { ranges_m, odometry, t_text, t_s: finite(t_text, "logger timestamp")? })
+        let wrong = || ("logger timestamp".to_owned(), format!("is {t_text:?}; it must be {SECONDS}"));
+        Ok(Self { ranges_m, odometry, t_text, t_s: seconds(t_text).ok_or_else(wrong)? })
     }
 
     fn spacing_deg(&self) -> f64 {

@@ -4,7 +4,7 @@ use slam_core::{DriveModel, Motion, RangeInput, RangeModel, Sample, Ticks};
 
 use super::lines::Lines;
 use super::odometry::Differencer;
-use super::{Clock, Fault, Row, Rows};
+use super::{Clock, Fault, Row, Rows, SECONDS, seconds};
 use crate::input::rig_file::{MAX_SENSORS, Robot};
 use crate::recording::Pose2;
 use input_file::FileError;
@@ -66,7 +66,7 @@ impl Reader {
             let what = format!("there are {}; the header names {}", cells.len(), columns.count);
             return Err(("columns".to_owned(), what));
         }
-        let t_s = number(&cells, &columns.time)?;
+        let t_s = seconds(cells[columns.time.index]).ok_or_else(|| bad(&cells, &columns.time, SECONDS))?;
         let time_us = self.clock.tick(t_s).ok_or_else(|| {
             let what = format!("is {}; it must be above the row before", cells[columns.time.index]);
             (columns.time.name.clone(), what)

@@ -1,12 +1,15 @@
 //! Lines of a text file, gzipped or not, with their numbers.
 
 use std::fs::File;
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use flate2::bufread::MultiGzDecoder;
 
 use input_file::FileError;
+
+/// Longest line, bytes: a row of ten thousand beams has fewer.
+const LONGEST: u64 = 1 << 20;
 
 /// The lines of a file.
 pub struct Lines {
@@ -61,14 +64,17 @@ impl Lines {
 
     fn read_line(&mut self) -> Result<Option<String>, FileError> {
         let mut bytes = Vec::new();
-        let length = self
-            .input
+        let length = (&mut self.input)
+            .take(LONGEST + 1)
             .read_until(b'\n', &mut bytes)
             .map_err(|cause| self.error(self.number + 1, format!("cannot read on: {cause}")))?;
         if length == 0 {
             return Ok(None);
         }
         self.number += 1;
+        if length as u64 > LONGEST {
+            return Err(self.error(self.number, format!("is longer than {LONGEST} bytes; a log has one sample a line")));
+        }
         // Spreadsheets put a byte order mark before the header.
         let bytes = if self.number == 1 { bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes) } else { &bytes };
         match std::str::from_utf8(bytes) {

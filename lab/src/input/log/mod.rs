@@ -52,6 +52,18 @@ pub fn open(file: &Path, robot: &mut Robot) -> Result<Box<dyn Rows>, FileError> 
 /// A column or field, and what is wrong with it.
 type Fault = (String, String);
 
+/// Largest time of a row, seconds from the clock's zero in either direction: three centuries. A clock in milliseconds or
+/// microseconds since 1970 is beyond it.
+const LATEST_S: f64 = 1e10;
+
+/// A time as a log writes it, seconds.
+fn seconds(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|t_s: &f64| t_s.abs() <= LATEST_S)
+}
+
+/// What a time must be.
+const SECONDS: &str = "a finite number of seconds, from -1e10 to 1e10";
+
 /// Microseconds since the log's first row, always increasing.
 #[derive(Debug, Default)]
 struct Clock {

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::lines::Lines;
+use super::{SECONDS, seconds};
 use crate::recording::Pose2;
 use input_file::FileError;
 
@@ -42,6 +43,9 @@ pub fn read(file: &Path) -> Result<Truth, FileError> {
                 }
                 None => return Err(lines.error(number, "is missing from this line").at(column)),
             };
+        }
+        if seconds(cells[places[0]]).is_none() {
+            return Err(lines.error(number, format!("is {:?}; it must be {SECONDS}", cells[places[0]])).at("t_s"));
         }
         if truth.last().is_some_and(|(last_s, _)| values[0] <= *last_s) {
             return Err(lines.error(number, format!("is {}; times must increase", values[0])).at("t_s"));

@@ -1,6 +1,7 @@
 //! The output folder: made where absent, and never a place where a file of somebody else is lost.
 
-use std::fs;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{Seek as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
@@ -8,10 +9,12 @@ use serde_json::{Value, json};
 use crate::PROGRAM;
 use input_file::FileError;
 
-/// An output folder.
-#[derive(Clone, Debug)]
+/// An output folder. It is locked as long as this lives: two programs must not write one result.
+#[derive(Debug)]
 pub struct Folder {
     path: PathBuf,
+    /// `summary.json`, which carries the lock.
+    summary: File,
     /// Names of every file there that this program wrote, now or earlier.
     files: Vec<String>,
 }
@@ -23,7 +26,8 @@ impl Folder {
     /// The folder cannot be made, or holds a file of one of these names that this program did not write.
     pub fn prepare(path: &Path, names: &[&str]) -> Result<Self, FileError> {
         fs::create_dir_all(path).map_err(|cause| FileError::system(path, "make this folder", &cause))?;
-        let mut files = files_of_summary(&path.join("summary.json"));
+        let summary_file = path.join("summary.json");
+        let mut files = files_of_summary(&summary_file);
         for name in names {
             let file = path.join(name);
             let listed = files.iter().any(|own| own == name);
@@ -33,6 +37,7 @@ impl Folder {
                 return Err(FileError::new(&file, what));
             }
         }
+        let summary = lock(&summary_file)?;
         for name in names.iter().filter(|name| **name != "summary.json") {
             let file = path.join(name);
             if file.exists() {
@@ -45,7 +50,7 @@ impl Folder {
         if !files.iter().any(|own| own == "summary.json") {
             files.push("summary.json".to_owned());
         }
-        let folder = Self { path: path.to_owned(), files };
+        let mut folder = Self { path: path.to_owned(), summary, files };
         // From here on the folder says whose it is, even when the run is interrupted.
         folder.write_summary(&json!({ "finished": false }))?;
         Ok(folder)
@@ -74,13 +79,31 @@ impl Folder {
     ///
     /// # Errors
     /// What the system says.
-    pub fn write_summary(&self, figures: &Value) -> Result<(), FileError> {
+    pub fn write_summary(&mut self, figures: &Value) -> Result<(), FileError> {
         let mut summary = json!({ "program": PROGRAM, "version": env!("CARGO_PKG_VERSION") });
         if let (Some(summary), Some(figures)) = (summary.as_object_mut(), figures.as_object()) {
             summary.extend(figures.clone());
             summary.insert("files".to_owned(), json!(self.files));
         }
-        self.write("summary.json", &format!("{summary:#}\n"))
+        // Through the handle that has the lock: on some systems no other one may write.
+        let text = format!("{summary:#}\n");
+        let file = &mut self.summary;
+        let written = file.set_len(0).and_then(|()| file.rewind()).and_then(|()| file.write_all(text.as_bytes()));
+        written.map_err(|cause| FileError::system(&self.path.join("summary.json"), "write", &cause))
+    }
+}
+
+/// Opens a folder's `summary.json` for this program alone.
+fn lock(file: &Path) -> Result<File, FileError> {
+    let opened = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(file);
+    let opened = opened.map_err(|cause| FileError::system(file, "write", &cause))?;
+    match opened.try_lock() {
+        // A file system without locks is used without.
+        Ok(()) | Err(TryLockError::Error(_)) => Ok(opened),
+        Err(TryLockError::WouldBlock) => {
+            let what = "is being written by another run; wait until it is over, or name another folder with --out";
+            Err(FileError::new(file, what))
+        }
     }
 }
 

@@ -32,7 +32,7 @@ pub const NAMES: [&str; 10] = [
 /// # Errors
 /// What the system says about the first file that cannot be written.
 pub fn finish(
-    folder: &Folder,
+    folder: &mut Folder,
     recording: &Recording,
     looking_back: Option<&Recording>,
     origin: &Origin,
