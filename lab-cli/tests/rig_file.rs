@@ -124,7 +124,7 @@ fn analogue_sensors_need_a_converter_and_possible_values() {
 fn unknown_keys_and_wrong_shapes_are_errors() {
     let cases = [
         ("track_m = 0.2", "track_m = 0.2\ntrack_cm = 20", "rig.toml:3: wheels.track_cm: is not known here"),
-        ("[wheels]", "[wheel]", "is missing; a robot has either [wheels] or [odometry]"),
+        ("[wheels]", "[wheel]", "rig.toml:1: wheel: is not known here; known are wheels, odometry, adc"),
         ("[wheels]", "wheels = 4\n[odometry]", "rig.toml:1: wheels: must be a table, not a number"),
         ("name = \"front\"", "name = \"left\"", "range_sensor[1].name: is \"left\" again"),
         ("name = \"front\"", "name = \"\"", "range_sensor[1].name: is \"\"; it must be a text"),
