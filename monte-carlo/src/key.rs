@@ -1,6 +1,6 @@
 //! The quantities that an experiment can set, sweep or draw.
 
-use lab::input::toml_table::Allowed;
+use crate::toml_table::Allowed;
 
 /// A quantity that an experiment can set, sweep or draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

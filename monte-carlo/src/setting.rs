@@ -9,10 +9,10 @@ use robot::PilotConfig;
 use slam_core::{DriveModel, RangeModel};
 
 use crate::key::Key;
+use crate::toml_table::Table;
 use input_file::FileError;
 use lab::input::built_in_robot;
 use lab::input::rig_file::Robot;
-use crate::toml_table::Table;
 
 /// Values of the keys that differ from the default, and the rig where it is another one.
 #[derive(Clone, Debug, Default, PartialEq)]

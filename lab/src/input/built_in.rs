@@ -5,8 +5,8 @@ use std::path::Path;
 use robot::rig::BuiltIn;
 use slam_core::RangeSensor;
 
-use input_file::FileError;
 use crate::input::rig_file::Robot;
+use input_file::FileError;
 
 /// The robot that is simulated when no other is named, and its rig file's text.
 ///
