@@ -136,8 +136,8 @@ fn unknown_keys_and_wrong_shapes_are_errors() {
     }
     assert_error(&format!("{ODOMETRY_RIG}\n[extra]\n"), &["extra: is not known here"]);
     assert_error(&format!("wheels = 4\n{ODOMETRY_RIG}"), &["rig.toml:1: wheels: must be a table, not a number"]);
-    let (_, sensors) = WHEELED_RIG.split_once("\n[[").expect("sensors");
-    assert_error(&format!("{ODOMETRY_RIG}\n[wheels]\ntrack_m = 1\n"), &["odometry: is there beside [wheels]"]);
+    let (wheels, sensors) = WHEELED_RIG.split_once("\n[[").expect("sensors");
+    assert_error(&format!("{ODOMETRY_RIG}\n{wheels}"), &["rig.toml:1: odometry: is there beside [wheels]"]);
     assert_error(WHEELED_RIG.trim_end_matches(&format!("[[{sensors}")), &["range_sensor", "there are 0"]);
     let many: String = (0..17)
         .map(|i| SHARP_RIG.split_once("[[").expect("sensor").1.replace("left", &format!("s{i}")))

@@ -47,9 +47,10 @@ impl Robot {
         let toml = TomlFile::new(file, text);
         let keys: keys::File = toml.read()?;
         let drive_key = if keys.wheels.is_some() { "wheels" } else { "odometry" };
+        let drive = drive(&toml, keys.wheels, keys.odometry)?;
         let names = names(&toml, &keys.range_sensor)?;
         let rig = Rig {
-            drive: drive(&toml, keys.wheels, keys.odometry)?,
+            drive,
             adc: keys.adc.map(|adc| Adc { bits: adc.bits.get() as u8, vref_v: adc.vref_v.single() }),
             sensors: keys
                 .range_sensor
