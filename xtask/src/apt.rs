@@ -7,6 +7,7 @@ use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 
 const BACKPORTS_LIST: &str = "/etc/apt/sources.list.d/wall-slam-backports.list";
+const OS_RELEASE: &str = "/etc/os-release";
 const KEYRING: &str = "/usr/share/keyrings/debian-archive-keyring.gpg";
 
 /// Whether this machine has Debian's package manager.
@@ -38,14 +39,23 @@ pub fn candidate(package: &str) -> Option<String> {
     (version != "(none)").then(|| version.to_owned())
 }
 
+/// Whether this is Debian itself, whose backports have what its releases lack, and not a distribution made from it.
+pub fn has_backports() -> bool {
+    is_debian(&std::fs::read_to_string(OS_RELEASE).unwrap_or_default())
+}
+
+fn is_debian(os_release: &str) -> bool {
+    os_release.lines().any(|line| line.trim() == "ID=debian")
+}
+
 /// Makes the backports of this Debian release known, and returns the suite's name. Nothing is installed from there
 /// unless asked for by name.
 pub fn enable_backports() -> Result<String> {
-    let release = std::fs::read_to_string("/etc/os-release").unwrap_or_default();
+    let release = std::fs::read_to_string(OS_RELEASE).unwrap_or_default();
     let codename = release
         .lines()
         .find_map(|line| line.strip_prefix("VERSION_CODENAME="))
-        .ok_or("/etc/os-release names no VERSION_CODENAME, so the backports suite is unknown")?;
+        .ok_or_else(|| format!("{OS_RELEASE} names no VERSION_CODENAME, so the backports suite is unknown"))?;
     let suite = format!("{codename}-backports");
     let mirror = mirror(codename)?;
     let key = if Path::new(KEYRING).is_file() { format!("[signed-by={KEYRING}] ") } else { String::new() };
@@ -91,4 +101,15 @@ fn write_as_root(path: &str, text: &str) -> Result {
     child.stdin.take().ok_or("tee has no input")?.write_all(text.as_bytes()).map_err(failed)?;
     let status = child.wait().map_err(failed)?;
     if status.success() { Ok(()) } else { Err(format!("cannot write {path}: tee gave {status}")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_distribution_made_from_debian_is_not_debian() {
+        assert!(is_debian("NAME=\"Debian GNU/Linux\"\nID=debian\n"));
+        assert!(!is_debian("NAME=\"Ubuntu\"\nID=ubuntu\nID_LIKE=debian\n"));
+    }
 }

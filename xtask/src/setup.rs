@@ -47,7 +47,8 @@ impl Tool {
             ),
             Self::Qemu => format!(
                 "qemu-system-arm, version {OLDEST_QEMU} or newer: on Debian `apt-get install qemu-system-arm`, where \
-                 that is older from the release's backports suite; elsewhere qemu's own packages"
+                 that is older from the release's backports suite; elsewhere built from its source, or a container of \
+                 Debian 13 as in .github/workflows"
             ),
             Self::Chromium => "Chromium or Chrome: on Debian `apt-get install chromium`".into(),
         }
@@ -119,6 +120,9 @@ fn install_qemu() -> Result {
     let new_enough = apt::candidate("qemu-system-arm").and_then(|version| package_major(&version));
     if new_enough.is_some_and(|major| major >= OLDEST_QEMU) {
         return install_packages(&["qemu-system-arm"], None);
+    }
+    if !apt::has_backports() {
+        return Err(format!("the newest qemu-system-arm of this distribution is older than {OLDEST_QEMU}"));
     }
     let suite = apt::enable_backports()?;
     install_packages(&["qemu-system-arm"], Some(&suite))
