@@ -91,6 +91,21 @@ fn mistakes_are_named_with_file_line_and_key() {
         ("gain_sigma = 0.04", "gain_sigma = 0.7", "bad.toml:13: case[1].gain_sigma: is 0.7; it must be"),
         ("gain_sigma = 0.04", "gain = 0.04", "bad.toml:13: case[1].gain: is not known here"),
         ("name = \"coarse\"", "name = \"fine\"", "case: has \"fine\" twice"),
+        (
+            "minutes = 0.5",
+            "minutes = 0.5\nname = \"all\"",
+            "bad.toml:9: setting.name: is not known here; known are rig",
+        ),
+        (
+            "minutes = 0.5",
+            "minutes = 0.5\n[setting.draw]\nage_ms = [10]",
+            "bad.toml:10: setting.draw.age_ms: must be the least and the most: two milliseconds",
+        ),
+        (
+            "minutes = 0.5",
+            "minutes = 0.5\n[[sweep]]\nkey = \"rate_hz\"\nvalues = [25, 1000]",
+            "bad.toml:11: sweep[0].values[1]: is 1000; it must be a rate from 1 to 100",
+        ),
         ("at_most = 1.0", "", "bar[0].at_most: one limit is needed"),
         ("at_most = 1.0", "at_most = 1.0\nplans = [\"flat\"]", "bar[0].plans: has \"flat\""),
         ("metric = \"ate_m\"", "metric = \"ate\"", "bar[0].metric: is not known; known are path_m"),

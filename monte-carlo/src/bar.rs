@@ -1,14 +1,16 @@
 //! What must hold: limits on statistics of an experiment's figures.
 
 use crate::file::Case;
+use crate::keys;
 use crate::row::{Metric, RunRow};
-use crate::toml_table::{Allowed, Table};
 use crate::variant::{DEFAULT, Variant};
-use input_file::FileError;
+use input_file::{FileError, Text, TomlFile, Whole};
 use lab::evaluate::statistics::{chi_square_mean_band, max, mean, median, rms};
+use serde::Deserialize;
 
 /// What is made of one figure over the runs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Statistic {
     /// The median.
     Median,
@@ -66,38 +68,41 @@ pub struct Verdict {
 }
 
 impl Bar {
-    /// Reads a `[[bar]]`.
+    /// The bar of a `[[bar]]` at this place.
     ///
     /// # Errors
-    /// A key that is not known, or a value that is not allowed.
-    pub fn read(table: &Table<'_>, cases: &[Case], variants: &[Variant]) -> Result<Self, FileError> {
-        let known_variant = |name: &str| variants.iter().any(|variant| variant.name == name);
-        let case =
-            table.optional_text("case")?.unwrap_or_else(|| cases.first().map_or(String::new(), |c| c.name.clone()));
-        if cases.iter().all(|known| known.name != case) {
-            return Err(table.error("case", format!("is {case:?}, which is not one of the cases")));
+    /// It is about what the experiment does not have, or has not one limit.
+    pub(crate) fn of(
+        toml: &TomlFile<'_>,
+        place: &str,
+        keys: keys::Bar,
+        cases: &[Case],
+        variants: &[Variant],
+    ) -> Result<Self, FileError> {
+        let error = |key: &str, message: String| toml.error(&format!("{place}.{key}"), message);
+        let is_variant = |name: &str| variants.iter().any(|variant| variant.name == name);
+        let limit = limit(&keys).map_err(|(key, message)| error(key, message.to_owned()))?;
+        let case = keys.case.map_or_else(|| cases.first().map_or(String::new(), |case| case.name.clone()), Text::get);
+        let Some(own) = cases.iter().find(|known| known.name == case) else {
+            return Err(error("case", format!("is {case:?}, which is not one of the cases")));
+        };
+        let variant = keys.variant.map_or_else(|| DEFAULT.to_owned(), Text::get);
+        if !is_variant(&variant) {
+            return Err(error("variant", format!("is {variant:?}, which is not one of the variants")));
         }
-        let variant = table.optional_text("variant")?.unwrap_or_else(|| DEFAULT.to_owned());
-        if !known_variant(&variant) {
-            return Err(table.error("variant", format!("is {variant:?}, which is not one of the variants")));
+        let plans: Vec<String> = keys.plans.into_iter().map(Text::get).collect();
+        if let Some(plan) = plans.iter().find(|plan| !own.plans.contains(plan)) {
+            return Err(error("plans", format!("has {plan:?}, which the case is not driven in")));
         }
-        let plans = table.texts("plans")?;
-        let own = cases.iter().find(|known| known.name == case).map_or(&[][..], |known| &known.plans);
-        if let Some(plan) = plans.iter().find(|plan| !own.contains(plan)) {
-            return Err(table.error("plans", format!("has {plan:?}, which the case is not driven in")));
-        }
-        let known: Vec<&str> = Metric::ALL.iter().map(|metric| metric.name()).collect();
-        let metric = Metric::of_name(&table.text("metric")?)
-            .ok_or_else(|| table.error("metric", format!("is not known; known are {}", known.join(", "))))?;
-        let limit = read_limit(table)?;
+        let known = || Metric::ALL.map(Metric::name).join(", ");
+        let metric = Metric::of_name(keys.metric.as_ref())
+            .ok_or_else(|| error("metric", format!("is not known; known are {}", known())))?;
         if let Limit::TimesBetter(_, other) = &limit
-            && !known_variant(other)
+            && !is_variant(other)
         {
-            return Err(table.error("than", format!("is {other:?}, which is not one of the variants")));
+            return Err(error("than", format!("is {other:?}, which is not one of the variants")));
         }
-        let bar = Self { case, plans, variant, metric, statistic: read_statistic(table)?, limit };
-        table.nothing_else()?;
-        Ok(bar)
+        Ok(Self { case, plans, variant, metric, statistic: keys.statistic.unwrap_or(Statistic::Median), limit })
     }
 
     /// Whether it holds, in each plan that it is for.
@@ -134,33 +139,23 @@ impl Bar {
     }
 }
 
-fn read_limit(table: &Table<'_>) -> Result<Limit, FileError> {
-    let number = |key: &'static str| table.optional_number(key, Allowed::NOT_NEGATIVE);
-    let decimal = |value: f32| format!("{value}").parse().unwrap_or_else(|_| f64::from(value));
+/// The one limit of a bar; an error is a key and what is wrong with it.
+fn limit(keys: &keys::Bar) -> Result<Limit, (&'static str, &'static str)> {
+    let times_better = match (&keys.times_better, &keys.than) {
+        (Some(times), Some(than)) => Some(Limit::TimesBetter(times.get(), than.as_ref().to_owned())),
+        (Some(_), None) => return Err(("than", "is missing; it must be the variant that is to be bettered")),
+        (None, _) => None,
+    };
     let limits = [
-        number("at_most")?.map(|limit| Limit::AtMost(decimal(limit))),
-        number("at_least")?.map(|limit| Limit::AtLeast(decimal(limit))),
-        number("in_band")?.map(|degrees| Limit::InBand(degrees as usize)),
-        match number("times_better")? {
-            Some(times) => Some(Limit::TimesBetter(decimal(times), table.text("than")?)),
-            None => None,
-        },
+        keys.at_most.as_ref().map(|limit| Limit::AtMost(limit.get())),
+        keys.at_least.as_ref().map(|limit| Limit::AtLeast(limit.get())),
+        keys.in_band.map(|degrees| Limit::InBand(Whole::get(degrees) as usize)),
+        times_better,
     ];
     let mut given = limits.into_iter().flatten();
     match (given.next(), given.next()) {
         (Some(limit), None) => Ok(limit),
-        _ => Err(table.error("at_most", "one limit is needed: at_most, at_least, in_band, or times_better with than")),
-    }
-}
-
-fn read_statistic(table: &Table<'_>) -> Result<Statistic, FileError> {
-    match table.optional_text("statistic")?.as_deref() {
-        None | Some("median") => Ok(Statistic::Median),
-        Some("mean") => Ok(Statistic::Mean),
-        Some("rms") => Ok(Statistic::Rms),
-        Some("max") => Ok(Statistic::Max),
-        Some("min") => Ok(Statistic::Min),
-        Some(_) => Err(table.error("statistic", "must be \"median\", \"mean\", \"rms\", \"max\" or \"min\"")),
+        _ => Err(("at_most", "one limit is needed: at_most, at_least, in_band, or times_better with than")),
     }
 }
 

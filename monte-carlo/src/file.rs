@@ -1,17 +1,15 @@
 //! Experiment files: TOML, described in `docs/reference/experiments.md`.
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use crate::bar::Bar;
 use crate::key::Key;
+use crate::keys::{self, Conditions};
 use crate::plan::DoorLeaf;
 use crate::setting::Setting;
-use crate::toml_table::{Allowed, Table, parse};
 use crate::variant::{DEFAULT, NAMED, Variant};
-use input_file::FileError;
-
-/// Most seeds of an experiment.
-const MAX_SEEDS: i64 = 100_000;
+use input_file::{FileError, Text, TomlFile, Whole};
 
 /// One condition under which every plan is driven with every seed.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,37 +64,29 @@ impl Experiment {
     /// # Errors
     /// The text is not TOML, or a value is missing, unknown or impossible.
     pub fn parse(file: &Path, text: &str) -> Result<Self, FileError> {
-        let document = parse(file, text)?;
-        let root = Table::root(file, text, document.get_ref());
-        let base = match root.table("setting")? {
-            Some(table) => {
-                let setting = Setting::read(&table)?;
-                table.nothing_else()?;
-                setting
-            }
-            None => Setting::default(),
-        };
-        let plans = read_plans(&root)?;
-        let variants = read_variants(&root)?;
-        let cases = read_cases(&root, &base, &plans)?;
-        let experiment = Self {
-            title: root.text("title")?,
-            about: root.optional_text("about")?.unwrap_or_default(),
-            first_seed: if root.has("first_seed") { root.integer("first_seed", 0, i64::MAX)? as u64 } else { 1 },
-            seeds: root.integer("seeds", 1, MAX_SEEDS)? as u64,
-            series: read_series(&root, &variants)?,
-            doors: root.tables("door")?.iter().map(read_door).collect::<Result<_, _>>()?,
-            bars: root
-                .tables("bar")?
-                .iter()
-                .map(|table| Bar::read(table, &cases, &variants))
-                .collect::<Result<_, _>>()?,
+        let toml = TomlFile::new(file, text);
+        let keys: keys::File = toml.read()?;
+        let base = keys.setting.map(|table| table.setting).unwrap_or_default();
+        let plans = plans(&toml, "plans", keys.plans)?;
+        if plans.is_empty() {
+            let message = "is missing or empty; it must be a list of built-in plans or plan files";
+            return Err(toml.error("plans", message));
+        }
+        let variants = variants(&toml, keys.variants, keys.variant)?;
+        let cases = cases(&toml, keys.case, keys.sweep, &base, &plans)?;
+        let bar = |(i, keys)| Bar::of(&toml, &format!("bar[{i}]"), keys, &cases, &variants);
+        Ok(Self {
+            title: keys.title.get(),
+            about: keys.about.map_or(String::new(), Text::get),
+            first_seed: keys.first_seed.map_or(1, Whole::get) as u64,
+            seeds: keys.seeds.get() as u64,
+            series: series(&toml, keys.series, &variants)?,
+            doors: keys.door.into_iter().map(door).collect(),
+            bars: keys.bar.into_iter().enumerate().map(bar).collect::<Result<_, _>>()?,
             cases,
             variants,
             text: text.to_owned(),
-        };
-        root.nothing_else()?;
-        Ok(experiment)
+        })
     }
 
     /// Every seed.
@@ -105,112 +95,117 @@ impl Experiment {
     }
 }
 
-/// Checks that every plan of a list is there, so that a sweep does not end at its last plan.
-fn check_plans(table: &Table<'_>, plans: &[String]) -> Result<(), FileError> {
-    for plan in plans {
+/// The plans of a list, which must all be there: a sweep should not end at its last plan.
+fn plans(toml: &TomlFile<'_>, place: &str, plans: Vec<Text>) -> Result<Vec<String>, FileError> {
+    let plans: Vec<String> = plans.into_iter().map(Text::get).collect();
+    for plan in &plans {
         hal_sim::plan_file::load(plan)
-            .map_err(|error| table.error("plans", format!("plan {plan:?} cannot be used: {error}")))?;
+            .map_err(|error| toml.error(place, format!("plan {plan:?} cannot be used: {error}")))?;
     }
-    Ok(())
-}
-
-fn read_plans(root: &Table<'_>) -> Result<Vec<String>, FileError> {
-    let plans = root.texts("plans")?;
-    if plans.is_empty() {
-        return Err(root.error("plans", "is missing or empty; it must be a list of built-in plans or plan files"));
-    }
-    check_plans(root, &plans)?;
     Ok(plans)
 }
 
-fn read_variants(root: &Table<'_>) -> Result<Vec<Variant>, FileError> {
-    let mut variants = Vec::new();
-    for name in root.texts("variants")? {
-        let named = Variant::named(&name)
-            .ok_or_else(|| root.error("variants", format!("has {name:?}; known are {}", NAMED.join("; "))))?;
-        variants.push(named);
-    }
-    for table in root.tables("variant")? {
-        variants.push(Variant::read(&table)?);
-    }
+fn variants(toml: &TomlFile<'_>, named: Vec<Text>, described: Vec<keys::Variant>) -> Result<Vec<Variant>, FileError> {
+    let unknown = |name: &str| toml.error("variants", format!("has {name:?}; known are {}", NAMED.join("; ")));
+    let named = named.iter().map(|name| Variant::named(name.as_ref()).ok_or_else(|| unknown(name.as_ref())));
+    let described =
+        described.into_iter().enumerate().map(|(i, keys)| Variant::of(toml, &format!("variant[{i}]"), keys));
+    let mut variants: Vec<Variant> = named.chain(described).collect::<Result<_, _>>()?;
     if variants.is_empty() {
         variants.extend(Variant::named(DEFAULT));
     }
-    for (i, variant) in variants.iter().enumerate() {
-        if variants[..i].iter().any(|other| other.name == variant.name) {
-            return Err(root.error("variants", format!("has {:?} twice; each has its own name", variant.name)));
-        }
+    match repeated(variants.iter().map(|variant| variant.name.as_str())) {
+        Some(name) => Err(toml.error("variants", format!("has {name:?} twice; each has its own name"))),
+        None => Ok(variants),
     }
-    Ok(variants)
 }
 
-fn read_cases(root: &Table<'_>, base: &Setting, plans: &[String]) -> Result<Vec<Case>, FileError> {
+/// The first name that is there a second time.
+fn repeated<'a>(mut names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let mut seen = HashSet::new();
+    names.find(|name| !seen.insert(*name))
+}
+
+fn cases(
+    toml: &TomlFile<'_>,
+    described: Vec<Conditions<keys::Case>>,
+    sweeps: Vec<Conditions<keys::Sweep>>,
+    base: &Setting,
+    plans: &[String],
+) -> Result<Vec<Case>, FileError> {
     let mut cases: Vec<Case> = Vec::new();
-    for table in root.tables("case")? {
-        let setting = base.overlaid(&Setting::read(&table)?);
-        let own = table.texts("plans")?;
-        check_plans(&table, &own)?;
-        let name = table.text("name")?;
-        if name.contains(['"', '\n', '|']) {
-            return Err(table.error("name", "holds a quote, line break or |, which the tables cannot carry"));
-        }
-        table.nothing_else()?;
-        let plans = if own.is_empty() { plans.to_vec() } else { own };
-        cases.push(Case { name, setting, plans, point: None });
+    for (i, keys) in described.into_iter().enumerate() {
+        let place = format!("case[{i}]");
+        let name = toml.required(&format!("{place}.name"), keys.name, Text::ALLOWED)?;
+        let plans = own_plans(toml, &place, keys.plans, plans)?;
+        cases.push(Case {
+            name: keys::table_name(toml, &place, name)?,
+            setting: base.overlaid(&keys.setting),
+            plans,
+            point: None,
+        });
     }
-    for table in root.tables("sweep")? {
-        cases.extend(read_sweep(&table, base, plans)?);
+    for (i, keys) in sweeps.into_iter().enumerate() {
+        cases.extend(sweep(toml, &format!("sweep[{i}]"), keys, base, plans)?);
     }
     if cases.is_empty() {
         cases.push(Case { name: "default".to_owned(), setting: base.clone(), plans: plans.to_vec(), point: None });
     }
-    for (i, case) in cases.iter().enumerate() {
-        if cases[..i].iter().any(|other| other.name == case.name) {
-            return Err(root.error("case", format!("has {:?} twice; each has its own name", case.name)));
-        }
+    match repeated(cases.iter().map(|case| case.name.as_str())) {
+        Some(name) => Err(toml.error("case", format!("has {name:?} twice; each has its own name"))),
+        None => Ok(cases),
     }
-    Ok(cases)
+}
+
+/// A table's own plans, or everybody's.
+fn own_plans(toml: &TomlFile<'_>, place: &str, own: Vec<Text>, all: &[String]) -> Result<Vec<String>, FileError> {
+    let own = plans(toml, &format!("{place}.plans"), own)?;
+    Ok(if own.is_empty() { all.to_vec() } else { own })
 }
 
 /// One case for each value of a sweep.
-fn read_sweep(table: &Table<'_>, base: &Setting, plans: &[String]) -> Result<Vec<Case>, FileError> {
-    let name = table.text("key")?;
+fn sweep(
+    toml: &TomlFile<'_>,
+    place: &str,
+    keys: Conditions<keys::Sweep>,
+    base: &Setting,
+    plans: &[String],
+) -> Result<Vec<Case>, FileError> {
+    let at = |key: &str| format!("{place}.{key}");
+    let name = toml.required(&at("key"), keys.key, Text::ALLOWED)?.get();
     let key = Key::of_name(&name).ok_or_else(|| {
-        let known: Vec<&str> = Key::ALL.iter().map(|key| key.name()).collect();
-        table.error("key", format!("is {name:?}; known are {}", known.join(", ")))
+        toml.error(&at("key"), format!("is {name:?}; known are {}", Key::ALL.map(Key::name).join(", ")))
     })?;
-    let values = table.numbers("values", key.allowed())?;
-    if values.is_empty() {
-        return Err(table.error("values", format!("is missing or empty; it must be a list of {}", key.allowed().words)));
+    let allowed = key.allowed();
+    if keys.values.is_empty() {
+        let message = format!("is missing or empty; it must be a list of {}", allowed.words);
+        return Err(toml.error(&at("values"), message));
     }
-    let own = table.texts("plans")?;
-    check_plans(table, &own)?;
+    if let Some((i, value)) = keys.values.iter().enumerate().find(|(_, value)| !allowed.holds(value.get())) {
+        let message = format!("is {}; it must be {}", value.get(), allowed.words);
+        return Err(toml.error(&at(&format!("values[{i}]")), message));
+    }
+    let plans = own_plans(toml, place, keys.plans, plans)?;
     // Whatever else the table sets holds at every point of the sweep.
-    let fixed = base.overlaid(&Setting::read(table)?);
-    table.nothing_else()?;
+    let fixed = base.overlaid(&keys.setting);
     let point = |value: f64| Case {
         name: format!("{} = {value}", key.name()),
         setting: fixed.overlaid(&Setting { values: [(key, value)].into(), ..Setting::default() }),
-        plans: if own.is_empty() { plans.to_vec() } else { own.clone() },
+        plans: plans.clone(),
         point: Some((key, value)),
     };
-    Ok(values.into_iter().map(point).collect())
+    Ok(keys.values.iter().map(|value| point(value.get())).collect())
 }
 
-fn read_series(root: &Table<'_>, variants: &[Variant]) -> Result<Vec<String>, FileError> {
-    let series = root.texts("series")?;
+fn series(toml: &TomlFile<'_>, names: Vec<Text>, variants: &[Variant]) -> Result<Vec<String>, FileError> {
+    let series: Vec<String> = names.into_iter().map(Text::get).collect();
     match series.iter().find(|name| variants.iter().all(|variant| variant.name != **name)) {
-        Some(unknown) => Err(root.error("series", format!("has {unknown:?}, which is not one of the variants"))),
+        Some(unknown) => Err(toml.error("series", format!("has {unknown:?}, which is not one of the variants"))),
         None => Ok(series),
     }
 }
 
-fn read_door(table: &Table<'_>) -> Result<DoorLeaf, FileError> {
-    let point = |key: &'static str| match table.numbers(key, Allowed::FINITE)?[..] {
-        [x, y] => Ok([x, y]),
-        _ => Err(table.error(key, "must be two numbers: x and y in the plan's frame, metres")),
-    };
-    let leaf = DoorLeaf { plan: table.text("plan")?, from_m: point("from_m")?, to_m: point("to_m")? };
-    table.nothing_else()?;
-    Ok(leaf)
+fn door(keys: keys::Door) -> DoorLeaf {
+    let [from_m, to_m] = [keys.from_m, keys.to_m].map(|point| point.map(|metres| metres.get()));
+    DoorLeaf { plan: keys.plan.get(), from_m, to_m }
 }

@@ -1,6 +1,6 @@
 //! The quantities that an experiment can set, sweep or draw.
 
-use crate::toml_table::Allowed;
+use input_file::{Allowed, Limits as _, NotNegative};
 
 /// A quantity that an experiment can set, sweep or draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -63,15 +63,12 @@ pub enum Key {
     Minutes,
 }
 
-const fn within(min: f64, max: f64, words: &'static str) -> Allowed {
-    Allowed { min, above_min: false, max, below_max: false, words }
-}
-
-const RELATIVE: Allowed = Allowed { below_max: true, ..within(0.0, 0.5, "a ratio of at least 0 and less than 0.5") };
-const VOLTS: Allowed = within(0.001, 1.0, "volts from 0.001 to 1");
-const AGE: Allowed = within(0.0, 200.0, "milliseconds from 0 to 200");
-const ANGLE: Allowed = within(-20.0, 20.0, "degrees from -20 to 20");
-const MINUTES: Allowed = Allowed { above_min: true, ..within(0.0, 240.0, "minutes above 0 and up to 240") };
+const RELATIVE: Allowed =
+    Allowed { below_max: true, ..Allowed::within(0.0, 0.5, "a ratio of at least 0 and less than 0.5") };
+const VOLTS: Allowed = Allowed::within(0.001, 1.0, "volts from 0.001 to 1");
+const AGE: Allowed = Allowed::within(0.0, 200.0, "milliseconds from 0 to 200");
+const ANGLE: Allowed = Allowed::within(-20.0, 20.0, "degrees from -20 to 20");
+const MINUTES: Allowed = Allowed { above_min: true, ..Allowed::within(0.0, 240.0, "minutes above 0 and up to 240") };
 
 impl Key {
     /// Every key.
@@ -112,38 +109,50 @@ impl Key {
             Self::GainSigma => ("gain_sigma", "1-sigma error of the sensors' gains", RELATIVE),
             Self::ScaleSigma => ("scale_sigma", "1-sigma error of the wheels' scales", RELATIVE),
             Self::TrackSigma => ("track_sigma", "1-sigma error of the track", RELATIVE),
-            Self::ErrorRatio => {
-                ("error_ratio", "calibration errors over those stated", within(0.0, 5.0, "a ratio from 0 to 5"))
-            }
+            Self::ErrorRatio => (
+                "error_ratio",
+                "calibration errors over those stated",
+                Allowed::within(0.0, 5.0, "a ratio from 0 to 5"),
+            ),
             Self::NoiseV => ("noise_v", "noise of the sensors' output, V", VOLTS),
             Self::TrueNoiseV => ("true_noise_v", "true noise of the sensors' output, V", VOLTS),
-            Self::MaxRange => ("max_m", "range limit, m", within(0.2, 10.0, "metres from 0.2 to 10")),
-            Self::Sensors => ("sensors", "range sensors", within(2.0, 8.0, "8, 6, 4 or 2")),
+            Self::MaxRange => ("max_m", "range limit, m", Allowed::within(0.2, 10.0, "metres from 0.2 to 10")),
+            Self::Sensors => ("sensors", "range sensors", Allowed::within(2.0, 8.0, "8, 6, 4 or 2")),
             Self::Age => ("age_ms", "age of readings, ms", AGE),
             Self::AgeSpread => ("age_spread_ms", "ages differ by up to, ms", AGE),
             Self::Filter => ("filter_ms", "time constant of the board's filter, ms", AGE),
-            Self::Speed => ("speed_mps", "speed, m/s", within(0.05, 0.55, "m/s from 0.05 to 0.55")),
-            Self::Rate => ("rate_hz", "samples per second", within(1.0, 100.0, "a rate from 1 to 100")),
+            Self::Speed => ("speed_mps", "speed, m/s", Allowed::within(0.05, 0.55, "m/s from 0.05 to 0.55")),
+            Self::Rate => ("rate_hz", "samples per second", Allowed::within(1.0, 100.0, "a rate from 1 to 100")),
             Self::StampJitter => ("stamp_jitter_ms", "jitter of time stamps, ms", AGE),
             Self::OdometryRate => {
-                ("odometry_hz", "odometry poses per second", within(1.0, 100.0, "a rate from 1 to 100"))
+                ("odometry_hz", "odometry poses per second", Allowed::within(1.0, 100.0, "a rate from 1 to 100"))
             }
-            Self::Tick => {
-                ("tick_ms", "longest step of the physics, ms", within(0.1, 20.0, "milliseconds from 0.1 to 20"))
+            Self::Tick => (
+                "tick_ms",
+                "longest step of the physics, ms",
+                Allowed::within(0.1, 20.0, "milliseconds from 0.1 to 20"),
+            ),
+            Self::Slips => ("slips_per_m", "wheel slips per metre", Allowed::within(0.0, 100.0, "slips from 0 to 100")),
+            Self::SlipLength => {
+                ("slip_m", "travel lost in a slip, m", Allowed::within(0.0, 0.2, "metres from 0 to 0.2"))
             }
-            Self::Slips => ("slips_per_m", "wheel slips per metre", within(0.0, 100.0, "slips from 0 to 100")),
-            Self::SlipLength => ("slip_m", "travel lost in a slip, m", within(0.0, 0.2, "metres from 0 to 0.2")),
-            Self::SlipTail => ("slip_tail", "1-sigma of a slip's logarithm", within(0.0, 2.0, "a number from 0 to 2")),
+            Self::SlipTail => {
+                ("slip_tail", "1-sigma of a slip's logarithm", Allowed::within(0.0, 2.0, "a number from 0 to 2"))
+            }
             Self::Drift => ("drift_deg_per_m", "drift, degrees per metre", ANGLE),
-            Self::ChairLegs => ("chair_legs", "chair legs added", within(0.0, 200.0, "a number from 0 to 200")),
-            Self::People => ("people", "people walking", within(0.0, 200.0, "a number from 0 to 200")),
+            Self::ChairLegs => {
+                ("chair_legs", "chair legs added", Allowed::within(0.0, 200.0, "a number from 0 to 200"))
+            }
+            Self::People => ("people", "people walking", Allowed::within(0.0, 200.0, "a number from 0 to 200")),
             Self::Skew => ("skew_deg", "walls off the right angle, degrees", ANGLE),
             Self::Inner => ("inner_deg", "inner walls off the outer ones, degrees", ANGLE),
-            Self::Scatter => {
-                ("scatter_deg", "scatter of the walls' directions, degrees", within(0.0, 5.0, "degrees from 0 to 5"))
-            }
-            Self::DoorCloses => ("door_closes_s", "door closes at, s", Allowed::NOT_NEGATIVE),
-            Self::DoorOpens => ("door_opens_s", "door opens at, s", Allowed::NOT_NEGATIVE),
+            Self::Scatter => (
+                "scatter_deg",
+                "scatter of the walls' directions, degrees",
+                Allowed::within(0.0, 5.0, "degrees from 0 to 5"),
+            ),
+            Self::DoorCloses => ("door_closes_s", "door closes at, s", NotNegative::ALLOWED),
+            Self::DoorOpens => ("door_opens_s", "door opens at, s", NotNegative::ALLOWED),
             Self::Minutes => ("minutes", "drive, minutes", MINUTES),
         }
     }

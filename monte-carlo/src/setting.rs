@@ -9,7 +9,6 @@ use robot::PilotConfig;
 use slam_core::{DriveModel, RangeModel};
 
 use crate::key::Key;
-use crate::toml_table::Table;
 use input_file::FileError;
 use lab::input::built_in_robot;
 use lab::input::rig_file::Robot;
@@ -27,33 +26,6 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// Reads the keys of a table that are a setting's.
-    ///
-    /// # Errors
-    /// A value that is not allowed.
-    pub fn read(table: &Table<'_>) -> Result<Self, FileError> {
-        let mut setting = Self { rig: table.optional_text("rig")?, ..Self::default() };
-        if let Some(draw) = table.table("draw")? {
-            for key in Key::ALL.into_iter().filter(|key| draw.has(key.name())) {
-                let [least, most] = draw.numbers(key.name(), key.allowed())?[..] else {
-                    return Err(
-                        draw.error(key.name(), format!("must be the least and the most: two {}", key.allowed().words))
-                    );
-                };
-                setting.draws.insert(key, [least, most]);
-            }
-            draw.nothing_else()?;
-        }
-        for key in Key::ALL {
-            if let Some(value) = table.optional_number(key.name(), key.allowed())? {
-                // A file's 0.04 is 0.04, not the nearest f32.
-                let value = format!("{value}").parse().unwrap_or_else(|_| f64::from(value));
-                setting.values.insert(key, value);
-            }
-        }
-        Ok(setting)
-    }
-
     /// This setting where `over` says nothing else.
     pub fn overlaid(&self, over: &Setting) -> Self {
         let mut both = self.clone();

@@ -1,10 +1,11 @@
 //! The estimators that an experiment compares.
 
-use slam_core::{Clustering, Config, Linearisation, WallPolicy};
+use slam_core::{Config, Linearisation, WallPolicy};
 
-use crate::toml_table::{Allowed, Table};
-use input_file::FileError;
+use crate::keys;
+use input_file::{FileError, Number, TomlFile, Whole};
 use lab::input::part::{self, Part};
+use lab::input::settings::{Groups, Jacobians, Walls};
 
 /// How a variant comes to a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,67 +86,40 @@ impl Variant {
         Some(Self { name: name.to_owned(), method: methods[found] })
     }
 
-    /// Reads a `[[variant]]`: the default, changed.
+    /// The variant of a `[[variant]]` at this place: the default, changed.
     ///
     /// # Errors
-    /// A key that is not known, or a value that is not allowed.
-    pub fn read(table: &Table<'_>) -> Result<Self, FileError> {
-        let flag = |key: &'static str| Ok::<_, FileError>(table.optional_flag(key)?.unwrap_or(true));
-        let mut config = Config { walls: read_walls(table)?, clustering: read_clusters(table)?, ..Config::default() };
-        config.calibrate_gains = flag("calibrate_gains")?;
-        config.calibrate_scales = flag("calibrate_scales")?;
-        config.calibrate_track = flag("calibrate_track")?;
-        config.linearisation = read_linearisation(table)?;
-        config.gate = table.optional_number("gate", Allowed::POSITIVE)?.unwrap_or(config.gate);
-        for name in table.texts("without")? {
-            let unknown = || table.error("without", format!("names {name:?}; parts are {}", part::names()));
-            config = Part::of_name(&name).ok_or_else(unknown)?.off(config);
+    /// A value that is not allowed.
+    pub(crate) fn of(toml: &TomlFile<'_>, place: &str, keys: keys::Variant) -> Result<Self, FileError> {
+        let default = Config::default();
+        let mut config = Config {
+            walls: keys.walls.map_or(WallPolicy::Grid, Walls::policy),
+            clustering: keys.clusters.map_or(default.clustering, Groups::clustering),
+            linearisation: keys.jacobians.map_or(default.linearisation, Jacobians::linearisation),
+            calibrate_gains: keys.calibrate_gains.unwrap_or(true),
+            calibrate_scales: keys.calibrate_scales.unwrap_or(true),
+            calibrate_track: keys.calibrate_track.unwrap_or(true),
+            gate: keys.gate.as_ref().map_or(default.gate, Number::single),
+            ..default
+        };
+        for name in keys.without {
+            let error = || {
+                let message = format!("names {:?}; parts are {}", name.as_ref(), part::names());
+                toml.error(&format!("{place}.without"), message)
+            };
+            config = Part::of_name(name.as_ref()).ok_or_else(error)?.off(config);
         }
-        let variant = Self { name: table.text("name")?, method: Method::Slam(config, read_buffer(table)?) };
-        if variant.name.contains(['"', '\n', '|']) {
-            return Err(table.error("name", "holds a quote, line break or |, which the tables cannot carry"));
-        }
-        table.nothing_else()?;
-        Ok(variant)
-    }
-}
-
-fn read_walls(table: &Table<'_>) -> Result<WallPolicy, FileError> {
-    match table.optional_text("walls")?.as_deref() {
-        None | Some("grid") => Ok(WallPolicy::Grid),
-        Some("near-grid") => Ok(WallPolicy::NearGrid),
-        Some("free") => Ok(WallPolicy::Free),
-        Some("snapped") => Ok(WallPolicy::Snapped { theta_moves: false }),
-        Some("snapped-moving") => Ok(WallPolicy::Snapped { theta_moves: true }),
-        Some(_) => {
-            Err(table.error("walls", "must be \"grid\", \"near-grid\", \"free\", \"snapped\" or \"snapped-moving\""))
-        }
-    }
-}
-
-fn read_clusters(table: &Table<'_>) -> Result<Clustering, FileError> {
-    match table.optional_text("clusters")?.as_deref() {
-        None | Some("sensor") => Ok(Clustering::BySensor),
-        Some("dbscan") => Ok(Clustering::Dbscan),
-        Some(_) => Err(table.error("clusters", "must be \"sensor\" or \"dbscan\"")),
-    }
-}
-
-fn read_linearisation(table: &Table<'_>) -> Result<Linearisation, FileError> {
-    match table.optional_text("jacobians")?.as_deref() {
-        Some("latest") => Ok(Linearisation::Latest),
-        None | Some("first") => Ok(Linearisation::FirstEstimates),
-        Some(_) => Err(table.error("jacobians", "must be \"latest\" or \"first\"")),
-    }
-}
-
-fn read_buffer(table: &Table<'_>) -> Result<Buffer, FileError> {
-    match table.optional_number("buffer", Allowed::POSITIVE)? {
-        Some(32.0) => Ok(Buffer::B32),
-        Some(64.0) => Ok(Buffer::B64),
-        None | Some(128.0) => Ok(Buffer::B128),
-        Some(255.0) => Ok(Buffer::B255),
-        Some(_) => Err(table.error("buffer", "must be 32, 64, 128 or 255: the sizes that the workbench is built with")),
+        let buffer = match keys.buffer.map(Whole::get) {
+            Some(32) => Buffer::B32,
+            Some(64) => Buffer::B64,
+            None | Some(128) => Buffer::B128,
+            Some(255) => Buffer::B255,
+            Some(_) => {
+                let message = "must be 32, 64, 128 or 255: the sizes that the workbench is built with";
+                return Err(toml.error(&format!("{place}.buffer"), message));
+            }
+        };
+        Ok(Self { name: keys::table_name(toml, place, keys.name)?, method: Method::Slam(config, buffer) })
     }
 }
 
@@ -157,14 +131,14 @@ mod tests {
     fn parts_can_be_left_out_by_name() {
         let read = |text: &str| {
             let file = std::path::Path::new("x.toml");
-            let entries = crate::toml_table::parse(file, text).expect("TOML");
-            Variant::read(&Table::root(file, text, entries.get_ref())).map_err(|error| error.to_string())
+            let toml = TomlFile::new(file, text);
+            toml.read().and_then(|keys| Variant::of(&toml, "variant[0]", keys)).map_err(|error| error.to_string())
         };
         let found = read("name = \"exact\"\nwithout = [\"gains\", \"scales\"]").expect("a variant");
         let expected = Config { calibrate_gains: false, calibrate_scales: false, ..Config::default() };
         assert_eq!(found.method, Method::Slam(expected, Buffer::B128));
         let error = read("name = \"exact\"\nwithout = [\"luck\"]").expect_err("no such part");
-        assert!(error.contains("x.toml:2: without: names \"luck\"; parts are grid, gains"), "{error}");
+        assert!(error.contains("variant[0].without: names \"luck\"; parts are grid, gains"), "{error}");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Estimator settings on the command line.
 
 use clap::{Args, ValueEnum};
+use serde::Deserialize;
 use slam_core::{Clustering, Config, Linearisation, Rig, WallPolicy};
 
 use crate::input::part::{self, Part};
@@ -38,8 +39,10 @@ fn part_help() -> String {
     format!("Switch off a part of the estimator; may be given more than once:{}", parts.collect::<String>())
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Walls {
+/// Which walls the map may have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Walls {
     /// Grid walls, and free ones where the data are off the grid.
     Grid,
     /// The same, a grid wall up to half a degree or so off the grid.
@@ -52,20 +55,57 @@ enum Walls {
     SnappedMoving,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Groups {
+/// How unexplained readings are grouped into new walls.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Groups {
     /// By the sensor that made them.
     Sensor,
     /// By density over all sensors (DBSCAN).
     Dbscan,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Jacobians {
+/// At which estimates the models are differentiated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Jacobians {
     /// The poses as they were predicted, the grid as it was founded.
     First,
     /// The latest ones: a plain extended Kalman filter.
     Latest,
+}
+
+impl Walls {
+    /// As the estimator calls it.
+    pub fn policy(self) -> WallPolicy {
+        match self {
+            Self::Grid => WallPolicy::Grid,
+            Self::NearGrid => WallPolicy::NearGrid,
+            Self::Free => WallPolicy::Free,
+            Self::Snapped => WallPolicy::Snapped { theta_moves: false },
+            Self::SnappedMoving => WallPolicy::Snapped { theta_moves: true },
+        }
+    }
+}
+
+impl Groups {
+    /// As the estimator calls it.
+    pub fn clustering(self) -> Clustering {
+        match self {
+            Self::Sensor => Clustering::BySensor,
+            Self::Dbscan => Clustering::Dbscan,
+        }
+    }
+}
+
+impl Jacobians {
+    /// As the estimator calls it.
+    pub fn linearisation(self) -> Linearisation {
+        match self {
+            Self::First => Linearisation::FirstEstimates,
+            Self::Latest => Linearisation::Latest,
+        }
+    }
 }
 
 /// The estimator's settings.
@@ -93,22 +133,9 @@ impl VariantArgs {
         let base = Config::for_rig(rig);
         let calibrate = !self.no_calibration;
         let config = Config {
-            walls: match self.walls {
-                None => base.walls,
-                Some(Walls::Grid) => WallPolicy::Grid,
-                Some(Walls::NearGrid) => WallPolicy::NearGrid,
-                Some(Walls::Free) => WallPolicy::Free,
-                Some(Walls::Snapped) => WallPolicy::Snapped { theta_moves: false },
-                Some(Walls::SnappedMoving) => WallPolicy::Snapped { theta_moves: true },
-            },
-            clustering: match self.clusters {
-                Groups::Sensor => Clustering::BySensor,
-                Groups::Dbscan => Clustering::Dbscan,
-            },
-            linearisation: match self.jacobians {
-                Jacobians::First => Linearisation::FirstEstimates,
-                Jacobians::Latest => Linearisation::Latest,
-            },
+            walls: self.walls.map_or(base.walls, Walls::policy),
+            clustering: self.clusters.clustering(),
+            linearisation: self.jacobians.linearisation(),
             calibrate_gains: calibrate,
             calibrate_scales: calibrate,
             calibrate_track: calibrate,
