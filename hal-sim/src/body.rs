@@ -30,17 +30,21 @@ pub(crate) struct Wheels {
 }
 
 impl Wheels {
-    pub(crate) fn of(drive: &DriveModel) -> Option<Self> {
-        let DriveModel::Wheels { track_m, track_sigma, metres_per_tick, scale_sigma, noise_m2_per_m } = *drive else {
-            return None;
-        };
-        Some(Self {
-            track_m: track_m.into(),
-            metres_per_tick: metres_per_tick.into(),
-            noise_m2_per_m: noise_m2_per_m.into(),
-            scale_sigma: scale_sigma.into(),
-            track_sigma: track_sigma.into(),
-        })
+    pub(crate) fn of(drive: &DriveModel) -> Self {
+        match *drive {
+            DriveModel::Wheels { track_m, track_sigma, metres_per_tick, scale_sigma, noise_m2_per_m } => Self {
+                track_m: track_m.into(),
+                metres_per_tick: metres_per_tick.into(),
+                noise_m2_per_m: noise_m2_per_m.into(),
+                scale_sigma: scale_sigma.into(),
+                track_sigma: track_sigma.into(),
+            },
+            // The rig says how wrong the dead-reckoned pose is, and nothing of wheels: exact ones, as far apart as the default
+            // robot's, with encoders too fine to matter.
+            DriveModel::Odometry { .. } => {
+                Self { track_m: 0.235, metres_per_tick: 1e-5, noise_m2_per_m: 0.0, scale_sigma: 0.0, track_sigma: 0.0 }
+            }
+        }
     }
 
     pub(crate) fn draw(&self, options: &SimOptions, seed: u64) -> TrueDrive {

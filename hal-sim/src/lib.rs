@@ -46,5 +46,5 @@ pub use coverage::{Coverage, SeenWall};
 pub use options::{Age, DriveOptions, SharpOptions, SimOptions};
 pub use plan::{Face, Plan};
 pub use pose::TruePose;
-pub use rig::{default_rig, default_rig_with, measured_rig, short_rig};
+pub use rig::{default_rig, default_rig_with, measured_rig, odometry_rig, short_rig};
 pub use simulation::{MAX_SENSORS, SimError, Simulation, TrueCalibration};

@@ -1,6 +1,6 @@
 //! The robot that the workbench simulates when no rig file is given.
 
-use slam_core::{RangeModel, Rig};
+use slam_core::{DriveModel, RangeModel, Rig};
 
 /// Radius of the default robot's body, metres.
 pub const BODY_RADIUS_M: f64 = 0.17;
@@ -42,4 +42,15 @@ pub fn default_rig_with(sensors: &[usize]) -> Rig<16> {
     let full = default_rig();
     let kept = sensors.iter().filter_map(|&i| full.sensors.get(i).copied()).take(16).collect();
     Rig { sensors: kept, ..full }
+}
+
+/// The robot of [`robot::rig::time_of_flight_rig`] with a dead-reckoned pose instead of ticks, as a driver publishes it.
+pub fn odometry_rig() -> Rig<16> {
+    let drive = DriveModel::Odometry {
+        scale_sigma: 0.02,
+        noise_m2_per_m: 1e-4,
+        noise_rad2_per_m: 1e-4,
+        noise_rad2_per_rad: 2e-4,
+    };
+    Rig { drive, ..robot::rig::time_of_flight_rig() }
 }

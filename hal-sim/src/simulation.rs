@@ -26,8 +26,6 @@ const CONTROL_S: f64 = 0.02;
 /// Why a simulation cannot start.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SimError {
-    /// The rig has dead-reckoned odometry; only wheels can be simulated.
-    NeedsWheels,
     /// The rig has an analogue sensor (its index) and no converter.
     NeedsAdc(usize),
     /// The sample rate is not in 1 to 100 Hz.
@@ -39,9 +37,6 @@ pub enum SimError {
 impl fmt::Display for SimError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NeedsWheels => {
-                write!(f, "rig: the simulator drives [wheels]; a rig with [odometry] can only be replayed")
-            }
             Self::NeedsAdc(sensor) => {
                 write!(
                     f,
@@ -66,6 +61,10 @@ pub struct TrueCalibration {
     pub gains: Vec<f64>,
     /// Wheels and track.
     pub drive: TrueDrive,
+    /// True distance per dead-reckoned one.
+    pub scale_distance: f64,
+    /// True turn per dead-reckoned one.
+    pub scale_turn: f64,
 }
 
 /// A robot in a home.
@@ -100,7 +99,7 @@ impl Simulation {
     /// # Errors
     /// The rig cannot be simulated or the robot does not fit where the plan puts it.
     pub fn new(plan: &Plan, rig: &Rig<MAX_SENSORS>, options: SimOptions, seed: u64) -> Result<Self, SimError> {
-        let wheels = Wheels::of(&rig.drive).ok_or(SimError::NeedsWheels)?;
+        let wheels = Wheels::of(&rig.drive);
         if !(1.0..=100.0).contains(&options.rate_hz) {
             return Err(SimError::Rate(options.rate_hz));
         }
@@ -117,6 +116,8 @@ impl Simulation {
             rig.sensors.iter().enumerate().map(|(i, sensor)| SimSensor::new(sensor, i, &options, seed)).collect();
         let gains = sensors.iter().map(|sensor| sensor.gain).collect();
         let drive = wheels.draw(&options, seed);
+        let odometer = Odometer::new(&rig.drive, wheels.track_m, &options, seed);
+        let scale = odometer.as_ref().map_or([1.0; 2], Odometer::scale);
         let mut offsets = Rng::stream(seed, "encoder-offset", 0);
         let counter_offset = [offsets.next_u64() as u16, offsets.next_u64() as u16];
         let mut simulation = Self {
@@ -128,11 +129,11 @@ impl Simulation {
             body: Body::new(plan.start, wheels, drive, seed),
             last_pose: plan.start,
             history: History::starting_at(plan.start),
-            odometer: options.odometry_hz.map(|rate_hz| Odometer::new(rate_hz, wheels.track_m, seed)),
+            odometer,
             stamps: Rng::stream(seed, "stamps", 0),
             last_stamp_us: None,
             sensors,
-            calibration: TrueCalibration { gains, drive },
+            calibration: TrueCalibration { gains, drive, scale_distance: scale[0], scale_turn: scale[1] },
             counter_offset,
             counters: counter_offset.map(WheelCounter::starting_at),
             control: WheelControl::new(WheelControlConfig {
@@ -275,6 +276,11 @@ impl Simulation {
             None => Motion::Ticks(self.ticks()),
         };
         Sample { time_us: self.stamp_us(), motion, ranges }
+    }
+
+    /// The dead-reckoned pose that the last sample's motion led to; none where samples have ticks.
+    pub fn odometry(&self) -> Option<TruePose> {
+        self.odometer.as_ref().map(Odometer::given)
     }
 
     /// What the sample of now is stamped with.

@@ -138,10 +138,6 @@ fn samples_come_at_the_chosen_rate() {
 fn what_cannot_be_simulated_is_said() {
     let plan = plan_file::load("room").unwrap();
     let start = |rig: &Rig<16>, options| Simulation::new(&plan, rig, options, 1).map(|_| ()).unwrap_err();
-    let mut drone = default_rig();
-    drone.drive =
-        DriveModel::Odometry { scale_sigma: 0.0, noise_m2_per_m: 0.0, noise_rad2_per_m: 0.0, noise_rad2_per_rad: 0.0 };
-    assert_eq!(start(&drone, SimOptions::default()), SimError::NeedsWheels);
     let no_adc = Rig { adc: None, ..default_rig() };
     assert_eq!(start(&no_adc, SimOptions::default()), SimError::NeedsAdc(0));
     let fast = SimOptions { rate_hz: f64::NAN, ..SimOptions::default() };
@@ -203,4 +199,37 @@ fn jittered_stamps_still_increase() {
     let stamps: Vec<u64> = (0..200).map(|_| simulation.step(WheelSpeeds::STOP).time_us).collect();
     assert!(stamps.windows(2).all(|pair| pair[0] < pair[1]));
     assert!(stamps.windows(2).any(|pair| pair[1] - pair[0] != 40_000));
+}
+
+#[test]
+fn a_dead_reckoned_pose_has_the_errors_that_its_rig_states() {
+    let (mut distances, mut turns, mut sideways) = (Vec::new(), Vec::new(), Vec::new());
+    let (noise_m2_per_m, noise_rad2_per_m, noise_rad2_per_rad) = (1e-4, 1e-4, 1e-3);
+    let drive = DriveModel::Odometry { scale_sigma: 0.02, noise_m2_per_m, noise_rad2_per_m, noise_rad2_per_rad };
+    for seed in 0..200 {
+        let rig = Rig { drive, ..default_rig() };
+        let mut simulation = Simulation::new(&field(), &rig, SimOptions::default(), seed).unwrap();
+        let (mut before, [mut forward_m, mut turn_rad, mut true_m, mut true_rad]) = (simulation.pose(), [0.0_f64; 4]);
+        for _ in 0..100 {
+            let sample = simulation.step(WheelSpeeds { left_mps: 0.2, right_mps: 0.25 });
+            let Motion::Increment(increment) = sample.motion else { panic!("ticks") };
+            let moved = simulation.pose().relative_to(&before);
+            before = simulation.pose();
+            forward_m += f64::from(increment.forward_m);
+            turn_rad += f64::from(increment.turn_rad);
+            true_m += moved.x_m;
+            true_rad += moved.theta_rad;
+            sideways.push((f64::from(increment.left_m) - moved.y_m) / (f64::from(noise_m2_per_m) * moved.x_m).sqrt());
+        }
+        let calibration = simulation.calibration();
+        let position_m = (f64::from(noise_m2_per_m) * true_m).sqrt();
+        let heading_rad = (f64::from(noise_rad2_per_m) * true_m + f64::from(noise_rad2_per_rad) * true_rad).sqrt();
+        distances.push((forward_m - true_m / calibration.scale_distance) / position_m);
+        turns.push((turn_rad - true_rad / calibration.scale_turn) / heading_rad);
+    }
+    // Each is a normal number of variance 1; 200 of them have that within a tenth, 1-sigma.
+    for (name, errors) in [("distance", distances), ("turn", turns), ("sideways", sideways)] {
+        let variance = errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64;
+        assert!((0.7..1.3).contains(&variance), "{name}: {variance}");
+    }
 }

@@ -61,7 +61,8 @@ struct RunArgs {
     /// Seed of everything random: the same seed gives the same drive, bit for bit.
     #[arg(long, value_name = "S", default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
-    /// Robot: `sharp` (the default: eight analogue sensors), `time-of-flight` (four that report metres), or a rig file.
+    /// Robot: `sharp` (the default: eight analogue sensors, ticks), `time-of-flight` (four that report metres, ticks), `odometry`
+    /// (the same four, a dead-reckoned pose), or a rig file.
     #[arg(long, value_name = "NAME|FILE")]
     rig: Option<PathBuf>,
     /// Folder for the results.

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{ODOMETRY_RIG, Place, SHARP_RIG};
+use common::{Place, SHARP_RIG};
 use predicates::prelude::*;
 use predicates::str::contains;
 
@@ -95,15 +95,13 @@ fn a_plan_file_is_a_plan_and_its_text_is_kept() {
 #[test]
 fn wrong_requests_get_one_clear_error() {
     let place = Place::new();
-    place.put("flying.toml", ODOMETRY_RIG);
     place.put("bad-plan.toml", "[start]\nx_m = 1\n");
-    let cases: [(&[&str], &str); 8] = [
+    let cases: [(&[&str], &str); 7] = [
         (&["--plan", "castle"], "castle"),
         (&["--plan", "bad-plan.toml"], "bad-plan.toml"),
         (&["--minutes", "0"], "above 0"),
         (&["--minutes", "nan"], "above 0"),
         (&["--seed", "-1"], "seed"),
-        (&["--rig", "flying.toml"], "flying.toml: "),
         (&["--rig", "none.toml"], "none.toml: cannot read"),
         (&["fly"], "fly"),
     ];
@@ -141,4 +139,22 @@ fn a_folder_that_another_run_writes_is_left_alone() {
     run().failure().stderr(predicates::str::contains("summary.json: is being written by another run; wait"));
     drop(held);
     run().success();
+}
+
+#[test]
+fn every_built_in_robot_maps_and_its_log_replays_to_the_same_bits() {
+    for robot in ["time-of-flight", "odometry"] {
+        let place = Place::new();
+        place
+            .lab()
+            .args(["run", "--plan", "room", "--minutes", "1", "--rig", robot, "--out", "run"])
+            .assert()
+            .success();
+        let summary = place.summary("run");
+        assert!(summary["ate_m"].as_f64().unwrap() < 0.05, "{robot}: {}", summary["ate_m"]);
+        assert_eq!(summary["map"]["missed"], 0, "{robot}");
+        let replay = ["replay", "run/log.csv", "--rig", "run/rig.toml", "--out", "again"];
+        place.lab().args(replay).assert().success();
+        assert!(place.get("run/estimate.csv") == place.get("again/estimate.csv"), "{robot}: other bits");
+    }
 }

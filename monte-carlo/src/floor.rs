@@ -273,7 +273,7 @@ mod tests {
         let plan = hal_sim::plan_file::load("flat").expect("a built-in plan");
         let robot = Setting::default().robot().expect("a robot");
         let drive = hal_sim::TrueDrive { scale_left: 1.0, scale_right: 1.0, track: 1.0 };
-        let calibration = TrueCalibration { gains: vec![1.0; 8], drive };
+        let calibration = TrueCalibration { gains: vec![1.0; 8], drive, scale_distance: 1.0, scale_turn: 1.0 };
         let at = TruePose::new(1.3, 0.9, 0.4);
         let range_m = |pose: TruePose, sensor: usize| {
             floor(&plan, &robot, &calibration, pose).predicted(&robot.rig.sensors[sensor], 0.0)

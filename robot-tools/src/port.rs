@@ -60,7 +60,7 @@ pub fn row(sample: &Sample, robot: &Robot, truth: Option<Pose2>) -> Result<Row, 
         *wide = range;
     }
     let sample = slam_core::Sample { time_us: few.time_us, motion: few.motion, ranges };
-    Ok(Row { t_text: shortest(t_s), t_s, sample, truth })
+    Ok(Row { t_text: shortest(t_s), t_s, sample, odometry: None, truth })
 }
 
 /// A robot that is listened to.

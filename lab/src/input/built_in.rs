@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use robot::rig::BuiltIn;
-use slam_core::RangeSensor;
+use slam_core::{RangeSensor, Rig};
 
-use crate::input::rig_file::Robot;
+use crate::input::rig_file::{MAX_SENSORS, Robot};
 use input_file::FileError;
 
 /// The robot that is simulated when no other is named, and its rig file's text.
@@ -16,16 +16,22 @@ pub fn built_in_robot() -> Result<(Robot, String), FileError> {
     built_in(BuiltIn::default())
 }
 
+/// What the simulated robot with a dead-reckoned pose is called.
+const ODOMETRY: &str = "odometry";
+
 /// A built-in robot, and its rig file's text.
 ///
 /// # Errors
 /// Never for the built-in robots as they are; what is wrong with one otherwise.
 pub fn built_in(kind: BuiltIn) -> Result<(Robot, String), FileError> {
-    let rig = kind.rig();
+    named(kind.name(), kind.rig())
+}
+
+fn named(name_of_rig: &str, rig: Rig<MAX_SENSORS>) -> Result<(Robot, String), FileError> {
     let names = rig.sensors.iter().map(|sensor| name(sensor).to_owned()).collect();
     let text = Robot { rig, names }.to_toml();
     // A replay reads this text: the run must use the same values.
-    Ok((Robot::parse(Path::new(kind.name()), &text)?, text))
+    Ok((Robot::parse(Path::new(name_of_rig), &text)?, text))
 }
 
 /// The robot that is called so, or that this rig file describes, and its rig file's text.
@@ -35,6 +41,9 @@ pub fn built_in(kind: BuiltIn) -> Result<(Robot, String), FileError> {
 pub fn robot(rig: &Path) -> Result<(Robot, String), FileError> {
     if let Some(kind) = BuiltIn::ALL.into_iter().find(|kind| Path::new(kind.name()) == rig) {
         return built_in(kind);
+    }
+    if rig == Path::new(ODOMETRY) {
+        return named(ODOMETRY, hal_sim::odometry_rig());
     }
     let text = input_file::read(rig)?;
     Ok((Robot::parse(rig, &text)?, text))

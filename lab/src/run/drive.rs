@@ -44,7 +44,8 @@ impl Drive {
         let t_s = frame.sample.time_us as f64 * 1e-6;
         // Microseconds have six decimals: the text reads back as the same ones.
         let t_text = shortest((t_s * 1e6).round() / 1e6);
-        let row = Row { t_text, t_s, sample: frame.sample, truth: Some(pose2(&frame.truth)) };
+        let odometry = self.robot.simulation.odometry().as_ref().map(pose2);
+        let row = Row { t_text, t_s, sample: frame.sample, odometry, truth: Some(pose2(&frame.truth)) };
         if let Some(report) = report {
             session.record(&row, &report);
         }
@@ -101,6 +102,8 @@ impl Drive {
             ("scale_left", truth.drive.scale_left),
             ("scale_right", truth.drive.scale_right),
             ("track", truth.drive.track),
+            ("scale_distance", truth.scale_distance),
+            ("scale_turn", truth.scale_turn),
         ];
         let gains =
             recording.sensors.iter().zip(&truth.gains).map(|(sensor, gain)| (format!("gain_{}", sensor.name), *gain));

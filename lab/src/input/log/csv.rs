@@ -71,11 +71,14 @@ impl Reader {
             let what = format!("is {}; it must be above the row before", cells[columns.time.index]);
             (columns.time.name.clone(), what)
         })?;
-        let motion = match &columns.motion {
+        let (motion, odometry) = match &columns.motion {
             MotionColumns::Ticks([left, right]) => {
-                Motion::Ticks(Ticks { left: count(&cells, left)?, right: count(&cells, right)? })
+                (Motion::Ticks(Ticks { left: count(&cells, left)?, right: count(&cells, right)? }), None)
             }
-            MotionColumns::Pose(pose) => Motion::Increment(self.differencer.step(pose_of(&cells, pose)?)),
+            MotionColumns::Pose(pose) => {
+                let pose = pose_of(&cells, pose)?;
+                (Motion::Increment(self.differencer.step(pose)), Some(pose))
+            }
         };
         let mut ranges = [RangeInput::Missing; MAX_SENSORS];
         for (range, (column, is_counts)) in ranges.iter_mut().zip(&columns.ranges) {
@@ -85,7 +88,8 @@ impl Reader {
             Some(pose) if pose.iter().any(|column| !is_missing(cells[column.index])) => Some(pose_of(&cells, pose)?),
             _ => None,
         };
-        Ok(Row { t_text: cells[columns.time.index].to_owned(), t_s, sample: Sample { time_us, motion, ranges }, truth })
+        let (t_text, sample) = (cells[columns.time.index].to_owned(), Sample { time_us, motion, ranges });
+        Ok(Row { t_text, t_s, sample, odometry, truth })
     }
 }
 

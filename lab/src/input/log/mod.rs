@@ -25,6 +25,8 @@ pub struct Row {
     pub t_s: f64,
     /// What the estimator gets.
     pub sample: Sample<MAX_SENSORS>,
+    /// The dead-reckoned pose that the sample's motion led to, where a log.csv has one.
+    pub odometry: Option<Pose2>,
     /// The true pose, in the log's own frame, where the row carries one.
     pub truth: Option<Pose2>,
 }

@@ -7,6 +7,7 @@ use slam_core::{DriveModel, Motion, RangeInput, RangeModel};
 use super::Row;
 use crate::input::rig_file::Robot;
 use crate::numbers::shortest;
+use crate::recording::Pose2;
 
 /// The header line for a robot's log with the truth in it.
 pub fn header(robot: &Robot) -> String {
@@ -25,12 +26,12 @@ pub fn header(robot: &Robot) -> String {
     text + ",true_x_m,true_y_m,true_theta_rad"
 }
 
-/// One row of a robot with encoders; a row with increments, which a log does not hold, has empty cells instead.
+/// One row; increments without the pose that they led to leave empty cells.
 pub fn line(robot: &Robot, row: &Row) -> String {
     let mut text = row.t_text.clone();
     let _ = match row.sample.motion {
         Motion::Ticks(ticks) => write!(text, ",{},{}", ticks.left, ticks.right),
-        Motion::Increment(_) => write!(text, ",,,"),
+        Motion::Increment(_) => write!(text, ",{}", cells(row.odometry)),
     };
     for range in &row.sample.ranges[..robot.rig.sensors.len()] {
         let _ = match *range {
@@ -39,11 +40,10 @@ pub fn line(robot: &Robot, row: &Row) -> String {
             RangeInput::Metres(range_m) => write!(text, ",{}", shortest(range_m)),
         };
     }
-    match row.truth {
-        Some(truth) => {
-            let _ = write!(text, ",{}", [truth.x_m, truth.y_m, truth.theta_rad].map(shortest).join(","));
-        }
-        None => text += ",,,",
-    }
-    text
+    text + "," + &cells(row.truth)
+}
+
+/// The three cells of a pose.
+fn cells(pose: Option<Pose2>) -> String {
+    pose.map_or_else(|| ",,".to_owned(), |pose| [pose.x_m, pose.y_m, pose.theta_rad].map(shortest).join(","))
 }
