@@ -101,3 +101,21 @@ fn the_index_leads_to_every_page() {
         assert!(linked.contains(&path), "docs/README.md does not lead to {}", page.display());
     }
 }
+
+#[test]
+fn every_file_that_a_page_names_is_there() {
+    let is_path = |word: &&str| word.contains('/') && word.chars().all(|c| c.is_alphanumeric() || "/._-".contains(c));
+    let mut checked = 0;
+    for document in documents() {
+        let text = fs::read_to_string(&document).expect("the document");
+        for name in text.split('`').skip(1).step_by(2).filter(is_path) {
+            let first = root().join(name.split('/').next().expect("a part"));
+            // Other words with a slash are none of ours: a unit, what a run writes, a topic.
+            if first.is_dir() && !name.starts_with("out/") && !name.starts_with("target/") {
+                assert!(root().join(name).exists(), "{} names {name}", document.display());
+                checked += 1;
+            }
+        }
+    }
+    assert!(checked > 20, "{checked} names only");
+}
