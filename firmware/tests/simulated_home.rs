@@ -7,7 +7,7 @@ mod common;
 use common::home::{Home, estimates};
 use core::convert::Infallible;
 use firmware::SENSORS;
-use hal_sim::TruePose;
+use hal_sim::Pose2;
 use robot::RangeSensorBank;
 use robot::rig::BuiltIn;
 use slam_core::RangeInput;
@@ -26,7 +26,7 @@ impl RangeSensorBank<SENSORS> for Ranges {
 }
 
 /// A minute's frames: where the robot is, the room's walls, and every kind of frame beside.
-fn assert_mapped(said: &[Frame], truth: TruePose) {
+fn assert_mapped(said: &[Frame], truth: Pose2) {
     let last = estimates(said).next_back().expect("estimates are told");
     let error_m = (f64::from(last.pose[0]) - truth.x_m).hypot(f64::from(last.pose[1]) - truth.y_m);
     assert!(error_m < 0.1, "estimate {:?}, truth {truth:?}", last.pose);

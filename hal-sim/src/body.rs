@@ -3,7 +3,7 @@
 use slam_core::DriveModel;
 
 use crate::options::SimOptions;
-use crate::pose::TruePose;
+use crate::pose::Pose2;
 use crate::rng::Rng;
 use crate::world::World;
 use robot::{Contacts, Duty};
@@ -63,7 +63,7 @@ impl Wheels {
 /// The moving robot.
 #[derive(Clone, Debug)]
 pub(crate) struct Body {
-    pub pose: TruePose,
+    pub pose: Pose2,
     pub contacts: Contacts,
     wheels: Wheels,
     truth: TrueDrive,
@@ -80,7 +80,7 @@ pub(crate) struct Body {
 const BUMPER_TRAVEL_M: f64 = 0.003;
 
 impl Body {
-    pub(crate) fn new(pose: TruePose, wheels: Wheels, truth: TrueDrive, seed: u64) -> Self {
+    pub(crate) fn new(pose: Pose2, wheels: Wheels, truth: TrueDrive, seed: u64) -> Self {
         Self {
             pose,
             contacts: Contacts::default(),
@@ -147,7 +147,7 @@ impl Body {
         let turn_rad = (travel_m[1] - travel_m[0]) / (self.wheels.track_m * self.truth.track);
         let (s, c) = libm::sincos(self.pose.theta_rad + 0.5 * turn_rad);
         self.pose =
-            TruePose::new(self.pose.x_m + forward_m * c, self.pose.y_m + forward_m * s, self.pose.theta_rad + turn_rad);
+            Pose2::new(self.pose.x_m + forward_m * c, self.pose.y_m + forward_m * s, self.pose.theta_rad + turn_rad);
     }
 
     /// Pushes the body out of what it ran into (the wheels go on turning: they slip) and sets the bumper.
@@ -162,7 +162,7 @@ impl Body {
         for _ in 0..4 {
             let centre_m = [self.pose.x_m, self.pose.y_m];
             let Some(touch) = world.touch(centre_m, felt_m) else { break };
-            let [ahead, left] = TruePose::new(0.0, 0.0, self.pose.theta_rad).inverse_transform(touch.away);
+            let [ahead, left] = Pose2::new(0.0, 0.0, self.pose.theta_rad).inverse_transform(touch.away);
             // The touched thing lies against `away`: ahead of the robot when `ahead` is negative.
             if ahead < -0.2 {
                 self.contacts.bump_left |= left < 0.25;

@@ -3,7 +3,7 @@
 use robot::{Pilot, PilotConfig, Senses, WheelSpeeds};
 use slam_core::{Adc, Pose, RangeInput, RangeModel, Rig, Sample};
 
-use crate::pose::TruePose;
+use crate::pose::Pose2;
 use crate::simulation::{MAX_SENSORS, Simulation};
 
 /// What an estimator makes of one sample, for the pilot to drive by.
@@ -21,7 +21,7 @@ pub struct Frame {
     /// What the robot sensed.
     pub sample: Sample<MAX_SENSORS>,
     /// The true pose in the start frame.
-    pub truth: TruePose,
+    pub truth: Pose2,
 }
 
 /// A robot that drives through its home by what an estimator tells its pilot.

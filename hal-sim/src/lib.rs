@@ -45,6 +45,6 @@ pub use closed_loop::{ClosedLoop, Estimate, Frame, nominal_ranges};
 pub use coverage::{Coverage, SeenWall};
 pub use options::{Age, DriveOptions, SharpOptions, SimOptions};
 pub use plan::{Face, Plan};
-pub use pose::TruePose;
+pub use pose::Pose2;
 pub use rig::{default_rig, default_rig_with, measured_rig, odometry_rig, short_rig};
 pub use simulation::{MAX_SENSORS, SimError, Simulation, TrueCalibration};

@@ -5,7 +5,7 @@ use slam_core::{DriveModel, Increment};
 
 use crate::options::SimOptions;
 
-use crate::pose::TruePose;
+use crate::pose::Pose2;
 use crate::rng::Rng;
 
 /// What a dead-reckoned pose gets wrong, by its rig.
@@ -58,12 +58,12 @@ pub(crate) struct Odometer {
     errors: Option<Errors>,
     track_m: f64,
     /// By the encoders, now.
-    pose: TruePose,
+    pose: Pose2,
     turned_m: [f64; 2],
     /// As published last.
-    latest: TruePose,
+    latest: Pose2,
     /// What the last sample had.
-    given: TruePose,
+    given: Pose2,
 }
 
 impl Odometer {
@@ -75,7 +75,7 @@ impl Odometer {
         }
         let period_s = options.odometry_hz.map(|rate_hz| 1.0 / rate_hz);
         let next_s = period_s.unwrap_or(0.0) * Rng::stream(seed, "odometry-phase", 0).unit();
-        let still = TruePose::default();
+        let still = Pose2::default();
         Some(Self { period_s, next_s, errors, track_m, pose: still, turned_m: [0.0; 2], latest: still, given: still })
     }
 
@@ -85,7 +85,7 @@ impl Odometer {
     }
 
     /// The pose that the last sample had.
-    pub(crate) fn given(&self) -> TruePose {
+    pub(crate) fn given(&self) -> Pose2 {
         self.given
     }
 
@@ -99,7 +99,7 @@ impl Odometer {
             None => [forward_m, 0.0, turn_rad],
         };
         let (s, c) = libm::sincos(self.pose.theta_rad + 0.5 * turn_rad);
-        self.pose = TruePose::new(
+        self.pose = Pose2::new(
             self.pose.x_m + forward_m * c - left_m * s,
             self.pose.y_m + forward_m * s + left_m * c,
             self.pose.theta_rad + turn_rad,
@@ -116,7 +116,7 @@ impl Odometer {
 
     /// Motion from the pose that the last sample had to the one published last.
     pub(crate) fn take(&mut self) -> Increment {
-        let moved = self.latest.relative_to(&self.given);
+        let moved = self.given.relative(&self.latest);
         self.given = self.latest;
         Increment { forward_m: moved.x_m as f32, left_m: moved.y_m as f32, turn_rad: moved.theta_rad as f32 }
     }

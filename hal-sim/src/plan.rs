@@ -1,6 +1,6 @@
 //! A floor plan: what stands where in a simulated home.
 
-use crate::pose::TruePose;
+use crate::pose::Pose2;
 
 /// A flat piece of wall or furniture, seen from its left side (looking from `from_m` to `to_m`).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,7 +26,7 @@ impl Face {
     }
 
     /// The same face in the frame of `origin`, which is given in the face's frame.
-    pub fn seen_from(&self, origin: &TruePose) -> Face {
+    pub fn seen_from(&self, origin: &Pose2) -> Face {
         Face { from_m: origin.inverse_transform(self.from_m), to_m: origin.inverse_transform(self.to_m), ..*self }
     }
 }
@@ -119,7 +119,7 @@ pub struct Plan {
     /// What it is called.
     pub name: String,
     /// The robot's start pose.
-    pub start: TruePose,
+    pub start: Pose2,
     /// Walls and flat sides of furniture.
     pub faces: Vec<Face>,
     /// Round things.

@@ -7,7 +7,7 @@ use std::path::Path;
 use input_file::{FileError, Number, TomlFile};
 
 use crate::plan::{Cliff, Door, Face, Person, Plan, Room, Round};
-use crate::pose::TruePose;
+use crate::pose::Pose2;
 use keys::{Cuboid, File, Point};
 
 /// The built-in plans: name and text.
@@ -57,7 +57,7 @@ pub fn parse(file: &str, name: &str, text: &str) -> Result<Plan, FileError> {
     let heading_deg = keys.start.heading_deg.as_ref().map_or(0.0, Number::get);
     let mut plan = Plan {
         name: keys.name.clone().unwrap_or_else(|| name.into()),
-        start: TruePose::new(keys.start.x_m.get(), keys.start.y_m.get(), heading_deg.to_radians()),
+        start: Pose2::new(keys.start.x_m.get(), keys.start.y_m.get(), heading_deg.to_radians()),
         faces: faces(&toml, &keys)?,
         rounds: Vec::new(),
         rooms: Vec::new(),
@@ -130,7 +130,7 @@ impl Cuboid {
         let centre_m = [0, 1].map(|axis| 0.5 * (min_m[axis] + max_m[axis]));
         let half_m = [0, 1].map(|axis| 0.5 * (max_m[axis] - min_m[axis]));
         let turn_deg = self.turn_deg.as_ref().map_or(0.0, Number::get);
-        let turned = TruePose::new(centre_m[0], centre_m[1], turn_deg.to_radians());
+        let turned = Pose2::new(centre_m[0], centre_m[1], turn_deg.to_radians());
         let corners = [[-1.0, -1.0], [-1.0, 1.0], [1.0, 1.0], [1.0, -1.0]]
             .map(|[x, y]: [f64; 2]| turned.transform([x * half_m[0], y * half_m[1]]));
         (0..4).map(move |i| Face { from_m: corners[i], to_m: corners[(i + 1) % 4], two_sided: false })

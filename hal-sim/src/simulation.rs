@@ -11,7 +11,7 @@ use crate::history::History;
 use crate::odometer::Odometer;
 use crate::options::SimOptions;
 use crate::plan::{Cliff, Plan};
-use crate::pose::TruePose;
+use crate::pose::Pose2;
 use crate::rng::Rng;
 use crate::sensor::{Analogue, Output, SimSensor};
 use crate::sharp::{CycleEvent, counts};
@@ -72,11 +72,11 @@ pub struct TrueCalibration {
 pub struct Simulation {
     world: World,
     cliffs: Vec<Cliff>,
-    start: TruePose,
+    start: Pose2,
     adc: Option<Adc>,
     options: SimOptions,
     body: Body,
-    last_pose: TruePose,
+    last_pose: Pose2,
     history: History,
     odometer: Option<Odometer>,
     stamps: Rng,
@@ -165,7 +165,7 @@ impl Simulation {
     }
 
     /// What a sensor's light meets from this pose of the robot; none where nothing comes back.
-    fn look(&mut self, sensor: usize, pose: &TruePose) -> Option<Hit> {
+    fn look(&mut self, sensor: usize, pose: &Pose2) -> Option<Hit> {
         let SimSensor { sensor, cos_lost, .. } = &self.sensors[sensor];
         let mount = sensor.mount;
         let origin_m = pose.transform([mount.x_m.into(), mount.y_m.into()]);
@@ -279,7 +279,7 @@ impl Simulation {
     }
 
     /// The dead-reckoned pose that the last sample's motion led to; none where samples have ticks.
-    pub fn odometry(&self) -> Option<TruePose> {
+    pub fn odometry(&self) -> Option<Pose2> {
         self.odometer.as_ref().map(Odometer::given)
     }
 
@@ -360,13 +360,13 @@ impl Simulation {
     }
 
     /// The true pose in the plan's frame.
-    pub fn pose_in_plan(&self) -> TruePose {
+    pub fn pose_in_plan(&self) -> Pose2 {
         self.body.pose
     }
 
     /// The true pose in the start frame: what an estimate can be compared with.
-    pub fn pose(&self) -> TruePose {
-        self.body.pose.relative_to(&self.start)
+    pub fn pose(&self) -> Pose2 {
+        self.start.relative(&self.body.pose)
     }
 
     /// What the robot's calibration really is.

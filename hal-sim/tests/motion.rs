@@ -213,7 +213,7 @@ fn a_dead_reckoned_pose_has_the_errors_that_its_rig_states() {
         for _ in 0..100 {
             let sample = simulation.step(WheelSpeeds { left_mps: 0.2, right_mps: 0.25 });
             let Motion::Increment(increment) = sample.motion else { panic!("ticks") };
-            let moved = simulation.pose().relative_to(&before);
+            let moved = before.relative(&simulation.pose());
             before = simulation.pose();
             forward_m += f64::from(increment.forward_m);
             turn_rad += f64::from(increment.turn_rad);

@@ -2,7 +2,7 @@
 use hal_sim::plan::Plan;
 use hal_sim::rng::Rng;
 use hal_sim::world::World;
-use hal_sim::{TruePose, plan_file};
+use hal_sim::{Pose2, plan_file};
 
 /// Marches along the beam in small steps until the distance to the nearest thing vanishes (sphere tracing).
 fn march(plan: &Plan, origin_m: [f64; 2], beam: [f64; 2]) -> f64 {
@@ -89,11 +89,11 @@ fn doors_close_and_open_and_people_walk_to_and_fro() {
 
 #[test]
 fn poses_relative_to_the_start_undo_it() {
-    let start = TruePose::new(1.0, 2.0, 3.0);
-    let pose = TruePose::new(-0.5, 0.25, -2.0);
-    let inside = pose.relative_to(&start);
+    let start = Pose2::new(1.0, 2.0, 3.0);
+    let pose = Pose2::new(-0.5, 0.25, -2.0);
+    let inside = start.relative(&pose);
     let [x_m, y_m] = start.transform([inside.x_m, inside.y_m]);
     assert!((x_m - pose.x_m).abs() < 1e-12 && (y_m - pose.y_m).abs() < 1e-12);
-    let halfway = TruePose::new(0.0, 0.0, 3.1).interpolate(&TruePose::new(1.0, 0.0, -3.1), 0.5);
+    let halfway = Pose2::new(0.0, 0.0, 3.1).interpolate(&Pose2::new(1.0, 0.0, -3.1), 0.5);
     assert!(halfway.theta_rad.cos() < -0.999_999 && halfway.x_m == 0.5);
 }

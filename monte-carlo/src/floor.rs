@@ -7,12 +7,12 @@
 use std::time::Instant;
 
 use hal_sim::world::World;
-use hal_sim::{Frame, Plan, TrueCalibration, TruePose};
+use hal_sim::{Frame, Plan, Pose2, TrueCalibration};
 use slam_core::{Adc, DriveModel, Motion, RangeInput, RangeModel, RangeSensor, Ticks};
 
 use crate::track::Track;
 use lab::input::rig_file::Robot;
-use lab::recording::{Pose2, Step};
+use lab::recording::Step;
 
 /// Mean time for which an analogue sensor holds a reading, and its 1-sigma from unit to unit, seconds.
 const HOLD_S: (f64, f64) = (0.0383, 0.0055);
@@ -72,7 +72,7 @@ struct Floor<'a> {
     robot: &'a Robot,
     calibration: &'a TrueCalibration,
     /// In the plan's frame.
-    pose: TruePose,
+    pose: Pose2,
     covariance: Matrix,
     ticks: Option<Ticks>,
     /// Last step: forward (metres) and turn (radians).
@@ -105,7 +105,7 @@ impl Floor<'_> {
         let (s, c) = (self.pose.theta_rad + 0.5 * turn_rad).sin_cos();
         self.increment = [forward_m, turn_rad];
         self.pose =
-            TruePose::new(self.pose.x_m + forward_m * c, self.pose.y_m + forward_m * s, self.pose.theta_rad + turn_rad);
+            Pose2::new(self.pose.x_m + forward_m * c, self.pose.y_m + forward_m * s, self.pose.theta_rad + turn_rad);
         let jacobian = [[1.0, 0.0, -forward_m * s], [0.0, 1.0, forward_m * c], [0.0, 0.0, 1.0]];
         self.covariance = times(&times(&jacobian, &self.covariance), &transposed(&jacobian));
         for (travel_m, side) in [(left_m, -1.0), (right_m, 1.0)] {
@@ -150,7 +150,7 @@ impl Floor<'_> {
             return None;
         }
         let [dx, dy, dtheta] = gains.map(|gain| gain * innovation / variance);
-        self.pose = TruePose::new(self.pose.x_m + dx, self.pose.y_m + dy, self.pose.theta_rad + dtheta);
+        self.pose = Pose2::new(self.pose.x_m + dx, self.pose.y_m + dy, self.pose.theta_rad + dtheta);
         for i in 0..3 {
             for j in 0..3 {
                 self.covariance[i][j] -= gains[i] * gains[j] / variance;
@@ -183,7 +183,7 @@ impl Floor<'_> {
     fn predicted(&self, sensor: &RangeSensor, age_s: f64) -> Option<(f64, [f64; 3])> {
         let share = if self.dt_s > 0.0 { age_s / self.dt_s } else { 0.0 };
         let [forward_m, turn_rad] = self.increment.map(|motion| motion * share);
-        let then = TruePose::new(0.0, 0.0, self.pose.theta_rad - turn_rad);
+        let then = Pose2::new(0.0, 0.0, self.pose.theta_rad - turn_rad);
         let (s, c) = (self.pose.theta_rad - 0.5 * turn_rad).sin_cos();
         let arm_m = then.transform([sensor.mount.x_m.into(), sensor.mount.y_m.into()]);
         let origin_m = [self.pose.x_m - forward_m * c + arm_m[0], self.pose.y_m - forward_m * s + arm_m[1]];
@@ -210,16 +210,11 @@ impl Floor<'_> {
     /// The estimate in the start frame.
     fn step(&self, t_s: f64) -> Step {
         let start = self.plan.start;
-        let pose = self.pose.relative_to(&start);
+        let pose = start.relative(&self.pose);
         let (s, c) = start.theta_rad.sin_cos();
         let turn = [[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]];
         let covariance = times(&times(&turn, &self.covariance), &transposed(&turn));
-        Step {
-            t_s,
-            pose: Pose2 { x_m: pose.x_m, y_m: pose.y_m, theta_rad: pose.theta_rad },
-            covariance: covariance.map(|row| row.map(|value| value as f32)),
-            ..Step::default()
-        }
+        Step { t_s, pose, covariance: covariance.map(|row| row.map(|value| value as f32)), ..Step::default() }
     }
 }
 
@@ -252,7 +247,7 @@ mod tests {
     use super::*;
     use crate::setting::Setting;
 
-    fn floor<'a>(plan: &'a Plan, robot: &'a Robot, calibration: &'a TrueCalibration, pose: TruePose) -> Floor<'a> {
+    fn floor<'a>(plan: &'a Plan, robot: &'a Robot, calibration: &'a TrueCalibration, pose: Pose2) -> Floor<'a> {
         Floor {
             world: World::new(plan),
             plan,
@@ -274,8 +269,8 @@ mod tests {
         let robot = Setting::default().robot().expect("a robot");
         let drive = hal_sim::TrueDrive { scale_left: 1.0, scale_right: 1.0, track: 1.0 };
         let calibration = TrueCalibration { gains: vec![1.0; 8], drive, scale_distance: 1.0, scale_turn: 1.0 };
-        let at = TruePose::new(1.3, 0.9, 0.4);
-        let range_m = |pose: TruePose, sensor: usize| {
+        let at = Pose2::new(1.3, 0.9, 0.4);
+        let range_m = |pose: Pose2, sensor: usize| {
             floor(&plan, &robot, &calibration, pose).predicted(&robot.rig.sensors[sensor], 0.0)
         };
         let mut compared = 0;
@@ -285,7 +280,7 @@ mod tests {
                 let moved = |by: f64| {
                     let mut step = [0.0; 3];
                     step[axis] = by;
-                    let pose = TruePose::new(at.x_m + step[0], at.y_m + step[1], at.theta_rad + step[2]);
+                    let pose = Pose2::new(at.x_m + step[0], at.y_m + step[1], at.theta_rad + step[2]);
                     range_m(pose, sensor).expect("the same wall").0
                 };
                 let numeric = (moved(1e-6) - moved(-1e-6)) / 2e-6;

@@ -1,6 +1,6 @@
 //! The home of one drive: a floor plan, changed as the setting says.
 
-use hal_sim::TruePose;
+use hal_sim::Pose2;
 use hal_sim::plan::{Door, Face, Person, Plan, Room, Round};
 use hal_sim::rng::Rng;
 use hal_sim::world::World;
@@ -150,8 +150,8 @@ fn is_partition(faces: &[Face], face: &Face) -> bool {
 /// Turns partitions, and nothing else, as a whole about the middle of the home; those that end at an outer wall still do.
 fn turn_inner_walls(plan: &mut Plan, angle_rad: f64) {
     let (least, most) = bounds(plan);
-    let middle = TruePose::new(0.5 * (least[0] + most[0]), 0.5 * (least[1] + most[1]), angle_rad);
-    let still = TruePose::new(middle.x_m, middle.y_m, 0.0);
+    let middle = Pose2::new(0.5 * (least[0] + most[0]), 0.5 * (least[1] + most[1]), angle_rad);
+    let still = Pose2::new(middle.x_m, middle.y_m, 0.0);
     let at = |value: f64, limit: f64| (value - limit).abs() < 0.01;
     let original = plan.faces.clone();
     for face in plan.faces.iter_mut() {
@@ -185,7 +185,7 @@ fn turn_inner_walls(plan: &mut Plan, angle_rad: f64) {
 fn scatter(plan: &mut Plan, sigma_rad: f64, rng: &mut Rng) {
     for face in &mut plan.faces {
         let [x_m, y_m] = [0, 1].map(|axis| 0.5 * (face.from_m[axis] + face.to_m[axis]));
-        let (still, turned) = (TruePose::new(x_m, y_m, 0.0), TruePose::new(x_m, y_m, sigma_rad * rng.gaussian()));
+        let (still, turned) = (Pose2::new(x_m, y_m, 0.0), Pose2::new(x_m, y_m, sigma_rad * rng.gaussian()));
         face.from_m = turned.transform(still.inverse_transform(face.from_m));
         face.to_m = turned.transform(still.inverse_transform(face.to_m));
     }

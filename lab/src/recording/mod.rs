@@ -5,60 +5,11 @@
 
 mod figures;
 
-use std::f64::consts::{PI, TAU};
-
 use slam_core::{Counters, Outcome, ReadingReport, WallView};
 
+pub use hal_sim::pose::{Pose2, wrap};
+
 pub use figures::{Consistency, Figures, LookingBack, MapScore, PathScore, SeenWall, SurfelScore, Visit};
-
-/// A planar pose: metres, radians in (-pi, pi].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Pose2 {
-    /// x in the map frame, metres.
-    pub x_m: f64,
-    /// y in the map frame, metres.
-    pub y_m: f64,
-    /// Heading, radians counter-clockwise.
-    pub theta_rad: f64,
-}
-
-impl Pose2 {
-    /// A pose; the heading is wrapped.
-    pub fn new(x_m: f64, y_m: f64, theta_rad: f64) -> Self {
-        Self { x_m, y_m, theta_rad: wrap(theta_rad) }
-    }
-
-    /// `other`, given in the same frame as this pose, in this pose's own frame.
-    pub fn relative(&self, other: &Pose2) -> Pose2 {
-        let (s, c) = self.theta_rad.sin_cos();
-        let (dx, dy) = (other.x_m - self.x_m, other.y_m - self.y_m);
-        Pose2::new(c * dx + s * dy, c * dy - s * dx, other.theta_rad - self.theta_rad)
-    }
-
-    /// `inner`, which is in this pose's frame, in the frame that this pose is in.
-    pub fn compose(&self, inner: &Pose2) -> Pose2 {
-        let [x_m, y_m] = self.transform([inner.x_m, inner.y_m]);
-        Pose2::new(x_m, y_m, self.theta_rad + inner.theta_rad)
-    }
-
-    /// A point in this pose's frame, in the frame that this pose is in (metres).
-    pub fn transform(&self, point_m: [f64; 2]) -> [f64; 2] {
-        let (s, c) = self.theta_rad.sin_cos();
-        [self.x_m + c * point_m[0] - s * point_m[1], self.y_m + s * point_m[0] + c * point_m[1]]
-    }
-}
-
-impl From<slam_core::Pose> for Pose2 {
-    fn from(pose: slam_core::Pose) -> Self {
-        Self { x_m: pose.x_m.into(), y_m: pose.y_m.into(), theta_rad: pose.theta_rad.into() }
-    }
-}
-
-/// The angle in (-pi, pi] that equals `angle_rad` modulo a full turn.
-pub fn wrap(angle_rad: f64) -> f64 {
-    let wrapped = angle_rad.rem_euclid(TAU);
-    if wrapped > PI { wrapped - TAU } else { wrapped }
-}
 
 /// One run of the estimator over one log or simulated drive.
 #[derive(Clone, Debug, Default)]
@@ -228,6 +179,7 @@ pub fn nis(outcome: &Outcome) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::{PI, TAU};
 
     #[test]
     fn a_heading_error_is_the_short_way_round() {

@@ -1,6 +1,6 @@
 //! A simulated drive: the pilot steers by what the robot senses and estimates, and every sample is a log row.
 
-use hal_sim::{ClosedLoop, Estimate, Plan, SimError, SimOptions, Simulation, TruePose};
+use hal_sim::{ClosedLoop, Estimate, Plan, SimError, SimOptions, Simulation};
 use robot::PilotConfig;
 
 use super::session::Session;
@@ -9,7 +9,7 @@ use crate::evaluate::score::map::{LONG_M, PASSED_M, PassedWall};
 use crate::input::log::Row;
 use crate::input::rig_file::Robot;
 use crate::numbers::shortest;
-use crate::recording::{Pose2, Recording, Segment};
+use crate::recording::{Recording, Segment};
 
 /// A robot in a home, with the pilot that drives it.
 pub struct Drive {
@@ -44,8 +44,8 @@ impl Drive {
         let t_s = frame.sample.time_us as f64 * 1e-6;
         // Microseconds have six decimals: the text reads back as the same ones.
         let t_text = shortest((t_s * 1e6).round() / 1e6);
-        let odometry = self.robot.simulation.odometry().as_ref().map(pose2);
-        let row = Row { t_text, t_s, sample: frame.sample, odometry, truth: Some(pose2(&frame.truth)) };
+        let odometry = self.robot.simulation.odometry();
+        let row = Row { t_text, t_s, sample: frame.sample, odometry, truth: Some(frame.truth) };
         if let Some(report) = report {
             session.record(&row, &report);
         }
@@ -113,9 +113,4 @@ impl Drive {
             parameter.truth = all.iter().find(|(name, _)| *name == parameter.name).map(|(_, value)| *value);
         }
     }
-}
-
-/// The true pose as the record keeps it.
-pub fn pose2(pose: &TruePose) -> Pose2 {
-    Pose2 { x_m: pose.x_m, y_m: pose.y_m, theta_rad: pose.theta_rad }
 }

@@ -6,7 +6,7 @@ mod replay;
 mod session;
 mod simulate;
 
-pub use drive::{Drive, pose2};
+pub use drive::Drive;
 pub use replay::{Replay, Replayed};
 pub use session::Session;
 pub use simulate::Run;

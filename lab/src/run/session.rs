@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use slam_core::{Config, DriveModel, HostSlam, Outcome, Parameter, RigError, Sample, StepReport};
 
 use crate::evaluate::score::{nis, path};
+use crate::evaluate::statistics;
 use crate::input::log::Row;
 use crate::input::rig_file::{MAX_SENSORS, Robot};
 use crate::recording::{CalibrationSnapshot, MapSnapshot, ParameterInfo, Recording, SensorInfo, Step};
@@ -121,10 +122,10 @@ impl Session {
         }
         figures.updates = used.len() as u64;
         figures.outliers = outliers;
-        figures.mean_nis = mean(&used);
-        figures.nis_before_gate = mean(&all);
+        figures.mean_nis = statistics::mean(&used);
+        figures.nis_before_gate = statistics::mean(&all);
         figures.outside_gate = (!all.is_empty()).then(|| 1.0 - used.len() as f64 / all.len() as f64);
-        figures.median_nis_before_gate = median(all);
+        figures.median_nis_before_gate = statistics::median(&all);
         figures.nis_associated = nis::of_associated(&innovations);
         figures.latency_s = self.slam.latency().map(|(value, sigma)| (value.into(), sigma.into()));
         self.recording
@@ -191,13 +192,4 @@ fn parameter_name(parameter: Parameter, sensors: &[String]) -> String {
             None => format!("gain_{index}"),
         },
     }
-}
-
-fn mean(values: &[f64]) -> Option<f64> {
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }

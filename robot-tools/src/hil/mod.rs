@@ -76,7 +76,6 @@ impl Hil {
             let answer = link.exchange(shown.clone())?;
             duty = Duty { left: answer.motors.left, right: answer.motors.right };
             let truth = simulation.pose();
-            let truth = Pose2 { x_m: truth.x_m, y_m: truth.y_m, theta_rad: truth.theta_rad };
             if let Some(estimate) = shadow.check(&shown, &answer, truth) {
                 files.row(&robot, &shown, &estimate, truth)?;
             }

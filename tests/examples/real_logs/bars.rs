@@ -126,7 +126,7 @@ fn row(text: &mut String, case: &Case, bar: &Bar, runs: &[Figures]) -> std::fmt:
     let values: Vec<f64> = runs.iter().filter_map(bar.value).collect();
     let (held, n) = (values.iter().filter(|value| bar.limit.holds(**value)).count(), values.len());
     let more_is_better = matches!(bar.limit, Limit::AtLeast(_));
-    let Some((median, worst)) = median_and_worst(values, more_is_better) else { return Ok(()) };
+    let Some((median, worst)) = median_and_worst(&values, more_is_better) else { return Ok(()) };
     let (scale, unit) = bar.scale;
     let number = |value: f64| {
         let digits = if scale > 1.0 || scale * value >= 10.0 { 0 } else { 2 };

@@ -1,5 +1,6 @@
 //! The cells of a row: figures of several replays, median and worst.
 
+use lab::evaluate::statistics::{median, quantile};
 use lab::recording::{Consistency, Figures};
 
 const COLUMNS: [&str; 14] = [
@@ -90,17 +91,14 @@ pub fn centimetres(values_m: Vec<f64>) -> String {
 
 /// The median, and in brackets the worst: the largest, or the smallest where more is better.
 pub fn spread(values: Vec<f64>, more_is_better: bool, write: impl Fn(f64) -> String, unit: &str) -> String {
-    match median_and_worst(values, more_is_better) {
+    match median_and_worst(&values, more_is_better) {
         Some((median, worst)) => format!("{}{unit} ({})", write(median), write(worst)),
         None => "no truth".to_owned(),
     }
 }
 
-/// The middle of the values, and the largest, or the smallest where more is better.
-pub fn median_and_worst(mut values: Vec<f64>, more_is_better: bool) -> Option<(f64, f64)> {
-    values.sort_by(f64::total_cmp);
-    if more_is_better {
-        values.reverse();
-    }
-    Some((*values.get(values.len() / 2)?, *values.last()?))
+/// The median of the values, and the largest, or the smallest where more is better.
+pub fn median_and_worst(values: &[f64], more_is_better: bool) -> Option<(f64, f64)> {
+    let worst = if more_is_better { 0.0 } else { 1.0 };
+    Some((median(values)?, quantile(values, worst)?))
 }

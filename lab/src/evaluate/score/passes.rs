@@ -13,6 +13,7 @@ use slam_core::WallView;
 
 use super::hits::{Hit, by_dead_reckoning, by_estimate};
 use super::map::segment_of;
+use crate::evaluate::statistics::mean;
 use crate::recording::{Pose2, Recording, SeenWall, Segment, Visit};
 
 /// Two visits of a wall are different ones when this much time lies between them, seconds.
@@ -212,10 +213,6 @@ fn densest(values: impl Iterator<Item = f64>) -> Vec<f64> {
         }
     }
     values[best].to_vec()
-}
-
-fn mean(values: &[f64]) -> Option<f64> {
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
 #[cfg(test)]

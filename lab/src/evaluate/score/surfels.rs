@@ -8,6 +8,7 @@ use std::f64::consts::TAU;
 
 use super::hits::Hit;
 use super::passes::APART_S;
+use crate::evaluate::statistics::{median, quantile};
 use crate::recording::{Recording, SurfelScore};
 
 /// Side of the cells that end points are gathered in, metres.
@@ -49,15 +50,13 @@ struct Surfel {
 /// Scores how far visits are apart; none where no place was seen twice.
 pub fn score(recording: &Recording, hits: &[Hit]) -> Option<SurfelScore> {
     let surfels = surfels(recording, hits);
-    let mut apart_m: Vec<f64> = surfels.iter().filter_map(|surfel| apart_m(surfel, &surfels)).collect();
-    apart_m.sort_by(f64::total_cmp);
-    let quantile = |share: f64| apart_m.get((share * apart_m.len() as f64) as usize).copied();
+    let apart_m: Vec<f64> = surfels.iter().filter_map(|surfel| apart_m(surfel, &surfels)).collect();
     let wide = apart_m.iter().filter(|value| **value > WIDE_M).count();
     Some(SurfelScore {
         found: surfels.len(),
         compared: apart_m.len(),
-        median_m: quantile(0.5)?,
-        p90_m: quantile(0.9)?,
+        median_m: median(&apart_m)?,
+        p90_m: quantile(&apart_m, 0.9)?,
         wide_share: wide as f64 / apart_m.len() as f64,
     })
 }

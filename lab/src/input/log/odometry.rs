@@ -1,6 +1,5 @@
 //! Cumulative dead-reckoned poses to body-frame increments.
 
-use hal_sim::TruePose;
 use slam_core::Increment;
 
 use crate::recording::Pose2;
@@ -15,9 +14,7 @@ impl Differencer {
     /// The motion since the previous pose, in that pose's frame; zero for the first.
     pub fn step(&mut self, pose: Pose2) -> Increment {
         let Some(last) = self.last.replace(pose) else { return Increment::default() };
-        // As the simulator does it, so that its log reads back as the same bits.
-        let [from, to] = [last, pose].map(|pose| TruePose::new(pose.x_m, pose.y_m, pose.theta_rad));
-        let moved = to.relative_to(&from);
+        let moved = last.relative(&pose);
         Increment { forward_m: moved.x_m as f32, left_m: moved.y_m as f32, turn_rad: moved.theta_rad as f32 }
     }
 }
