@@ -64,3 +64,17 @@ fn a_port_that_is_not_there_is_named() {
         .failure()
         .stderr(contains("/dev/no-such-port"));
 }
+
+#[test]
+fn a_line_of_another_rate_is_told_apart_from_a_silent_one() {
+    let place = Place::new();
+    place.put("garbage", [0x55; 3000]);
+    place.put("silence", "");
+    let garbage = contains("garbage: 3000 bytes arrive and no whole frame").and(contains("115200 baud"));
+    let monitor = |line: &str| place.lab().args(["monitor", "--port", line, "--out", "seen"]).assert().failure();
+    monitor("garbage").stderr(garbage);
+    monitor("silence").stderr(contains("silence: nothing arrives"));
+    let doctor = |line: &str| place.lab().args(["doctor", "--port", line]).assert().failure();
+    doctor("garbage").stderr(contains("3000 bytes arrive and no whole frame"));
+    doctor("silence").stderr(contains("nothing arrives"));
+}

@@ -3,7 +3,7 @@
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Write};
 use std::path::Path;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use slam_core::{RangeInput, RangeModel};
 use wire::{Command, DecodeError, Decoder, Frame, Sample, encode};
@@ -15,6 +15,12 @@ use lab::recording::Pose2;
 
 /// Rate of the firmware's serial line, baud.
 const BAUD: u32 = 115_200;
+
+/// How often a silent line is looked at.
+const LOOK: Duration = Duration::from_millis(500);
+
+/// A robot sends 25 samples a second: after so long without a whole frame something is wrong.
+const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Both directions of a line.
 pub type Line = (Box<dyn Read + Send>, Box<dyn Write + Send>);
@@ -31,7 +37,7 @@ pub fn open(device: &str) -> Result<Line, String> {
         return Ok((Box::new(File::open(path).map_err(failed)?), Box::new(sink)));
     }
     let failed = |error: serialport::Error| format!("{device}: {error}; name the serial port that the robot is at");
-    let port = serialport::new(device, BAUD).timeout(Duration::from_secs(3600)).open().map_err(failed)?;
+    let port = serialport::new(device, BAUD).timeout(LOOK).open().map_err(failed)?;
     let reader = port.try_clone().map_err(failed)?;
     Ok((Box::new(reader), Box::new(port)))
 }
@@ -63,6 +69,17 @@ pub fn row(sample: &Sample, robot: &Robot, truth: Option<Pose2>) -> Result<Row, 
     Ok(Row { t_text: shortest(t_s), t_s, sample, odometry: None, truth })
 }
 
+/// What was heard of a robot.
+#[derive(Clone, Debug)]
+pub enum Heard {
+    /// A frame.
+    Frame(Frame),
+    /// No whole frame for [`PATIENCE`]; [`Port::trouble`] says what it may be.
+    Nothing,
+    /// The line has ended.
+    End,
+}
+
 /// A robot that is listened to.
 pub struct Port {
     from: Box<dyn Read + Send>,
@@ -70,34 +87,61 @@ pub struct Port {
     decoder: Decoder,
     bytes: Vec<u8>,
     damaged: u32,
+    /// Bytes of damaged frames.
+    damaged_bytes: u64,
+    /// Bytes of the frame that is not whole yet.
+    begun_bytes: u64,
+    /// Bytes since the last whole frame.
+    strange_bytes: u64,
 }
 
 impl Port {
     /// On an open line.
     pub fn new((from, to): Line) -> Self {
-        Self { from, to, decoder: Decoder::new(), bytes: Vec::new(), damaged: 0 }
+        Self {
+            from,
+            to,
+            decoder: Decoder::new(),
+            bytes: Vec::new(),
+            damaged: 0,
+            damaged_bytes: 0,
+            begun_bytes: 0,
+            strange_bytes: 0,
+        }
     }
 
-    /// Waits for the next frame; none when the line has ended.
+    /// Waits for the next frame, not forever.
     ///
     /// # Errors
     /// What the system says, or that the robot speaks another version.
-    pub fn frame(&mut self) -> Result<Option<Frame>, String> {
+    pub fn frame(&mut self) -> Result<Heard, String> {
+        let begin = Instant::now();
         loop {
             while let Some(byte) = self.bytes.pop() {
+                self.begun_bytes += 1;
+                self.strange_bytes += 1;
                 match self.decoder.push(byte) {
                     None => {}
-                    Some(Ok(frame)) => return Ok(Some(frame)),
+                    Some(Ok(frame)) => {
+                        (self.begun_bytes, self.strange_bytes) = (0, 0);
+                        return Ok(Heard::Frame(frame));
+                    }
                     Some(Err(DecodeError::Version(theirs))) => {
                         let ours = wire::VERSION;
                         return Err(format!("the robot speaks version {theirs} of the protocol, this program {ours}"));
                     }
-                    Some(Err(_)) => self.damaged += 1,
+                    Some(Err(_)) => {
+                        self.damaged += 1;
+                        self.damaged_bytes += std::mem::take(&mut self.begun_bytes);
+                    }
                 }
+            }
+            if begin.elapsed() > PATIENCE {
+                return Ok(Heard::Nothing);
             }
             let mut buffer = [0; 1024];
             match self.from.read(&mut buffer) {
-                Ok(0) => return Ok(None),
+                Ok(0) => return Ok(Heard::End),
                 Ok(count) => self.bytes.extend(buffer[..count].iter().rev()),
                 Err(error) if error.kind() == std::io::ErrorKind::TimedOut => {}
                 Err(error) => return Err(format!("the serial line: {error}")),
@@ -114,8 +158,19 @@ impl Port {
         self.to.write_all(&bytes).and_then(|()| self.to.flush()).map_err(|error| format!("the serial line: {error}"))
     }
 
-    /// Frames that arrived damaged so far; the first may be half a one.
-    pub fn damaged(&self) -> u32 {
-        self.damaged
+    /// Frames that arrived damaged so far, and their bytes; the first may be half a one.
+    pub fn damaged(&self) -> (u32, u64) {
+        (self.damaged, self.damaged_bytes)
+    }
+
+    /// Why there may be no whole frame.
+    pub fn trouble(&self) -> String {
+        match self.strange_bytes {
+            0 => "nothing arrives: is the robot switched on, and is it at this port?".to_owned(),
+            bytes => format!(
+                "{bytes} bytes arrive and no whole frame: the line must run at {BAUD} baud, and the robot must run the \
+                 firmware of this version"
+            ),
+        }
     }
 }

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use clap::Args;
 use wire::{Command, Frame, Sample};
 
-use crate::port::{self, Port};
+use crate::port::{self, Heard, Port};
 use checks::Finding;
 use lab::input::rig_file::Robot;
 
@@ -64,6 +64,8 @@ impl Doctor {
     pub fn run(&self) -> Result<(), String> {
         let (robot, _) = lab::input::robot(&self.rig).map_err(|error| error.to_string())?;
         let mut bench = Terminal { port: Port::new(port::open(&self.port)?) };
+        // A dead line is told of before anybody is asked to do anything.
+        bench.listen(1)?;
         let wrong = examine(&mut bench, &robot)?;
         match wrong {
             0 => Ok(()),
@@ -142,12 +144,15 @@ impl Bench for Terminal {
         let asked = std::time::Instant::now();
         let mut heard = Vec::new();
         while heard.len() < samples {
-            match self.port.frame()? {
+            let frame = match self.port.frame()? {
+                Heard::Frame(frame) => frame,
+                Heard::Nothing | Heard::End => return Err(self.port.trouble()),
+            };
+            match frame {
                 // What waited in the line while the person was busy is from before.
-                Some(Frame::Sample(_)) if asked.elapsed().as_millis() < 300 => {}
-                Some(Frame::Sample(sample)) => heard.push(sample),
-                Some(_) => {}
-                None => return Err("the robot says nothing more".into()),
+                Frame::Sample(_) if asked.elapsed().as_millis() < 300 => {}
+                Frame::Sample(sample) => heard.push(sample),
+                _ => {}
             }
         }
         Ok(heard)

@@ -1,5 +1,6 @@
 //! Lock step with the firmware: one sample goes out, everything up to the motors' frame comes back.
 
+use std::io::ErrorKind;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
@@ -120,7 +121,11 @@ fn receive(open: Opener, send: &Sender<Result<Frame, String>>) {
     let mut decoder = Decoder::new();
     let mut bytes = [0; 4096];
     loop {
-        let Ok(count) = from.read(&mut bytes) else { return };
+        let count = match from.read(&mut bytes) {
+            Ok(count) => count,
+            Err(error) if error.kind() == ErrorKind::TimedOut => continue,
+            Err(_) => return,
+        };
         if count == 0 {
             return;
         }

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use clap::Args;
 use wire::{Command, Frame};
 
-use crate::port::{self, Port};
+use crate::port::{self, Heard, Port};
 use lab::input::log::writer;
 use lab::show::output::folder::Folder;
 use lab::show::output::streams::LineFile;
@@ -51,7 +51,15 @@ impl Monitor {
         }
         let mut view = View::default();
         let mut drawn_us = 0;
-        while let Some(frame) = port.frame()? {
+        loop {
+            let frame = match port.frame()? {
+                Heard::Frame(frame) => frame,
+                Heard::Nothing => {
+                    eprintln!("note: {}: {}", self.port, port.trouble());
+                    continue;
+                }
+                Heard::End => break,
+            };
             if let Frame::Sample(sample) = &frame {
                 let row = port::row(sample, &robot, None)?;
                 log.line(&writer::line(&robot, &row)).map_err(|error| error.to_string())?;
@@ -65,6 +73,9 @@ impl Monitor {
             }
         }
         log.close().map_err(|error| error.to_string())?;
+        if view.is_empty() {
+            return Err(format!("{}: {}", self.port, port.trouble()));
+        }
         let _ = writeln!(std::io::stdout(), "{view}the line has ended; results in {}", self.out.display());
         Ok(())
     }

@@ -17,13 +17,16 @@ pub struct View {
     calibration: Option<Calibration>,
     faults: Option<Faults>,
     samples: u64,
-    /// Frames that arrived damaged.
-    pub damaged: u32,
+    /// Whether any frame arrived.
+    heard: bool,
+    /// Frames that arrived damaged, and their bytes.
+    pub damaged: (u32, u64),
 }
 
 impl View {
     /// Takes a frame into the picture.
     pub fn take(&mut self, frame: Frame) {
+        self.heard = true;
         match frame {
             Frame::Sample(sample) => {
                 self.samples += 1;
@@ -42,6 +45,11 @@ impl View {
         }
     }
 
+    /// Whether no frame arrived.
+    pub fn is_empty(&self) -> bool {
+        !self.heard
+    }
+
     /// The robot's time, microseconds.
     pub fn time_us(&self) -> u64 {
         self.estimate.map_or(0, |estimate| estimate.time_us)
@@ -56,10 +64,11 @@ impl fmt::Display for View {
         let (position_cm, heading_deg) = (100.0 * xx.max(yy).max(0.0).sqrt(), tt.max(0.0).sqrt().to_degrees());
         writeln!(
             f,
-            "{:8.1} s   {} samples, {} damaged frames",
+            "{:8.1} s   {} samples, {} damaged frames of {} bytes",
             self.time_us() as f64 * 1e-6,
             self.samples,
-            self.damaged
+            self.damaged.0,
+            self.damaged.1
         )?;
         writeln!(f, "pose      x {x:.3} m   y {y:.3} m   heading {:.1} deg", theta.to_degrees())?;
         writeln!(f, "sigma     {position_cm:.1} cm   {heading_deg:.2} deg")?;
