@@ -11,7 +11,7 @@ use embedded_hal_async::digital::Wait;
 use embedded_io_async::{ErrorKind, ErrorType as IoErrorType, Read, Write};
 use firmware::tasks::{self, Platform};
 use firmware::{Pilot, SENSORS, Shared};
-use hal_sim::{Board, SimOptions, Simulation, Pose2, plan_file};
+use hal_sim::{Board, Pose2, SimOptions, Simulation, plan_file};
 use robot::rig::BuiltIn;
 use robot::{ContactPins, PilotConfig, RangeSensorBank, WheelControl, WheelControlConfig};
 use slam_core::{Config, RobotSlam};
