@@ -23,6 +23,7 @@ use crate::input::rig_file::MAX_SENSORS;
 use crate::recording::{Figures, LookingBack, MapSnapshot, Pose2, Recording, Step};
 use graph::Graph;
 use keyframes::Keyframes;
+pub use sightings::Noise;
 
 /// Rounds of merging walls that turn out to be one, at most.
 const MERGING_ROUNDS: usize = 40;
@@ -80,7 +81,7 @@ fn unite(graph: &mut Graph, mut round: impl FnMut()) -> Option<()> {
 }
 
 /// The record with this path and map.
-fn moved(recording: &Recording, path: &[Pose2], walls: Vec<WallView>) -> Recording {
+pub fn moved(recording: &Recording, path: &[Pose2], walls: Vec<WallView>) -> Recording {
     let mut back = recording.clone();
     let per_step = recording.sensors.len().max(1);
     for ((step, readings), pose) in back.steps.iter_mut().zip(back.readings.chunks_mut(per_step)).zip(path) {

@@ -1,0 +1,381 @@
+//! The diary: what a drive's path and walls are placed from, in bounded memory.
+
+use heapless::Vec;
+use slam_core::angle::wrap;
+use slam_core::{DriveModel, Increment, Pose};
+
+use crate::frame::relative;
+use crate::group::Group;
+use crate::rows::Odometry;
+use crate::thin;
+use crate::wall::Wall;
+
+/// A new keyframe after so much path, metres.
+const SPACING_M: f32 = 0.25;
+
+/// Or so much turning, radians.
+const SPACING_RAD: f32 = 0.2;
+
+/// Hits of one sensor that no wall explains and that are so near to each other are on one thing, metres.
+const ONE_THING_M: f32 = 0.5;
+
+/// Of so many groups one may be on no wall where there is no room for more.
+const MOST_LOOSE: usize = 4;
+
+/// A wall that fewer hits met is noise, and makes room.
+pub(crate) const FEWEST: u32 = 10;
+
+/// Identifiers that the diary knows walls by, two for each.
+const NAMES: usize = 2 * crate::ROBOT_WALLS;
+
+/// One hit: a reading that ended on something.
+#[derive(Clone, Copy, Debug)]
+pub struct Hit {
+    /// Where its beam began, in the robot's frame, metres.
+    pub from_m: [f32; 2],
+    /// Where it ended, in the robot's frame, metres.
+    pub end_m: [f32; 2],
+    /// 1-sigma of that along the beam, metres.
+    pub sigma_m: f32,
+    /// Of so many hits that say the same it is one.
+    pub alike: f32,
+    /// The sensor.
+    pub sensor: u8,
+    /// Identifier of the wall that the filter used it for.
+    pub wall: Option<u16>,
+}
+
+/// A pose that is placed, and the odometry from it to the next.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Keyframe {
+    /// Which one of the drive's it is.
+    pub serial: u32,
+    /// In the map.
+    pub pose: Pose,
+    /// The next one in its frame, as the odometry sensed it; of the last one, the robot.
+    pub motion: Pose,
+    /// Length of that path, metres.
+    pub path_m: f32,
+    /// All turning on it, radians, either way.
+    pub turning_rad: f32,
+    /// Groups seen from it; they follow each other in the diary.
+    pub groups: u16,
+}
+
+impl Keyframe {
+    fn at(serial: u32, pose: Pose) -> Self {
+        Self { serial, pose, motion: Pose::ORIGIN, path_m: 0.0, turning_rad: 0.0, groups: 0 }
+    }
+}
+
+/// An identifier that the filter gave a wall.
+#[derive(Clone, Copy, Debug)]
+struct Name {
+    id: u16,
+    wall: u8,
+}
+
+/// Scales of distance and turning, and the veer, radians per metre: the odometry senses the motion over its scale.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Calibration {
+    /// Scale of distance.
+    pub distance: f32,
+    /// Scale of turning.
+    pub turn: f32,
+    /// Turn per metre that the odometry does not sense, radians.
+    pub veer_rad_per_m: f32,
+}
+
+/// What a full diary lost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Losses {
+    /// Keyframes that were made one with the one before them.
+    pub thinned: u32,
+    /// Hits for which there was no room.
+    pub hits: u32,
+    /// Hits on a wall for which there was no room; they were kept as on none.
+    pub walls: u32,
+}
+
+/// Keyframes, groups of hits and walls of a drive, at most K, G and W of them.
+///
+/// When keyframes or groups are full, the two neighbouring keyframes with the shortest path between them become one, of those
+/// that a look back has placed: their groups are put together as these poses lie to each other. So a drive of any length
+/// fits, the longer the coarser, and nothing old has to be kept as a dense matrix, which at 64 walls would take 37 KiB more.
+/// Groups on no wall make room first, as long as they are more than a quarter.
+#[derive(Clone, Debug)]
+pub struct Diary<const K: usize, const G: usize, const W: usize> {
+    pub(crate) keyframes: Vec<Keyframe, K>,
+    /// In the order of their keyframes.
+    pub(crate) groups: Vec<Group, G>,
+    pub(crate) walls: [Option<Wall>; W],
+    names: Vec<Name, NAMES>,
+    pub(crate) calibration: Calibration,
+    /// Direction of the grid, radians.
+    pub(crate) alpha_rad: Option<f32>,
+    pub(crate) odometry: Odometry,
+    /// The robot in the last keyframe's frame, by the odometry as it is calibrated at present.
+    robot: Pose,
+    /// The filter's pose at the last keyframe.
+    filter: Pose,
+    /// Which keyframe of the drive was the last that a look back placed.
+    pub(crate) placed: u32,
+    /// Changes with whatever a look back that has begun may not survive.
+    pub(crate) revision: u32,
+    pub(crate) losses: Losses,
+}
+
+impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
+    /// A diary of a drive that begins at this pose of the filter.
+    pub fn new(drive: &DriveModel, start: Pose) -> Self {
+        const { assert!(K >= 4 && G <= u16::MAX as usize && W < u8::MAX as usize && W >= 1) };
+        let mut keyframes = Vec::new();
+        // There is room for four.
+        let _ = keyframes.push(Keyframe::at(0, start));
+        Self {
+            keyframes,
+            groups: Vec::new(),
+            walls: [None; W],
+            names: Vec::new(),
+            calibration: Calibration { distance: 1.0, turn: 1.0, veer_rad_per_m: 0.0 },
+            alpha_rad: None,
+            odometry: Odometry::of(drive),
+            robot: Pose::ORIGIN,
+            filter: start,
+            placed: 0,
+            revision: 0,
+            losses: Losses::default(),
+        }
+    }
+
+    /// The robot moved by so much, as the odometry sensed it.
+    pub fn travel(&mut self, moved: &Increment) {
+        let Some(last) = self.keyframes.last_mut() else { return };
+        let path_m = libm::hypotf(moved.forward_m, moved.left_m);
+        let Calibration { distance, turn, veer_rad_per_m } = self.calibration;
+        let turned = turn * (moved.turn_rad + veer_rad_per_m * path_m);
+        last.motion = last.motion.compose(&Pose::new(moved.forward_m, moved.left_m, moved.turn_rad));
+        self.robot = self.robot.compose(&Pose::new(distance * moved.forward_m, distance * moved.left_m, turned));
+        last.path_m += path_m;
+        last.turning_rad += moved.turn_rad.abs();
+    }
+
+    /// Whether it is time for a keyframe.
+    pub fn is_due(&self) -> bool {
+        self.keyframes.last().is_some_and(|last| last.path_m >= SPACING_M || last.turning_rad >= SPACING_RAD)
+    }
+
+    /// Begins a keyframe where the robot is; `filter` is the filter's pose there. Only its motion since the last one counts.
+    pub fn begin_keyframe(&mut self, filter: &Pose) {
+        if self.keyframes.is_full() {
+            self.thin();
+        }
+        let Some(last) = self.keyframes.last() else { return };
+        let pose = last.pose.compose(&relative(&self.filter, filter));
+        if self.keyframes.push(Keyframe::at(last.serial.wrapping_add(1), pose)).is_ok() {
+            self.filter = *filter;
+            self.robot = Pose::ORIGIN;
+        }
+    }
+
+    /// Takes the filter's direction of the grid, unless the diary has its own by now.
+    pub fn grid(&mut self, alpha_rad: f32) {
+        let Some(last) = self.keyframes.last() else { return };
+        let turned = last.pose.theta_rad - self.filter.theta_rad;
+        self.alpha_rad.get_or_insert(wrap(alpha_rad + turned));
+    }
+
+    /// Writes a hit down. One that is no number is passed over.
+    pub fn hit(&mut self, hit: &Hit) {
+        let Hit { from_m, end_m, sigma_m, alike, sensor, wall } = *hit;
+        let [from_m, end_m] = [from_m, end_m].map(|at| self.robot.transform(at));
+        let weight = 1.0 / (alike * sigma_m * sigma_m);
+        let is_number = [from_m[0], from_m[1], end_m[0], end_m[1], weight].iter().all(|value| value.is_finite());
+        if !(is_number && weight > 0.0 && alike >= 1.0) {
+            return;
+        }
+        let mut one = Group::of(from_m, end_m, weight, alike, sensor);
+        let wall = wall.and_then(|id| self.wall_named(id));
+        one.set_wall(wall);
+        if let Some(wall) = wall.and_then(|wall| self.walls.get_mut(wall)?.as_mut()) {
+            wall.hits = wall.hits.saturating_add(1);
+        }
+        let open = self.open_groups().iter_mut().find(|group| is_of(group, &one));
+        match open {
+            Some(group) => group.add(&one),
+            None => self.open_group(one),
+        }
+    }
+
+    /// The groups of the last keyframe.
+    fn open_groups(&mut self) -> &mut [Group] {
+        let open = self.keyframes.last().map_or(0, |last| usize::from(last.groups));
+        let before = self.groups.len().saturating_sub(open);
+        self.groups.get_mut(before..).unwrap_or_default()
+    }
+
+    fn open_group(&mut self, group: Group) {
+        while self.groups.is_full() && (self.drop_fewest() || self.thin()) {}
+        let Some(last) = self.keyframes.last_mut() else { return };
+        match self.groups.push(group) {
+            Ok(()) => last.groups += 1,
+            Err(_) => self.losses.hits = self.losses.hits.saturating_add(u32::from(group.hits)),
+        }
+    }
+
+    /// Forgets the groups on no wall that have the fewest hits; false where those on no wall are few.
+    fn drop_fewest(&mut self) -> bool {
+        let loose = || self.groups.iter().filter(|group| group.wall().is_none());
+        let Some(fewest) = loose().map(|group| group.hits).min().filter(|_| loose().count() > G / MOST_LOOSE) else {
+            return false;
+        };
+        for group in self.groups.iter_mut().filter(|group| group.wall().is_none() && group.hits == fewest) {
+            group.hits = 0;
+        }
+        self.drop_empty();
+        self.revision = self.revision.wrapping_add(1);
+        true
+    }
+
+    /// Forgets groups of no hits.
+    fn drop_empty(&mut self) {
+        let mut groups = self.groups.iter();
+        for key in &mut self.keyframes {
+            let own = groups.by_ref().take(key.groups.into());
+            key.groups = own.filter(|group| group.hits > 0).count() as u16;
+        }
+        self.groups.retain(|group| group.hits > 0);
+    }
+
+    /// Makes two keyframes one; false where there are not enough.
+    fn thin(&mut self) -> bool {
+        let is_done = thin::thin(&mut self.keyframes, &mut self.groups, self.placed);
+        if is_done {
+            self.revision = self.revision.wrapping_add(1);
+            self.losses.thinned = self.losses.thinned.saturating_add(1);
+        }
+        is_done
+    }
+
+    /// The wall that the filter calls `id`; a new one where there is none yet and there is room.
+    fn wall_named(&mut self, id: u16) -> Option<usize> {
+        if let Some(name) = self.names.iter().find(|name| name.id == id) {
+            return Some(name.wall.into());
+        }
+        let Some(wall) = self.free_wall() else {
+            self.losses.walls = self.losses.walls.saturating_add(1);
+            return None;
+        };
+        if self.names.is_full() {
+            self.forget_a_name();
+        }
+        *self.walls.get_mut(wall)? = Some(Wall::NEW);
+        self.names.push(Name { id, wall: u8::try_from(wall).ok()? }).ok()?;
+        Some(wall)
+    }
+
+    /// Forgets the oldest name of a wall that has a newer one.
+    fn forget_a_name(&mut self) {
+        let mut names = self.names.iter().enumerate();
+        let is_newer = |i: usize, wall: u8| self.names.iter().skip(i + 1).any(|later| later.wall == wall);
+        let Some((gone, _)) = names.find(|(i, name)| is_newer(*i, name.wall)) else { return };
+        let mut i = 0;
+        self.names.retain(|_| {
+            i += 1;
+            i != gone + 1
+        });
+    }
+
+    /// A place for a wall: one that is free, or that of the wall that fewest hits met, where these are too few to matter.
+    fn free_wall(&mut self) -> Option<usize> {
+        if let Some(free) = self.walls.iter().position(Option::is_none) {
+            return Some(free);
+        }
+        let hits = |wall: &Option<Wall>| wall.map_or(0, |wall| wall.hits);
+        let (place, least) = self.walls.iter().map(hits).enumerate().min_by_key(|(_, hits)| *hits)?;
+        if least >= FEWEST {
+            return None;
+        }
+        self.remove_wall(place);
+        Some(place)
+    }
+
+    /// Forgets a wall: its groups are on none.
+    pub(crate) fn remove_wall(&mut self, place: usize) {
+        self.groups.iter_mut().filter(|group| group.wall() == Some(place)).for_each(|group| group.set_wall(None));
+        self.names.retain(|name| usize::from(name.wall) != place);
+        if let Some(wall) = self.walls.get_mut(place) {
+            *wall = None;
+        }
+        self.revision = self.revision.wrapping_add(1);
+    }
+
+    /// Wall `gone` turned out to be wall `kept`.
+    pub(crate) fn unite(&mut self, kept: usize, gone: usize) {
+        self.groups.iter_mut().filter(|group| group.wall() == Some(gone)).for_each(|group| group.set_wall(Some(kept)));
+        let kept_name = u8::try_from(kept).unwrap_or(u8::MAX);
+        for name in self.names.iter_mut().filter(|name| usize::from(name.wall) == gone) {
+            name.wall = kept_name;
+        }
+        if let Some(wall) = self.walls.get_mut(gone) {
+            *wall = None;
+        }
+    }
+
+    /// Each keyframe with what was seen from it.
+    pub(crate) fn sightings(&self) -> impl Iterator<Item = (&Keyframe, &[Group])> {
+        let mut rest = self.groups.as_slice();
+        self.keyframes.iter().map(move |key| {
+            let (own, later) = rest.split_at_checked(key.groups.into()).unwrap_or((rest, &[]));
+            rest = later;
+            (key, own)
+        })
+    }
+
+    /// The keyframes in the order of the drive: which one of all that were begun each is, and its pose as it is placed at present.
+    pub fn keyframes(&self) -> impl ExactSizeIterator<Item = (u32, Pose)> + '_ {
+        self.keyframes.iter().map(|key| (key.serial, key.pose))
+    }
+
+    /// Where the robot is: the last keyframe's pose and the odometry since.
+    pub fn robot(&self) -> Pose {
+        self.keyframes.last().map_or(Pose::ORIGIN, |last| last.pose.compose(&self.robot))
+    }
+
+    /// The walls whose line is known.
+    pub fn walls(&self) -> impl Iterator<Item = (usize, &Wall)> + '_ {
+        let known = self.walls.iter().enumerate().filter_map(|(i, wall)| Some((i, wall.as_ref()?)));
+        known.filter(|(_, wall)| wall.is_placed)
+    }
+
+    /// An identifier that the filter gave this wall, the latest.
+    pub fn id_of(&self, wall: usize) -> Option<u16> {
+        self.names.iter().rev().find(|name| usize::from(name.wall) == wall).map(|name| name.id)
+    }
+
+    /// Groups of hits at present.
+    pub fn group_count(&self) -> usize {
+        self.groups.len()
+    }
+
+    /// The odometry's calibration.
+    pub fn calibration(&self) -> Calibration {
+        self.calibration
+    }
+
+    /// Direction of the grid, radians; none before the filter had one.
+    pub fn alpha_rad(&self) -> Option<f32> {
+        self.alpha_rad
+    }
+
+    /// What was lost because something was full.
+    pub fn losses(&self) -> Losses {
+        self.losses
+    }
+}
+
+/// Whether a hit belongs to a group: on one wall, or on none and near.
+fn is_of(group: &Group, one: &Group) -> bool {
+    let near = |axis: usize| (group.mean_m[axis] - one.mean_m[axis]).abs() < ONE_THING_M;
+    group.wall() == one.wall() && (one.wall().is_some() || (group.sensor == one.sensor && near(0) && near(1)))
+}

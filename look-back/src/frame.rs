@@ -1,0 +1,56 @@
+//! A pose with the sine and cosine of its heading.
+
+use slam_core::Pose;
+use slam_core::angle::sin_cos;
+
+/// Where a frame is in the map, and how it is turned.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    origin_m: [f32; 2],
+    sin: f32,
+    cos: f32,
+}
+
+impl Frame {
+    /// Of a pose.
+    pub fn of(pose: &Pose) -> Self {
+        let (sin, cos) = sin_cos(pose.theta_rad);
+        Self { origin_m: [pose.x_m, pose.y_m], sin, cos }
+    }
+
+    /// A direction in this frame, in the map.
+    pub fn turn(&self, [x, y]: [f32; 2]) -> [f32; 2] {
+        [self.cos * x - self.sin * y, self.sin * x + self.cos * y]
+    }
+
+    /// A direction in the map, in this frame.
+    pub fn turn_back(&self, [x, y]: [f32; 2]) -> [f32; 2] {
+        [self.cos * x + self.sin * y, self.cos * y - self.sin * x]
+    }
+
+    /// A point in this frame, in the map, metres.
+    pub fn point(&self, point_m: [f32; 2]) -> [f32; 2] {
+        let [x, y] = self.turn(point_m);
+        [self.origin_m[0] + x, self.origin_m[1] + y]
+    }
+
+    /// A symmetric matrix (xx, xy, yy) in this frame, in the map.
+    pub fn scatter(&self, [xx, xy, yy]: [f32; 3]) -> [f32; 3] {
+        let (s, c) = (self.sin, self.cos);
+        let cross = c * s * (xx - yy) + (c * c - s * s) * xy;
+        let twice = 2.0 * c * s * xy;
+        [c * c * xx - twice + s * s * yy, cross, s * s * xx + twice + c * c * yy]
+    }
+}
+
+/// The product of two directions.
+pub fn dot(a: [f32; 2], b: [f32; 2]) -> f32 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// `other` in the frame of `pose`, both in one frame.
+pub fn relative(pose: &Pose, other: &Pose) -> Pose {
+    let apart = [other.x_m - pose.x_m, other.y_m - pose.y_m];
+    let [x_m, y_m] = Frame::of(pose).turn_back(apart);
+    Pose::new(x_m, y_m, other.theta_rad - pose.theta_rad)
+}

@@ -1,0 +1,86 @@
+//! Which wall each group is on.
+
+use crate::diary::Diary;
+use crate::frame::Frame;
+use crate::survey::{Cursor, SIGMAS, faces, through_m};
+
+/// A wall may go on so far beyond the groups that are on it, metres.
+const BEYOND_M: f32 = 0.125;
+
+/// Multiply-adds of a group and one wall.
+const COST: u32 = 40;
+
+/// Gives groups to walls anew, group by group.
+#[derive(Clone, Copy, Debug)]
+pub struct Labels<const W: usize> {
+    cursor: Cursor,
+    /// Hits that ended on each wall, and that went through it.
+    on: [u32; W],
+    through: [u32; W],
+    /// Hits that are another wall's than before.
+    pub changed: u32,
+}
+
+impl<const W: usize> Labels<W> {
+    /// Before the first group.
+    pub const NEW: Self = Self { cursor: Cursor::START, on: [0; W], through: [0; W], changed: 0 };
+
+    /// Gives the next group to the wall that it ended on, whatever the filter took it for: of those within three sigma the
+    /// nearest. The cost in multiply-adds; none past the last group.
+    pub fn take<const K: usize, const G: usize>(&mut self, diary: &mut Diary<K, G, W>) -> Option<u32> {
+        let (index, frame) = self.cursor.next(diary)?;
+        let found = self.nearest(diary, index, &frame);
+        let group = diary.groups.get_mut(index)?;
+        if group.wall() != found {
+            self.changed += u32::from(group.hits);
+            group.set_wall(found);
+        }
+        if let Some(on) = found.and_then(|wall| self.on.get_mut(wall)) {
+            *on += u32::from(group.hits);
+        }
+        Some(COST * diary.walls.len() as u32)
+    }
+
+    fn nearest<const K: usize, const G: usize>(
+        &mut self,
+        diary: &Diary<K, G, W>,
+        index: usize,
+        frame: &Frame,
+    ) -> Option<usize> {
+        let group = diary.groups.get(index)?;
+        let (from_m, mean_m) = (frame.point(group.from_m), frame.point(group.mean_m));
+        let mut nearest: Option<(usize, f32)> = None;
+        for (i, wall) in diary.walls.iter().enumerate() {
+            let Some(wall) = wall.as_ref().filter(|wall| wall.is_seen()) else { continue };
+            let line = wall.line();
+            if !faces(from_m, mean_m, &line) {
+                continue;
+            }
+            let offset = group.offset(frame, &line);
+            let is_along = (wall.lo_m - BEYOND_M..=wall.hi_m + BEYOND_M).contains(&offset.along_m);
+            if is_along && offset.square < nearest.map_or(SIGMAS * SIGMAS, |(_, square)| square) {
+                nearest = Some((i, offset.square));
+            }
+            let far_m = SIGMAS * libm::sqrtf(group.variance());
+            let is_within = |along_m: f32| (wall.lo_m..=wall.hi_m).contains(&along_m);
+            if offset.behind_m > far_m
+                && through_m(from_m, mean_m, &line).is_some_and(is_within)
+                && let Some(through) = self.through.get_mut(i)
+            {
+                *through += u32::from(group.hits);
+            }
+        }
+        nearest.map(|(wall, _)| wall)
+    }
+
+    /// A wall that more hits went through than ended on is not there: its groups are on none.
+    pub fn finish<const K: usize, const G: usize>(&self, diary: &mut Diary<K, G, W>) {
+        for group in &mut diary.groups {
+            let Some(wall) = group.wall() else { continue };
+            let is_there = self.on.get(wall) >= self.through.get(wall);
+            if !is_there {
+                group.set_wall(None);
+            }
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! The back end of the estimator: a drive's path and walls placed together, so that all that was sensed is likeliest.
+//!
+//! The filter of slam-core knows at each moment what was sensed until then; what it drew before a loop closed stays where it
+//! was drawn. This crate keeps a [`Diary`] of the drive in bounded memory and solves it as a whole (full SLAM: Thrun and
+//! Montemerlo 2006) with a [`LookBack`], in slices of bounded cost, so that a robot can do it beside its filter.
+//!
+//! Layers, in the order in which the data flow; none reaches back:
+//!
+//! | layer | what it makes |
+//! |---|---|
+//! | [`diary`], group | keyframes, the odometry between them, and what was seen from each: the hits on one surface as sums |
+//! | rows | residuals of odometry, groups and priors with their derivatives |
+//! | system, packed | one Gauss-Newton step: poses eliminated along the path, the border solved, the poses found on the way back |
+//! | solve | the step in slices |
+//! | place, survey, labels, twins | where a new wall is, what was seen of each, which group is on which, which two are one |
+//! | [`look_back`] | the order of all that, and what came of it |
+//!
+//! One rule: work is asked for. The crate knows nothing of tasks, files or clocks; [`LookBack::work`] does about as many
+//! multiply-adds as it is allowed and returns.
+//!
+//! What is wired up: the workbench feeds a drive to it and compares it with its own look back, which has no bounds on
+//! memory (`lab look-back`). No robot runs it yet: the firmware has no task for it, and the filter takes nothing over.
+//!
+//! Frames and units are slam-core's: metres, radians; *map* is where the first keyframe was put. All is f32; what is solved
+//! for are increments, so that sums over a long drive lose nothing that matters.
+#![no_std]
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod diary;
+mod frame;
+mod group;
+mod labels;
+pub mod look_back;
+mod packed;
+mod place;
+mod rows;
+mod solve;
+mod survey;
+mod system;
+#[cfg(test)]
+mod tests;
+mod thin;
+mod twins;
+mod wall;
+
+pub use diary::{Diary, Hit};
+pub use look_back::{LookBack, Progress};
+pub use packed::packed_len;
+pub use system::border_len;
+pub use wall::Wall;
+
+/// Keyframes of a robot's diary.
+pub const ROBOT_KEYFRAMES: usize = 256;
+/// Groups of a robot's diary.
+pub const ROBOT_GROUPS: usize = 1024;
+/// Walls of a robot's diary.
+pub const ROBOT_WALLS: usize = 64;
+/// Unknowns of its border.
+const ROBOT_BORDER: usize = border_len(ROBOT_WALLS);
+
+/// The diary in a size for a robot.
+pub type RobotDiary = Diary<ROBOT_KEYFRAMES, ROBOT_GROUPS, ROBOT_WALLS>;
+/// The solver of such a diary.
+pub type RobotLookBack = LookBack<ROBOT_KEYFRAMES, ROBOT_WALLS, ROBOT_BORDER, { packed_len(ROBOT_BORDER) }>;

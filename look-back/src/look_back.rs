@@ -1,0 +1,280 @@
+//! The whole: where everything in a diary is likeliest, worked out in slices.
+//!
+//! First every group is on the wall that the filter took it for, until walls that turn out to be one have become one; then on
+//! the wall that it ended on, in rounds, as the points of a scan are matched (Besl and McKay 1992).
+
+use crate::diary::{Diary, FEWEST};
+use crate::labels::Labels;
+use crate::place::{is_on_grid, place};
+use crate::rows::{ALPHA, LAST_POSE};
+use crate::solve::{Slice, Solver};
+use crate::survey::{self, Cursor};
+use crate::system::border_len;
+use crate::twins::Twins;
+
+/// Steps until it is settled, at most, at first and at last, and between two mergers, when it need not be.
+const STEPS: u32 = 10;
+const STEPS_BETWEEN: u32 = 3;
+
+/// Rounds of merging walls that turn out to be one, and of giving groups to the walls that they ended on, at most.
+const MERGING_ROUNDS: u32 = 20;
+const LABELLING_ROUNDS: u32 = 4;
+
+/// What a step moves that is settled, metres and radians.
+const SETTLED: f32 = 3e-4;
+
+/// Multiply-adds of drawing a wall's line, for each group of the diary, of a look at a group, and of a choice.
+const PLACE_COST: u32 = 20;
+const SURVEY_COST: u32 = 40;
+const CHOICE_COST: u32 = 3;
+
+/// How far a look back is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Progress {
+    /// There is more to do.
+    Working,
+    /// The diary holds what was found.
+    Done,
+    /// The diary changed under it, for it was full; what was found until then stays, and another look back can begin.
+    Interrupted,
+    /// There is nothing to place: fewer than two keyframes, or no wall.
+    Nothing,
+    /// The equations have no finite solution; the diary is as it was before that step.
+    Unsolvable,
+}
+
+#[derive(Clone, Debug)]
+enum Stage {
+    Place { wall: usize },
+    Solve,
+    Survey { cursor: Cursor },
+    Merge,
+    Label,
+    Ended(Progress),
+}
+
+/// What a look back took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Effort {
+    /// Gauss-Newton steps.
+    pub steps: u32,
+    /// Multiply-adds, about.
+    pub cost: u64,
+    /// Those of the costliest slice.
+    pub costliest: u32,
+    /// Pairs of walls made one, in so many rounds.
+    pub merging_rounds: u32,
+}
+
+/// Places what a diary of K keyframes and W walls holds; B is `border_len(W)`, P is `packed_len(B)`, which the compiler checks.
+#[derive(Clone, Debug)]
+pub struct LookBack<const K: usize, const W: usize, const B: usize, const P: usize> {
+    solver: Solver<K, W, B, P>,
+    labels: Labels<W>,
+    twins: Twins,
+    stage: Stage,
+    /// The diary's when it began.
+    revision: u32,
+    steps_left: u32,
+    mergers_left: u32,
+    labellings_left: u32,
+    /// Whether this is the last solution.
+    is_last: bool,
+    effort: Effort,
+}
+
+impl<const K: usize, const W: usize, const B: usize, const P: usize> Default for LookBack<K, W, B, P> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K, W, B, P> {
+    /// One that has nothing to do.
+    pub const fn new() -> Self {
+        const { assert!(B == border_len(W) && P == crate::packed_len(B)) };
+        Self {
+            solver: Solver::NEW,
+            labels: Labels::NEW,
+            twins: Twins::NEW,
+            stage: Stage::Ended(Progress::Nothing),
+            revision: 0,
+            steps_left: 0,
+            mergers_left: 0,
+            labellings_left: 0,
+            is_last: false,
+            effort: Effort { steps: 0, cost: 0, costliest: 0, merging_rounds: 0 },
+        }
+    }
+
+    /// Begins a look back.
+    pub fn begin<const G: usize>(&mut self, diary: &Diary<K, G, W>) {
+        self.stage = Stage::Place { wall: 0 };
+        self.revision = diary.revision;
+        (self.mergers_left, self.labellings_left) = (MERGING_ROUNDS, LABELLING_ROUNDS);
+        self.is_last = false;
+        self.effort = Effort::default();
+    }
+
+    /// Goes on for about `budget` multiply-adds, at least by one slice.
+    pub fn work<const G: usize>(&mut self, diary: &mut Diary<K, G, W>, budget: u32) -> Progress {
+        let mut spent = 0u32;
+        loop {
+            if let Stage::Ended(progress) = self.stage {
+                return progress;
+            }
+            if self.revision != diary.revision {
+                self.stage = Stage::Ended(Progress::Interrupted);
+                return Progress::Interrupted;
+            }
+            let cost = self.slice(diary);
+            spent = spent.saturating_add(cost);
+            self.effort.cost += u64::from(cost);
+            self.effort.costliest = self.effort.costliest.max(cost);
+            if spent >= budget {
+                return Progress::Working;
+            }
+        }
+    }
+
+    fn slice<const G: usize>(&mut self, diary: &mut Diary<K, G, W>) -> u32 {
+        match &mut self.stage {
+            Stage::Place { wall } => {
+                let index = *wall;
+                *wall += 1;
+                if index < W {
+                    return place_wall(diary, index);
+                }
+                self.begin_solving(diary, STEPS)
+            }
+            Stage::Solve => self.solve(diary),
+            Stage::Survey { cursor } => match cursor.next(diary) {
+                Some((index, frame)) => {
+                    if let Some(group) = diary.groups.get(index) {
+                        survey::take(&mut diary.walls, group, &frame);
+                    }
+                    SURVEY_COST
+                }
+                None => self.surveyed(diary),
+            },
+            Stage::Merge => match self.twins.take(diary, &self.solver) {
+                Some(cost) => cost,
+                None => self.merge(diary),
+            },
+            Stage::Label => match self.labels.take(diary) {
+                Some(cost) => cost,
+                None => {
+                    self.labels.finish(diary);
+                    self.begin_solving(diary, STEPS_BETWEEN)
+                }
+            },
+            Stage::Ended(_) => 0,
+        }
+    }
+
+    fn begin_solving<const G: usize>(&mut self, diary: &mut Diary<K, G, W>, steps: u32) -> u32 {
+        let mut hits = [0u32; W];
+        for (wall, group) in diary.groups.iter().filter_map(|group| Some((group.wall()?, group))) {
+            if let Some(hits) = hits.get_mut(wall) {
+                *hits = hits.saturating_add(u32::from(group.hits));
+            }
+        }
+        self.solver.choose(diary, |wall| hits.get(wall).is_some_and(|hits| *hits >= FEWEST));
+        self.steps_left = steps;
+        self.stage = if self.solver.keys() < 2 || hits.iter().all(|hits| *hits < FEWEST) {
+            Stage::Ended(Progress::Nothing)
+        } else {
+            self.solver.begin(diary);
+            Stage::Solve
+        };
+        CHOICE_COST * diary.groups.len() as u32
+    }
+
+    fn solve<const G: usize>(&mut self, diary: &mut Diary<K, G, W>) -> u32 {
+        let (cost, slice) = self.solver.slice(diary);
+        match slice {
+            Slice::More => {}
+            Slice::Unsolvable => self.stage = Stage::Ended(Progress::Unsolvable),
+            Slice::Moved(largest) => {
+                self.effort.steps += 1;
+                self.steps_left = self.steps_left.saturating_sub(1);
+                if largest < SETTLED || self.steps_left == 0 {
+                    survey::begin(&mut diary.walls);
+                    self.stage = Stage::Survey { cursor: Cursor::START };
+                } else {
+                    self.solver.begin(diary);
+                }
+            }
+        }
+        cost
+    }
+
+    fn surveyed<const G: usize>(&mut self, diary: &mut Diary<K, G, W>) -> u32 {
+        if self.is_last {
+            diary.placed = self
+                .solver
+                .keys()
+                .checked_sub(1)
+                .and_then(|last| diary.keyframes.get(last))
+                .map_or(0, |key| key.serial);
+            self.stage = Stage::Ended(Progress::Done);
+        } else {
+            self.twins = Twins::NEW;
+            self.stage = Stage::Merge;
+        }
+        1
+    }
+
+    /// Unites what is one; where nothing is, or not for ever, goes on to the labels or to the last solution.
+    fn merge<const G: usize>(&mut self, diary: &mut Diary<K, G, W>) -> u32 {
+        let cost = CHOICE_COST * diary.groups.len() as u32;
+        if self.mergers_left > 0 && self.twins.unite(diary) {
+            self.mergers_left -= 1;
+            self.effort.merging_rounds += 1;
+            return cost + self.begin_solving(diary, STEPS_BETWEEN);
+        }
+        let is_settled = self.labellings_left < LABELLING_ROUNDS && self.labels.changed == 0;
+        if self.labellings_left > 0 && !is_settled {
+            self.labellings_left -= 1;
+            self.labels = Labels::NEW;
+            self.stage = Stage::Label;
+            return cost;
+        }
+        self.is_last = true;
+        cost + self.begin_solving(diary, STEPS)
+    }
+
+    /// What the look back took until now.
+    pub fn effort(&self) -> Effort {
+        self.effort
+    }
+
+    /// Covariance of the last pose that was placed (x, y, theta): m^2, m rad, rad^2.
+    pub fn pose_covariance(&self) -> [[f32; 3]; 3] {
+        [0, 1, 2].map(|i| {
+            let row = self.solver.system.covariances(LAST_POSE + i);
+            [0, 1, 2].map(|j| row.get(LAST_POSE + j).copied().unwrap_or(0.0))
+        })
+    }
+
+    /// Variance of a wall's offset at the middle of its extent, m^2; none where the wall was not placed.
+    pub fn offset_variance(&self, wall: usize) -> Option<f32> {
+        Some(self.solver.system.variance(&[(self.solver.place(wall)?, 1.0)]))
+    }
+
+    /// Covariances of the grid's direction with everything in the border.
+    pub fn grid_covariances(&self) -> [f32; B] {
+        self.solver.system.covariances(ALPHA)
+    }
+}
+
+/// Draws the line of a wall that has none, and says of every wall whether it stands on the grid.
+fn place_wall<const K: usize, const G: usize, const W: usize>(diary: &mut Diary<K, G, W>, index: usize) -> u32 {
+    let Some(wall) = diary.walls.get(index).copied().flatten() else { return 1 };
+    let placed = if wall.is_placed { Some(wall) } else { place(diary, index) };
+    if let (Some(slot), Some(mut found)) = (diary.walls.get_mut(index), placed) {
+        found.on_grid = is_on_grid(found.beta_rad, diary.alpha_rad);
+        *slot = Some(found);
+    }
+    if wall.is_placed { 1 } else { PLACE_COST * diary.groups.len() as u32 }
+}

@@ -1,0 +1,121 @@
+//! A symmetric matrix, its lower triangle stored row by row, and its Cholesky factor in the same place.
+
+/// Entries of the triangle of a matrix with so many rows.
+pub const fn packed_len(rows: usize) -> usize {
+    rows * (rows + 1) / 2
+}
+
+/// Smallest share of a diagonal entry that may be left once what is before it is known. What is smaller is f32's rounding,
+/// and is held where it is.
+const SMALLEST_PIVOT: f32 = 1e-6;
+
+/// The matrix, or its factor L with the inverse of each pivot on the diagonal.
+#[derive(Clone, Debug)]
+pub struct Packed<const P: usize> {
+    entries: [f32; P],
+}
+
+impl<const P: usize> Packed<P> {
+    /// All zero.
+    pub const ZERO: Self = Self { entries: [0.0; P] };
+
+    /// Sets the first rows to zero.
+    pub fn clear(&mut self, rows: usize) {
+        self.entries.iter_mut().take(packed_len(rows)).for_each(|entry| *entry = 0.0);
+    }
+
+    /// Adds to the entry at `i` and `j`; nothing past the end.
+    pub fn add(&mut self, i: usize, j: usize, value: f32) {
+        let (row, column) = if i < j { (j, i) } else { (i, j) };
+        if let Some(entry) = self.entries.get_mut(packed_len(row) + column) {
+            *entry += value;
+        }
+    }
+
+    /// The first `rows` rows, each as long as its number.
+    fn rows_mut(&mut self, rows: usize) -> impl Iterator<Item = &mut [f32]> {
+        let mut rest = self.entries.as_mut_slice();
+        (0..rows).map_while(move |i| {
+            let (row, tail) = core::mem::take(&mut rest).split_at_mut_checked(i + 1)?;
+            rest = tail;
+            Some(row)
+        })
+    }
+
+    /// Takes y^T y off the first `rows` rows, y of three rows.
+    pub fn subtract_square<const B: usize>(&mut self, y: &[[f32; B]; 3], rows: usize) {
+        let [first, second, third] = y;
+        let heads = first.iter().zip(second).zip(third);
+        for (row, ((a, b), c)) in self.rows_mut(rows).zip(heads) {
+            for (((entry, u), v), w) in row.iter_mut().zip(first).zip(second).zip(third) {
+                *entry -= a * u + b * v + c * w;
+            }
+        }
+    }
+
+    /// Replaces row `i` by that of the factor; the rows before it must be the factor's. False where the pivot is not told from
+    /// zero.
+    pub fn factor_row(&mut self, i: usize) -> bool {
+        let Some((above, rest)) = self.entries.split_at_mut_checked(packed_len(i)) else { return false };
+        let Some(row) = rest.get_mut(..i + 1) else { return false };
+        let mut above: &[f32] = above;
+        for j in 0..i {
+            let Some((other, tail)) = above.split_at_checked(j + 1) else { return false };
+            above = tail;
+            let (Some((inverse, factors)), Some((done, rest))) = (other.split_last(), row.split_at_mut_checked(j))
+            else {
+                return false;
+            };
+            if let Some(entry) = rest.first_mut() {
+                *entry = (*entry - sum_of_products(done, factors)) * inverse;
+            }
+        }
+        let Some((pivot, done)) = row.split_last_mut() else { return false };
+        let left = *pivot - sum_of_products(done, done);
+        let is_told = left > SMALLEST_PIVOT * *pivot;
+        *pivot = 1.0 / libm::sqrtf(if is_told { left } else { pivot.max(1.0) });
+        is_told
+    }
+
+    /// The factor's rows.
+    fn rows(&self, rows: usize) -> impl DoubleEndedIterator<Item = &[f32]> + ExactSizeIterator {
+        (0..rows).map(|i| self.entries.get(packed_len(i)..packed_len(i + 1)).unwrap_or(&[]))
+    }
+
+    /// Solves L y = x in place.
+    pub fn forward(&self, x: &mut [f32], rows: usize) {
+        for (i, row) in self.rows(rows).enumerate() {
+            let (Some((inverse, factors)), Some((done, rest))) = (row.split_last(), x.split_at_mut_checked(i)) else {
+                return;
+            };
+            if let Some(value) = rest.first_mut() {
+                *value = (*value - sum_of_products(factors, done)) * inverse;
+            }
+        }
+    }
+
+    /// Solves L^T x = y in place.
+    pub fn backward(&self, y: &mut [f32], rows: usize) {
+        for (i, row) in self.rows(rows).enumerate().rev() {
+            let (Some((inverse, factors)), Some((before, rest))) = (row.split_last(), y.split_at_mut_checked(i)) else {
+                return;
+            };
+            let Some(value) = rest.first_mut() else { return };
+            *value *= inverse;
+            before.iter_mut().zip(factors).for_each(|(other, factor)| *other -= factor * *value);
+        }
+    }
+}
+
+/// In four sums, which the processor can have under way at once, and which lose less.
+fn sum_of_products(a: &[f32], b: &[f32]) -> f32 {
+    let mut sums = [0.0f32; 4];
+    let (fours_a, fours_b) = (a.chunks_exact(4), b.chunks_exact(4));
+    let rest: f32 = fours_a.remainder().iter().zip(fours_b.remainder()).map(|(x, y)| x * y).sum();
+    for (x, y) in fours_a.zip(fours_b) {
+        for ((sum, x), y) in sums.iter_mut().zip(x).zip(y) {
+            *sum += x * y;
+        }
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+}

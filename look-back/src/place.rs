@@ -1,0 +1,75 @@
+//! Where a wall is of which nothing but its groups is known yet.
+
+use slam_core::angle::wrap;
+
+use crate::diary::Diary;
+use crate::frame::{Frame, dot};
+use crate::group::Group;
+use crate::rows::off_grid;
+use crate::wall::{Line, Wall};
+
+/// Walls that are farther than six degrees from the grid are not on it, radians.
+const OFF_GRID_RAD: f32 = 0.1;
+
+/// Groups farther from a line than this say less about it, metres: some of those that the filter had on one wall lie where it
+/// had lost its way, or are of something beside it.
+const NEAR_M: f32 = 0.1;
+
+/// Rounds in which a line is drawn to where most groups are.
+const ROUNDS: usize = 6;
+
+/// Draws the line of wall `index` through its groups: least squares across it, in rounds, of groups weighted by how near they
+/// are to the last round's line. Says whether it stands on the grid. None where it has no groups.
+pub fn place<const K: usize, const G: usize, const W: usize>(diary: &Diary<K, G, W>, index: usize) -> Option<Wall> {
+    let mut line: Option<Line> = None;
+    let mut mean_m = [0.0; 2];
+    for _ in 0..ROUNDS {
+        let mut all: Option<Group> = None;
+        let mut towards = [0.0; 2];
+        for (frame, group) in seen(diary, index) {
+            let mut group = group.moved(&frame);
+            let off_m = line.map_or(0.0, |line| dot(line.normal, group.mean_m) - line.rho_m) / NEAR_M;
+            // Every group counts by its hits: a wall's groups lie on it, whatever their sensors' noise.
+            let weight = f32::from(group.hits) / (1.0 + off_m * off_m) / group.weight;
+            group.weight *= weight;
+            group.scatter = group.scatter.map(|value| value * weight);
+            let way = [group.mean_m[0] - group.from_m[0], group.mean_m[1] - group.from_m[1]];
+            towards = [towards[0] + group.weight * way[0], towards[1] + group.weight * way[1]];
+            match &mut all {
+                Some(all) => all.add(&group),
+                None => all = Some(group),
+            }
+        }
+        let all = all?;
+        mean_m = all.mean_m;
+        line = Some(through(&all, towards));
+    }
+    let line = line?;
+    let beta_rad = wrap(libm::atan2f(line.normal[1], line.normal[0]));
+    let before = diary.walls.get(index).copied().flatten()?;
+    Some(Wall { rho_m: line.rho_m, beta_rad, anchor_m: dot(line.tangent(), mean_m), is_placed: true, ..before })
+}
+
+/// Whether a wall of this direction stands on the grid.
+pub fn is_on_grid(beta_rad: f32, alpha_rad: Option<f32>) -> bool {
+    alpha_rad.is_some_and(|alpha_rad| off_grid(beta_rad, alpha_rad).abs() < OFF_GRID_RAD)
+}
+
+/// A wall's groups, each with the frame of its keyframe.
+fn seen<const K: usize, const G: usize, const W: usize>(
+    diary: &Diary<K, G, W>,
+    wall: usize,
+) -> impl Iterator<Item = (Frame, &Group)> {
+    let on_wall = move |group: &&Group| group.wall() == Some(wall);
+    diary
+        .sightings()
+        .flat_map(move |(key, groups)| groups.iter().filter(on_wall).map(move |group| (Frame::of(&key.pose), group)))
+}
+
+/// The line with the least squares across it through what is spread about its mean so; its normal points along `towards`.
+fn through(all: &Group, towards: [f32; 2]) -> Line {
+    let [xx, xy, yy] = all.scatter;
+    let (s, c) = slam_core::angle::sin_cos(0.5 * libm::atan2f(2.0 * xy, xx - yy));
+    let normal = if dot([-s, c], towards) >= 0.0 { [-s, c] } else { [s, -c] };
+    Line { rho_m: dot(normal, all.mean_m), normal }
+}

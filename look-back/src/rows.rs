@@ -1,0 +1,157 @@
+//! Residuals of what was sensed, with their derivatives.
+
+use slam_core::angle::wrap;
+use slam_core::{BUILT_TOLERANCE, DriveModel, Pose, SLIP_M2_PER_RAD, SLIP_RUNS};
+
+use crate::diary::{Calibration, Keyframe};
+use crate::frame::Frame;
+use crate::group::Group;
+use crate::wall::Wall;
+
+/// Residuals of so many sigmas count half (Cauchy).
+const HALF_AT: f32 = 2.0;
+
+/// Places of the calibration and of the grid's direction in the border.
+pub const DISTANCE: usize = 0;
+/// Scale of turning.
+pub const TURN: usize = 1;
+/// Veer.
+pub const VEER: usize = 2;
+/// Direction of the grid.
+pub const ALPHA: usize = 3;
+/// The last pose's x; y and theta follow.
+pub const LAST_POSE: usize = 4;
+/// The first wall's offset; its direction and the other walls follow.
+pub const WALLS: usize = 7;
+
+/// One residual, its weight, and its derivatives by a pose, by the next one, and by entries of the border.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// What is to be nought.
+    pub residual: f32,
+    /// One over its variance.
+    pub weight: f32,
+    /// By x, y and theta of the pose.
+    pub here: [f32; 3],
+    /// By x, y and theta of the next.
+    pub next: [f32; 3],
+    /// By entries of the border; those of nought count for nothing.
+    pub border: [(usize, f32); 2],
+}
+
+/// Noise of the odometry and of its calibration.
+#[derive(Clone, Copy, Debug)]
+pub struct Odometry {
+    drive: DriveModel,
+}
+
+impl Odometry {
+    /// Of a drive.
+    pub fn of(drive: &DriveModel) -> Self {
+        Self { drive: *drive }
+    }
+
+    /// Variance of each axis of the position, m^2, and of the heading, rad^2, after so much path and turning.
+    fn variances(&self, path_m: f32, turning_rad: f32) -> [f32; 2] {
+        let [position_m2, heading_rad2] = match self.drive {
+            DriveModel::Wheels { track_m, noise_m2_per_m, .. } => {
+                let wheel_m2 = noise_m2_per_m * (path_m + 0.5 * track_m * turning_rad);
+                [0.5 * wheel_m2, 2.0 * wheel_m2 / (track_m * track_m)]
+            }
+            DriveModel::Odometry { noise_m2_per_m, noise_rad2_per_m, noise_rad2_per_rad, .. } => [
+                SLIP_RUNS * noise_m2_per_m * path_m + SLIP_M2_PER_RAD * turning_rad,
+                noise_rad2_per_m * path_m + noise_rad2_per_rad * turning_rad,
+            ],
+        };
+        // A tenth of a millimetre and of a milliradian: what stands still does so.
+        [position_m2 + 1e-8, heading_rad2 + 1e-8]
+    }
+
+    /// 1-sigma of the scales of distance and of turning, and of the veer, radians per metre.
+    fn sigmas(&self) -> [f32; 3] {
+        match self.drive {
+            DriveModel::Wheels { track_m, track_sigma, scale_sigma, .. } => {
+                let both = scale_sigma * core::f32::consts::FRAC_1_SQRT_2;
+                [both, libm::hypotf(both, track_sigma), 2.0 * both / track_m]
+            }
+            DriveModel::Odometry { scale_sigma, .. } => [scale_sigma, scale_sigma, 0.0],
+        }
+    }
+
+    /// What is known of the calibration beforehand.
+    pub fn prior(&self, calibration: &Calibration) -> [Row; 3] {
+        let Calibration { distance, turn, veer_rad_per_m } = *calibration;
+        let off = [(DISTANCE, distance - 1.0), (TURN, turn - 1.0), (VEER, veer_rad_per_m)];
+        let mut sigmas = self.sigmas().into_iter();
+        off.map(|(place, residual)| {
+            let sigma = sigmas.next().unwrap_or(0.0).max(1e-5);
+            let border = [(place, 1.0), (place, 0.0)];
+            Row { residual, weight: 1.0 / (sigma * sigma), here: [0.0; 3], next: [0.0; 3], border }
+        })
+    }
+
+    /// The motion from a keyframe to the next. Noise is the odometry's, not the motion's: the other way round noisy steps would
+    /// draw the scale down.
+    pub fn rows(&self, key: &Keyframe, next: &Pose, calibration: &Calibration) -> [Row; 3] {
+        let Calibration { distance, turn, veer_rad_per_m } = *calibration;
+        let [position_m2, heading_rad2] = self.variances(key.path_m, key.turning_rad);
+        let frame = Frame::of(&key.pose);
+        let [forward, left] = frame.turn_back([next.x_m - key.pose.x_m, next.y_m - key.pose.y_m]);
+        let [c, s] = frame.turn([1.0 / distance, 0.0]);
+        let row = |residual, weight, here, next, border| Row { residual, weight, here, next, border };
+        let by_scale = |moved: f32| [(DISTANCE, -moved / (distance * distance)), (DISTANCE, 0.0)];
+        let weight = 1.0 / position_m2;
+        let turned = wrap(next.theta_rad - key.pose.theta_rad);
+        let heading = wrap(turned / turn - veer_rad_per_m * key.path_m - key.motion.theta_rad);
+        let by_turn = [(TURN, -turned / (turn * turn)), (VEER, -key.path_m)];
+        [
+            row(forward / distance - key.motion.x_m, weight, [-c, -s, left / distance], [c, s, 0.0], by_scale(forward)),
+            row(left / distance - key.motion.y_m, weight, [s, -c, -forward / distance], [-s, c, 0.0], by_scale(left)),
+            row(heading, 1.0 / heading_rad2, [0.0, 0.0, -1.0 / turn], [0.0, 0.0, 1.0 / turn], by_turn),
+        ]
+    }
+}
+
+/// A group of hits on a wall whose offset is at `place` in the border: how far the mean is before the wall, and how the hits
+/// are turned against it. The two say of pose and wall what all the hits say one by one, for their cross terms vanish about
+/// the mean; the robust weight is the group's.
+pub fn of_group(group: &Group, pose: &Pose, frame: &Frame, wall: &Wall, place: usize) -> [Row; 2] {
+    let line = wall.line();
+    let offset = group.offset(frame, &line);
+    let ([nx, ny], [tx, ty]) = (line.normal, line.tangent());
+    let robust = 1.0 / (1.0 + offset.square / (HALF_AT * HALF_AT));
+    let by_heading = tx * (offset.mean_m[0] - pose.x_m) + ty * (offset.mean_m[1] - pose.y_m);
+    let apart = Row {
+        residual: -offset.behind_m,
+        weight: robust * group.weight,
+        here: [-nx, -ny, by_heading],
+        next: [0.0; 3],
+        border: [(place, 1.0), (place + 1, wall.anchor_m - offset.along_m)],
+    };
+    let is_long = offset.along > 1e-9 * group.weight;
+    let turned = Row {
+        residual: if is_long { -offset.cross / offset.along } else { 0.0 },
+        weight: robust * offset.along,
+        here: [0.0, 0.0, 1.0],
+        next: [0.0; 3],
+        border: [(place + 1, -1.0), (place, 0.0)],
+    };
+    [apart, turned]
+}
+
+/// A wall that stands on the grid stands as built walls do.
+pub fn of_grid(wall: &Wall, alpha_rad: f32, place: usize) -> Row {
+    Row {
+        residual: off_grid(wall.beta_rad, alpha_rad),
+        weight: 1.0 / (BUILT_TOLERANCE * BUILT_TOLERANCE),
+        here: [0.0; 3],
+        next: [0.0; 3],
+        border: [(place + 1, 1.0), (ALPHA, -1.0)],
+    }
+}
+
+/// Angle from the nearest direction of the grid.
+pub fn off_grid(beta_rad: f32, alpha_rad: f32) -> f32 {
+    let difference = beta_rad - alpha_rad;
+    difference - libm::roundf(difference / core::f32::consts::FRAC_PI_2) * core::f32::consts::FRAC_PI_2
+}

@@ -1,0 +1,118 @@
+use slam_core::Pose;
+
+use super::drive::{DRIVE, Robot, SCALE};
+use crate::{Diary, LookBack, Progress, border_len, packed_len};
+
+const W: usize = 16;
+const B: usize = border_len(W);
+type SmallDiary = Diary<64, 256, W>;
+type Small = LookBack<64, W, B, { packed_len(B) }>;
+
+fn finish(look_back: &mut Small, diary: &mut SmallDiary, budget: u32) -> Progress {
+    look_back.begin(diary);
+    loop {
+        let progress = look_back.work(diary, budget);
+        if progress != Progress::Working {
+            return progress;
+        }
+    }
+}
+
+/// Largest distance of the robot from where it is, of the walls from where they are, metres, and how many walls there are.
+fn errors(robot: &Robot, diary: &SmallDiary) -> (f64, f64, usize) {
+    let walls = robot.walls();
+    let off = |wall: &crate::Wall| {
+        let normal = [f64::from(wall.beta_rad).cos(), f64::from(wall.beta_rad).sin()];
+        let true_wall = walls.iter().find(|(_, n)| n[0] * normal[0] + n[1] * normal[1] > 0.95);
+        true_wall.map_or(f64::INFINITY, |(rho_m, _)| (rho_m - f64::from(wall.rho_m)).abs())
+    };
+    let seen: std::vec::Vec<_> = diary.walls().filter(|(_, wall)| wall.hits > 0).map(|(_, wall)| off(wall)).collect();
+    (robot.error_m(&diary.robot()), seen.iter().fold(0.0, |a, b| f64::max(a, *b)), seen.len())
+}
+
+#[test]
+fn a_drive_is_placed_and_walls_seen_twice_become_one() {
+    let (mut robot, mut diary) = (Robot::new(1), SmallDiary::new(&DRIVE, Pose::ORIGIN));
+    robot.drive(&mut diary, 700);
+    assert!(robot.laps >= 2, "{}", robot.laps);
+    let mut look_back = Small::new();
+    assert_eq!(finish(&mut look_back, &mut diary, u32::MAX), Progress::Done);
+    let (pose_m, wall_m, walls) = errors(&robot, &diary);
+    assert!(robot.reckoned_error_m() > 0.1, "the odometry is wrong: {}", robot.reckoned_error_m());
+    assert!(pose_m < 0.02 && wall_m < 0.02, "{pose_m} {wall_m}");
+    assert_eq!(walls, 4, "of eight that the filter had");
+    let scale = f64::from(diary.calibration().distance);
+    assert!((scale - SCALE).abs() < 0.005, "{scale}");
+    let covariance = look_back.pose_covariance();
+    let sigma_m = f64::from(covariance[0][0].max(covariance[1][1]).sqrt());
+    assert!(sigma_m < 0.05 && pose_m < 3.0 * sigma_m, "{sigma_m} {pose_m}");
+}
+
+#[test]
+fn slices_of_any_size_give_the_same_bits() {
+    let run = |budget| {
+        let (mut robot, mut diary) = (Robot::new(2), SmallDiary::new(&DRIVE, Pose::ORIGIN));
+        robot.drive(&mut diary, 400);
+        let mut look_back = Small::new();
+        assert_eq!(finish(&mut look_back, &mut diary, budget), Progress::Done);
+        (diary.robot(), look_back.effort())
+    };
+    let (whole, sliced) = (run(u32::MAX), run(1));
+    assert_eq!(whole, sliced);
+    assert!(u64::from(sliced.1.costliest) < sliced.1.cost / 50, "{:?}", sliced.1);
+}
+
+#[test]
+fn hours_fit_and_are_no_worse_than_minutes() {
+    let (mut robot, mut diary) = (Robot::new(3), SmallDiary::new(&DRIVE, Pose::ORIGIN));
+    let mut look_back = Small::new();
+    let mut worst_m = 0.0f64;
+    for round in 0..600 {
+        robot.drive(&mut diary, 60);
+        assert_eq!(finish(&mut look_back, &mut diary, u32::MAX), Progress::Done);
+        let (pose_m, wall_m, walls) = errors(&robot, &diary);
+        if round > 20 {
+            assert_eq!(walls, 4, "round {round}");
+            worst_m = worst_m.max(pose_m).max(wall_m);
+        }
+    }
+    assert!(diary.losses().thinned > 1000, "{:?}", diary.losses());
+    assert_eq!((diary.losses().hits, diary.losses().walls), (0, 0));
+    assert!(worst_m < 0.03, "{worst_m}");
+}
+
+#[test]
+fn a_full_diary_interrupts_a_look_back_that_can_begin_again() {
+    let (mut robot, mut diary) = (Robot::new(4), SmallDiary::new(&DRIVE, Pose::ORIGIN));
+    robot.drive(&mut diary, 500);
+    let mut look_back = Small::new();
+    look_back.begin(&diary);
+    let before = diary.losses().thinned;
+    let mut steps = 0;
+    let progress = loop {
+        match look_back.work(&mut diary, 1) {
+            Progress::Working => robot.drive(&mut diary, 1),
+            ended => break ended,
+        }
+        steps += 1;
+    };
+    assert_eq!(progress, Progress::Interrupted, "after {steps}");
+    assert!(diary.losses().thinned > before);
+    assert_eq!(finish(&mut look_back, &mut diary, u32::MAX), Progress::Done);
+    let (pose_m, wall_m, walls) = errors(&robot, &diary);
+    assert!(pose_m < 0.02 && wall_m < 0.02 && walls == 4, "{pose_m} {wall_m} {walls}");
+}
+
+#[test]
+fn what_is_no_number_is_not_written_down_and_nothing_is_not_placed() {
+    let mut diary = SmallDiary::new(&DRIVE, Pose::ORIGIN);
+    let mut look_back = Small::new();
+    assert_eq!(finish(&mut look_back, &mut diary, u32::MAX), Progress::Nothing);
+    let good = crate::Hit { from_m: [0.0; 2], end_m: [1.0, 0.0], sigma_m: 0.01, alike: 1.0, sensor: 0, wall: Some(1) };
+    diary.hit(&crate::Hit { end_m: [f32::NAN, 0.0], ..good });
+    diary.hit(&crate::Hit { sigma_m: 0.0, ..good });
+    diary.hit(&crate::Hit { alike: 0.0, ..good });
+    assert_eq!(diary.group_count(), 0);
+    diary.hit(&good);
+    assert_eq!(diary.group_count(), 1);
+}

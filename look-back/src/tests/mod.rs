@@ -1,0 +1,6 @@
+mod drive;
+mod drives;
+mod groups;
+mod random;
+mod sizes;
+mod steps;

@@ -1,0 +1,69 @@
+//! Two neighbouring keyframes made one.
+
+use heapless::Vec;
+
+use crate::diary::Keyframe;
+use crate::frame::{Frame, relative};
+use crate::group::Group;
+
+/// So much turning makes the odometry as unsure as a metre of path, radians.
+const RAD_PER_M: f32 = 0.8;
+
+/// Makes those two neighbours one that are nearest to each other along the path, of those that a look back has placed: of the
+/// others only where there are no two such. The last keyframe stays as it is: the robot is about it. False where there are
+/// not enough.
+pub fn thin<const K: usize, const G: usize>(
+    keyframes: &mut Vec<Keyframe, K>,
+    groups: &mut Vec<Group, G>,
+    placed: u32,
+) -> bool {
+    let span = |key: &Keyframe| key.path_m + key.turning_rad / RAD_PER_M;
+    let inner = keyframes.len().saturating_sub(1);
+    let settled = keyframes.iter().take(inner).take_while(|key| key.serial <= placed).count();
+    let pairs_of = if settled >= 2 { settled } else { inner };
+    let pairs = keyframes.iter().zip(keyframes.iter().skip(1)).take(pairs_of.saturating_sub(1)).enumerate();
+    let shortest = pairs.min_by(|(_, a), (_, b)| (span(a.0) + span(a.1)).total_cmp(&(span(b.0) + span(b.1))));
+    let Some((at, (first, second))) = shortest else { return false };
+    let (first, second) = (*first, *second);
+    let before: usize = keyframes.iter().take(at).map(|key| usize::from(key.groups)).sum();
+    let apart = relative(&first.pose, &second.pose);
+    let both = usize::from(first.groups) + usize::from(second.groups);
+    let seen = groups.get_mut(before..before + both).unwrap_or_default();
+    let gone = join(seen, first.groups.into(), &Frame::of(&apart));
+    groups.retain(|group| group.hits > 0);
+    let one = Keyframe {
+        serial: first.serial,
+        pose: first.pose,
+        motion: first.motion.compose(&second.motion),
+        path_m: first.path_m + second.path_m,
+        turning_rad: first.turning_rad + second.turning_rad,
+        groups: first.groups + second.groups - gone,
+    };
+    if let Some(key) = keyframes.get_mut(at) {
+        *key = one;
+    }
+    let mut i = 0;
+    keyframes.retain(|_| {
+        i += 1;
+        i != at + 2
+    });
+    true
+}
+
+/// Brings the groups past the first `own` into the frame of those; what is on one wall becomes one, and is left without
+/// hits. How many these are.
+fn join(groups: &mut [Group], own: usize, apart: &Frame) -> u16 {
+    let mut gone = 0;
+    let Some((first, second)) = groups.split_at_mut_checked(own) else { return 0 };
+    for group in second {
+        *group = group.moved(apart);
+        let same =
+            first.iter_mut().find(|other| other.hits > 0 && other.wall().is_some() && other.wall() == group.wall());
+        if let Some(same) = same {
+            same.add(group);
+            group.hits = 0;
+            gone += 1;
+        }
+    }
+    gone
+}
