@@ -18,8 +18,9 @@
 //! One rule: work is asked for. The crate knows nothing of tasks, files or clocks; [`LookBack::work`] does about as many
 //! multiply-adds as it is allowed and returns.
 //!
-//! What is wired up: the workbench feeds a drive to it and compares it with its own look back, which has no bounds on
-//! memory (`lab look-back`). No robot runs it yet: the firmware has no task for it, and the filter takes nothing over.
+//! What is wired up: a measurement feeds recorded drives to it and sets it beside the workbench's look back, which has no bounds
+//! on memory (`cargo run --release --package tests --example robot_look_back`). No robot runs it yet: the firmware has no
+//! task for it, and the filter takes nothing over.
 //!
 //! Frames and units are slam-core's: metres, radians; *map* is where the first keyframe was put. All is f32; what is solved
 //! for are increments, so that sums over a long drive lose nothing that matters.

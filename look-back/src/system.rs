@@ -48,13 +48,8 @@ impl Pair {
 
     /// The equations of the next pose, once `left` is taken off them.
     fn move_on(&mut self, left: &Matrix3, right: [f32; 3]) {
-        for i in 0..3 {
-            for j in 0..3 {
-                self.next[i][j] -= left[i][j];
-            }
-            self.next_right[i] -= right[i];
-        }
-        *self = Self { own: self.next, right: self.next_right, ..Self::ZERO };
+        let own = [0, 1, 2].map(|i| [0, 1, 2].map(|j| self.next[i][j] - left[i][j]));
+        *self = Self { own, right: [0, 1, 2].map(|i| self.next_right[i] - right[i]), ..Self::ZERO };
     }
 }
 

@@ -99,7 +99,17 @@ fn host() -> Result {
 /// The robot's crates build for a processor that has no standard library.
 fn no_std() -> Result {
     let mut build = Thumb::require()?.cargo(".", "build");
-    run(build.args(["--release", "--package", "slam-core", "--package", "robot", "--package", "wire"]))?;
+    run(build.args([
+        "--release",
+        "--package",
+        "slam-core",
+        "--package",
+        "look-back",
+        "--package",
+        "robot",
+        "--package",
+        "wire",
+    ]))?;
     let mut with_defmt = Thumb::require()?.cargo(".", "build");
     run(with_defmt.args(["--release", "--package", "slam-core", "--features", "defmt"]))
 }

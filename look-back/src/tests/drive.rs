@@ -88,13 +88,13 @@ impl Robot {
     }
 
     /// A place in the frame of the start pose, which is the map.
-    fn from_start(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+    fn in_map(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [x - self.start[0], y - self.start[1]]
     }
 
     /// How far a pose of the map is from the true one, metres.
     pub fn error_m(&self, pose: &Pose) -> f64 {
-        let [x, y] = self.from_start([self.truth[0], self.truth[1]]);
+        let [x, y] = self.in_map([self.truth[0], self.truth[1]]);
         (f64::from(pose.x_m) - x).hypot(f64::from(pose.y_m) - y)
     }
 

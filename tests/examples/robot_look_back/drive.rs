@@ -5,8 +5,8 @@ use look_back::{Hit, Progress, RobotDiary, RobotLookBack};
 use slam_core::{Increment, Outcome, Rig, WallKind, WallView};
 
 use lab::evaluate::smoother::{Noise, moved};
-use lab::recording::{Pose2, Recording, wrap};
 use lab::input::rig_file::MAX_SENSORS;
+use lab::recording::{Pose2, Recording, wrap};
 
 /// Multiply-adds that are asked for at once.
 const BUDGET: u32 = 20_000;
@@ -47,11 +47,7 @@ pub fn look_back(recording: &Recording, rig: &Rig<MAX_SENSORS>) -> Option<Looked
     }
     let path = robot.path(recording);
     let walls = robot.walls();
-    Some(Looked {
-        recording: moved(recording, &path, walls),
-        diary: robot.diary,
-        looks: robot.looks,
-    })
+    Some(Looked { recording: moved(recording, &path, walls), diary: robot.diary, looks: robot.looks })
 }
 
 /// A keyframe that was begun.

@@ -1,4 +1,4 @@
-//! The robot's own look back beside the workbench's, which has no bounds on memory, as a table:
+//! Prints `docs/results/look-back.md`: the look back in a robot's memory beside the workbench's, which has no bounds.
 //! `cargo run --release --package tests --example robot_look_back -- FOLDER...`, each folder with a log and its `rig.toml`.
 
 mod drive;
@@ -19,13 +19,23 @@ use drive::{Looked, look_back};
 /// Names that a log may have in its folder.
 const LOGS: [&str; 2] = ["log.csv", "wean.log.gz"];
 
+const HEAD: &str = "\
+# The look back in a robot's memory
+
+Printed by `cargo run --release --package tests --example robot_look_back -- FOLDER...` for folders of
+[real logs](real-logs.md). *Live* is the filter; *workbench* is its look back, with all of the log and no bounds on
+memory; *robot's size* is the crate `look-back` with 256 keyframes, 1,024 groups of hits and 64 walls in f32, looking back
+after every 64 new keyframes and at the end. [How it works](../explanation/look-back.md).
+";
+
 fn main() {
+    println!("{HEAD}");
     println!(
         "| log | | aligned RMSE | visits apart | sharper than odometry | widest gap | walls |\n|---|---|---|---|---|---|---|"
     );
     let efforts: Vec<String> = std::env::args().skip(1).map(|folder| row(Path::new(&folder))).collect();
     println!(
-        "\n| log | keyframes begun | thinned | look backs | costliest, steps | multiply-adds | of its longest slice |\n\
+        "\nA multiply-add is counted as the crate counts its work, to be asked for in slices.\n\n| log | keyframes begun | thinned | look backs | costliest, steps | multiply-adds | of its longest slice |\n\
          |---|---|---|---|---|---|---|"
     );
     efforts.iter().for_each(|effort| println!("{effort}"));
