@@ -63,14 +63,11 @@ impl Variant {
                 WallPolicy::Grid | WallPolicy::NearGrid => Linearisation::FirstEstimates,
                 _ => Linearisation::Latest,
             };
-            let config = Config {
-                walls,
-                linearisation,
-                calibrate_gains: calibrate,
-                calibrate_scales: calibrate,
-                calibrate_track: calibrate,
-                ..Config::default()
-            };
+            let mut config = Config { walls: walls.into(), ..Config::default() };
+            config.measurement.linearisation = linearisation;
+            config.sensing.calibrate_gains = calibrate;
+            config.motion.calibrate_scales = calibrate;
+            config.motion.calibrate_track = calibrate;
             Method::Slam(config, Buffer::B128)
         };
         let methods = [
@@ -91,17 +88,15 @@ impl Variant {
     /// # Errors
     /// A value that is not allowed.
     pub(crate) fn of(toml: &TomlFile<'_>, place: &str, keys: keys::Variant) -> Result<Self, FileError> {
-        let default = Config::default();
-        let mut config = Config {
-            walls: keys.walls.map_or(WallPolicy::Grid, Walls::policy),
-            clustering: keys.clusters.map_or(default.clustering, Groups::clustering),
-            linearisation: keys.jacobians.map_or(default.linearisation, Jacobians::linearisation),
-            calibrate_gains: keys.calibrate_gains.unwrap_or(true),
-            calibrate_scales: keys.calibrate_scales.unwrap_or(true),
-            calibrate_track: keys.calibrate_track.unwrap_or(true),
-            gate: keys.gate.as_ref().map_or(default.gate, Number::single),
-            ..default
-        };
+        let mut config = Config::default();
+        config.walls.policy = keys.walls.map_or(WallPolicy::Grid, Walls::policy);
+        config.births.clustering = keys.clusters.map_or(config.births.clustering, Groups::clustering);
+        config.measurement.linearisation =
+            keys.jacobians.map_or(config.measurement.linearisation, Jacobians::linearisation);
+        config.measurement.gate = keys.gate.as_ref().map_or(config.measurement.gate, Number::single);
+        config.sensing.calibrate_gains = keys.calibrate_gains.unwrap_or(true);
+        config.motion.calibrate_scales = keys.calibrate_scales.unwrap_or(true);
+        config.motion.calibrate_track = keys.calibrate_track.unwrap_or(true);
         for name in keys.without {
             let error = || {
                 let message = format!("names {:?}; parts are {}", name.as_ref(), part::names());
@@ -135,7 +130,9 @@ mod tests {
             toml.read().and_then(|keys| Variant::of(&toml, "variant[0]", keys)).map_err(|error| error.to_string())
         };
         let found = read("name = \"exact\"\nwithout = [\"gains\", \"scales\"]").expect("a variant");
-        let expected = Config { calibrate_gains: false, calibrate_scales: false, ..Config::default() };
+        let mut expected = Config::default();
+        expected.sensing.calibrate_gains = false;
+        expected.motion.calibrate_scales = false;
         assert_eq!(found.method, Method::Slam(expected, Buffer::B128));
         let error = read("name = \"exact\"\nwithout = [\"luck\"]").expect_err("no such part");
         assert!(error.contains("variant[0].without: names \"luck\"; parts are grid, gains"), "{error}");

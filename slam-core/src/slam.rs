@@ -3,11 +3,11 @@
 use crate::births::candidates::{Candidates, Kept, Unexplained};
 use crate::births::extend::Extension;
 use crate::clock::{Clock, Tick};
-use crate::config::{Clustering, Config, Linearisation, MapFrame, WallPolicy};
+use crate::config::Config;
 use crate::filter::ekf::{Ekf, Jacobian, storage};
 use crate::filter::layout::{self, THETA};
 use crate::geometry::angle::{sin_cos, wrap};
-use crate::measurement::first_estimates::FirstEstimates;
+use crate::measurement::first_estimates::{FirstEstimates, Linearisation};
 use crate::measurement::observe::Observer;
 use crate::measurement::sensor::{Sensor, SensorState};
 use crate::motion::drive::{Drive, DriveStates};
@@ -20,6 +20,7 @@ use crate::sensing::latency::{self, Latency, Timing};
 use crate::sensing::noise_level::NoiseLevels;
 use crate::walls::map::Map;
 use crate::walls::upkeep::upkeep;
+use crate::walls::wall::WallPolicy;
 use heapless::Vec;
 
 /// The estimator as it runs on the robot: 8 range sensors, 64 walls, 128 buffered outliers, 80 states.
@@ -28,9 +29,9 @@ pub type RobotSlam = Slam<8, 64, 128, { storage(80) }>;
 /// The estimator as the workbench runs it: 16 range sensors, 64 walls of any kind, 160 states.
 pub type HostSlam = Slam<16, 64, 128, { storage(160) }>;
 
-/// The estimator: at most `S` range sensors, `W` walls, `B` buffered outliers and as many states as `BLOCKS` =
+/// The estimator: at most `S` range sensors, `W` walls, `B` buffered outliers and as many states as `ROWS` =
 /// [`ekf::storage`](crate::ekf::storage)`(states)` is for.
-pub struct Slam<const S: usize, const W: usize, const B: usize, const BLOCKS: usize> {
+pub struct Slam<const S: usize, const W: usize, const B: usize, const ROWS: usize> {
     pub(crate) rig: Rig<S>,
     pub(crate) config: Config,
     clock: Clock,
@@ -39,14 +40,14 @@ pub struct Slam<const S: usize, const W: usize, const B: usize, const BLOCKS: us
     pub(crate) latency: Latency,
     pub(crate) levels: NoiseLevels,
     pub(crate) correlation: SurfaceCorrelation<S>,
-    pub(crate) ekf: Ekf<BLOCKS>,
+    pub(crate) ekf: Ekf<ROWS>,
     pub(crate) first: FirstEstimates,
     pub(crate) map: Map<W>,
     candidates: Candidates<B>,
     pub(crate) counters: Counters,
 }
 
-impl<const S: usize, const W: usize, const B: usize, const BLOCKS: usize> Slam<S, W, B, BLOCKS> {
+impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, W, B, ROWS> {
     /// Not started. Every value here is one whose bytes are zero, so that a static of it costs no flash.
     pub const IDLE: Self = Self {
         rig: Rig {
@@ -60,23 +61,7 @@ impl<const S: usize, const W: usize, const B: usize, const BLOCKS: usize> Slam<S
             adc: None,
             sensors: Vec::new(),
         },
-        config: Config {
-            walls: WallPolicy::Snapped { theta_moves: false },
-            clustering: Clustering::BySensor,
-            calibrate_gains: false,
-            calibrate_scales: false,
-            calibrate_track: false,
-            gate: 0.0,
-            linearisation: Linearisation::Latest,
-            repeats: false,
-            relief_m: 0.0,
-            frame: MapFrame::Start,
-            clutter: false,
-            calibrate_latency: false,
-            slip: false,
-            mean_travel: false,
-            learn_noise: false,
-        },
+        config: Config::IDLE,
         clock: Clock::NEW,
         drive: Drive::START,
         sensors: [SensorState::NONE; S],
@@ -108,7 +93,7 @@ impl<const S: usize, const W: usize, const B: usize, const BLOCKS: usize> Slam<S
     pub fn start(&mut self, rig: Rig<S>, config: Config) -> Result<(), RigError> {
         const {
             assert!(S <= MAX_SENSORS && B <= 255, "at most 16 sensors and 255 outliers");
-            assert!(4 + 3 + S < Ekf::<BLOCKS>::CAPACITY, "room for the calibration");
+            assert!(4 + 3 + S < Ekf::<ROWS>::CAPACITY, "room for the calibration");
         };
         rig.validate()?;
         self.ekf.clear();
@@ -121,7 +106,7 @@ impl<const S: usize, const W: usize, const B: usize, const BLOCKS: usize> Slam<S
         self.levels = NoiseLevels::STATED;
         self.correlation = SurfaceCorrelation::NEW;
         self.first = FirstEstimates::START;
-        self.map.clear(config.frame);
+        self.map.clear(config.walls.frame);
         self.candidates.clear();
         self.counters = Counters::ZERO;
         self.add_states();
@@ -142,15 +127,15 @@ impl<const S: usize, const W: usize, const B: usize, const BLOCKS: usize> Slam<S
             DriveModel::Odometry { scale_sigma, .. } => (scale_sigma, 0.0),
         };
         drive.states = DriveStates {
-            first_scale: allot(config.calibrate_scales, 1.0, scale_sigma),
-            second_scale: allot(config.calibrate_scales, 1.0, scale_sigma),
-            track: allot(config.calibrate_track, 1.0, track_sigma),
+            first_scale: allot(config.motion.calibrate_scales, 1.0, scale_sigma),
+            second_scale: allot(config.motion.calibrate_scales, 1.0, scale_sigma),
+            track: allot(config.motion.calibrate_track, 1.0, track_sigma),
         };
         for (state, sensor) in sensors.iter_mut().zip(&rig.sensors) {
-            *state = SensorState::new(sensor, allot(config.calibrate_gains, 1.0, sensor.gain_sigma));
+            *state = SensorState::new(sensor, allot(config.sensing.calibrate_gains, 1.0, sensor.gain_sigma));
         }
         let reports_metres = rig.sensors.iter().any(|sensor| matches!(sensor.model, RangeModel::Metric { .. }));
-        latency.state = allot(config.calibrate_latency && reports_metres, 0.0, latency::PRIOR_SIGMA_S);
+        latency.state = allot(config.sensing.calibrate_latency && reports_metres, 0.0, latency::PRIOR_SIGMA_S);
     }
 
     /// Predict, observe, extend the map (report section 3). Never fails: what cannot be used is refused and counted.
@@ -182,13 +167,13 @@ impl<const S: usize, const W: usize, const B: usize, const BLOCKS: usize> Slam<S
             return;
         }
         self.counters.add_motion(travel.is_none());
-        let factors = drive.advance(&rig.drive, config, travel, tick.dt_s, ekf);
+        let factors = drive.advance(&rig.drive, &config.motion, travel, tick.dt_s, ekf);
         let step = &drive.step;
-        let noise = if config.learn_noise { self.levels.of_motion(&step.noise) } else { step.noise };
+        let noise = if config.sensing.learn_noise { self.levels.of_motion(&step.noise) } else { step.noise };
         let before = layout::pose(ekf);
         let (jacobian, noise) = Step { noise, ..*step }.in_map(sin_cos(before.theta_rad), &factors);
         let pose = step.applied_to(&before);
-        let jacobian = match config.linearisation {
+        let jacobian = match config.measurement.linearisation {
             Linearisation::Latest => jacobian,
             Linearisation::FirstEstimates => self.first.of_motion(jacobian, &pose),
         };
@@ -202,7 +187,10 @@ impl<const S: usize, const W: usize, const B: usize, const BLOCKS: usize> Slam<S
         let odometry = &self.drive.dead_reckoning;
         let timing = Timing { dt_s, step: &self.drive.step, latency: &self.latency };
         let mut observer = Observer {
-            config: &self.config,
+            settings: &self.config.measurement,
+            sensing: &self.config.sensing,
+            relief_m: self.config.walls.relief_m,
+            theta_moves: self.config.walls.policy == (WallPolicy::Snapped { theta_moves: true }),
             ekf: &mut self.ekf,
             map: &mut self.map,
             levels: &mut self.levels,
@@ -242,7 +230,8 @@ impl<const S: usize, const W: usize, const B: usize, const BLOCKS: usize> Slam<S
     /// Finds new walls among the outliers (report 3.3), and keeps the map tidy.
     fn extend_map(&mut self, dt_s: f32, report: &mut StepReport<S>) {
         let born = Extension {
-            config: &self.config,
+            settings: &self.config.births,
+            walls: &self.config.walls,
             ekf: &mut self.ekf,
             map: &mut self.map,
             candidates: &mut self.candidates,
@@ -253,7 +242,7 @@ impl<const S: usize, const W: usize, const B: usize, const BLOCKS: usize> Slam<S
         }
         .extend(dt_s);
         let (number, path_m) = (self.counters.steps as usize, self.drive.dead_reckoning.path_m);
-        let tidied = upkeep(&mut self.map, &mut self.ekf, self.config.walls, number, path_m);
+        let tidied = upkeep(&mut self.map, &mut self.ekf, self.config.walls.policy, number, path_m);
         for changes in [born, tidied] {
             self.counters.add_changes(&changes);
             report.add(&changes);

@@ -49,7 +49,7 @@ pub struct WallView {
     pub updates: u32,
 }
 
-impl<const S: usize, const W: usize, const B: usize, const BLOCKS: usize> Slam<S, W, B, BLOCKS> {
+impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, W, B, ROWS> {
     /// The rig.
     pub fn rig(&self) -> &Rig<S> {
         &self.rig

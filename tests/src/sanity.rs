@@ -37,9 +37,9 @@ impl Tally {
     }
 
     /// Compares with the estimator's own counters.
-    pub fn assert_agrees<const S: usize, const W: usize, const B: usize, const BLOCKS: usize>(
+    pub fn assert_agrees<const S: usize, const W: usize, const B: usize, const ROWS: usize>(
         &self,
-        slam: &Slam<S, W, B, BLOCKS>,
+        slam: &Slam<S, W, B, ROWS>,
     ) {
         let counters = slam.counters();
         assert_eq!(counters.steps, self.steps);
@@ -52,7 +52,7 @@ impl Tally {
 }
 
 /// Pose, covariance, walls and calibration are numbers, and the covariance is one: symmetric, not negative.
-pub fn assert_sane<const S: usize, const W: usize, const B: usize, const BLOCKS: usize>(slam: &Slam<S, W, B, BLOCKS>) {
+pub fn assert_sane<const S: usize, const W: usize, const B: usize, const ROWS: usize>(slam: &Slam<S, W, B, ROWS>) {
     let (pose, covariance) = (slam.pose(), slam.pose_covariance());
     assert!(pose.x_m.is_finite() && pose.y_m.is_finite(), "{pose:?}");
     assert!(pose.theta_rad.abs() <= core::f32::consts::PI, "{pose:?}");
@@ -65,7 +65,7 @@ pub fn assert_sane<const S: usize, const W: usize, const B: usize, const BLOCKS:
     for (parameter, factor, sigma) in slam.calibration() {
         assert!(factor.is_finite() && sigma.is_finite() && sigma > 0.0, "{parameter:?}: {factor} +- {sigma}");
     }
-    assert!(slam.walls().count() <= W && slam.state_len() <= Ekf::<BLOCKS>::CAPACITY);
+    assert!(slam.walls().count() <= W && slam.state_len() <= Ekf::<ROWS>::CAPACITY);
 }
 
 /// Symmetric to the bit, and without a negative principal minor beyond f32's rounding.

@@ -57,7 +57,7 @@ mod tests {
     fn the_same_estimator_makes_the_same_of_a_drives_log() {
         let (driven, again) = (drive("room", 1.0, 1).figures, estimated(&rows("room", 1.0, 1), Config::default()));
         assert_eq!((driven.estimate, driven.walls, driven.mean_nis), (again.estimate, again.walls, again.mean_nis));
-        let free = Config { walls: slam_core::WallPolicy::Free, ..Config::default() };
+        let free = Config { walls: slam_core::WallPolicy::Free.into(), ..Config::default() };
         assert_ne!(estimated(&rows("room", 1.0, 1), free).estimate, again.estimate);
     }
 }

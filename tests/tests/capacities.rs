@@ -7,12 +7,12 @@ use tests::frames::{narrowed, narrowed_rig, recorded};
 use tests::sanity::{Tally, assert_sane};
 
 /// Runs an estimator over the frames and returns its counters and the most walls and states that it ever had.
-fn run<const W: usize, const B: usize, const BLOCKS: usize>(
+fn run<const W: usize, const B: usize, const ROWS: usize>(
     frames: &[Frame],
     walls: WallPolicy,
 ) -> (Counters, usize, usize) {
     let rig = narrowed_rig(&default_rig());
-    let mut slam = Slam::<8, W, B, BLOCKS>::new(rig, Config { walls, ..Config::default() }).unwrap();
+    let mut slam = Slam::<8, W, B, ROWS>::new(rig, Config { walls: walls.into(), ..Config::default() }).unwrap();
     let mut tally = Tally::default();
     let (mut most_walls, mut most_states) = (0, 0);
     for frame in frames {
@@ -68,15 +68,16 @@ fn a_full_map_refuses_births_counts_them_and_goes_on() {
 #[test]
 fn a_full_state_refuses_births_that_do_not_fit() {
     let frames = recorded("flat", 2.0, 1, SimOptions::default());
-    // 24 states, of which pose, grid, two wheel scales and eight gains take 14: room for five free walls, or ten on a grid.
-    for (policy, at_most) in
-        [(WallPolicy::Free, 5), (WallPolicy::Snapped { theta_moves: false }, 5), (WallPolicy::Grid, 10)]
-    {
-        let (counters, walls, states) = run::<64, 128, { storage(24) }>(&frames, policy);
-        assert!(walls <= at_most && walls >= 4, "{policy:?}: {walls} walls");
-        assert!(states > 22 && states <= 24, "{policy:?}: {states} states");
+    // 16 states, of which pose, grid, two wheel scales and eight gains take 14: room for one free wall, which alone founds
+    // no grid.
+    for policy in [WallPolicy::Free, WallPolicy::Snapped { theta_moves: false }, WallPolicy::Grid] {
+        let (counters, walls, states) = run::<64, 128, { storage(16) }>(&frames, policy);
+        assert_eq!((walls, states), (1, 16), "{policy:?}");
         assert!(counters.map_full > 0, "{policy:?}: {counters:?}");
     }
+    // 32 states: room for nine free walls.
+    let (counters, walls, states) = run::<64, 128, { storage(32) }>(&frames, WallPolicy::Free);
+    assert!(walls >= 8 && states <= 32, "{walls} walls, {states} states: {counters:?}");
 }
 
 #[test]

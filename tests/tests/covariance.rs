@@ -15,7 +15,11 @@ fn it_is_a_covariance_at_every_step_of_a_run() {
         WallPolicy::Snapped { theta_moves: true },
     ] {
         let clustering = if walls == WallPolicy::Free { Clustering::Dbscan } else { Clustering::BySensor };
-        let mut slam = HostSlam::new(default_rig(), Config { walls, clustering, ..Config::default() }).unwrap();
+        let mut slam = HostSlam::new(
+            default_rig(),
+            Config { walls: walls.into(), births: clustering.into(), ..Config::default() },
+        )
+        .unwrap();
         let mut tally = Tally::default();
         for frame in &frames {
             let report = slam.step(&frame.sample);

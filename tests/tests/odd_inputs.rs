@@ -117,15 +117,17 @@ fn config() -> impl Strategy<Value = Config> {
         WallPolicy::Snapped { theta_moves: true },
     ];
     (proptest::sample::select(walls.to_vec()), any::<bool>(), any::<bool>()).prop_map(
-        |(walls, by_sensor, calibrate)| Config {
-            walls,
-            linearisation: if by_sensor { Linearisation::FirstEstimates } else { Linearisation::Latest },
-            clustering: if by_sensor { Clustering::BySensor } else { Clustering::Dbscan },
-            calibrate_gains: calibrate,
-            calibrate_scales: calibrate,
-            calibrate_track: !calibrate,
+        |(walls, by_sensor, calibrate)| {
             // What belongs to real rooms otherwise comes with walls near the grid.
-            ..if walls == WallPolicy::NearGrid { Config::real_rooms() } else { Config::default() }
+            let mut config = if walls == WallPolicy::NearGrid { Config::real_rooms() } else { Config::default() };
+            config.walls.policy = walls;
+            config.measurement.linearisation =
+                if by_sensor { Linearisation::FirstEstimates } else { Linearisation::Latest };
+            config.births.clustering = if by_sensor { Clustering::BySensor } else { Clustering::Dbscan };
+            config.sensing.calibrate_gains = calibrate;
+            config.motion.calibrate_scales = calibrate;
+            config.motion.calibrate_track = !calibrate;
+            config
         },
     )
 }

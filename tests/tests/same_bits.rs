@@ -43,7 +43,7 @@ fn the_same_samples_give_the_same_bits_at_every_step() {
     let mut ends = Vec::new();
     for walls in [WallPolicy::Free, WallPolicy::Grid, WallPolicy::Snapped { theta_moves: true }] {
         for clustering in [Clustering::BySensor, Clustering::Dbscan] {
-            let config = Config { walls, clustering, ..Config::default() };
+            let config = Config { walls: walls.into(), births: clustering.into(), ..Config::default() };
             let ((first, slam), (second, _)) = (run(&frames, config), run(&frames, config));
             assert_eq!(first, second, "{config:?}");
             assert!(slam.walls().count() > 0, "{config:?}");

@@ -35,8 +35,8 @@ impl From<Range> for RangeInput {
 
 impl Estimate {
     /// What the estimator holds after the sample taken at this time.
-    pub fn of<const S: usize, const W: usize, const B: usize, const BLOCKS: usize>(
-        slam: &Slam<S, W, B, BLOCKS>,
+    pub fn of<const S: usize, const W: usize, const B: usize, const ROWS: usize>(
+        slam: &Slam<S, W, B, ROWS>,
         time_us: u64,
     ) -> Self {
         let (pose, dead_reckoning, p) = (slam.pose(), slam.dead_reckoning(), slam.pose_covariance());
@@ -87,9 +87,7 @@ impl Wall {
 
 impl Calibration {
     /// The estimator's calibration; factors beyond the frame's room are left out.
-    pub fn of<const S: usize, const W: usize, const B: usize, const BLOCKS: usize>(
-        slam: &Slam<S, W, B, BLOCKS>,
-    ) -> Self {
+    pub fn of<const S: usize, const W: usize, const B: usize, const ROWS: usize>(slam: &Slam<S, W, B, ROWS>) -> Self {
         let mut calibration = Self::default();
         for (parameter, estimate, sigma) in slam.calibration() {
             let factor = Factor { parameter: parameter.into(), estimate, sigma };

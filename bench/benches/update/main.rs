@@ -56,8 +56,8 @@ fn reading(n: usize) -> [(usize, f32); 6] {
 /// So large that the covariance stays as it is over any number of updates.
 const NOISE: f32 = 1e6;
 
-fn slam_core<const N: usize, const BLOCKS: usize>() -> impl FnMut() {
-    let mut ekf = Box::new(Ekf::<BLOCKS>::EMPTY);
+fn slam_core<const N: usize, const ROWS: usize>() -> impl FnMut() {
+    let mut ekf = Box::new(Ekf::<ROWS>::EMPTY);
     for i in 0..N {
         let jacobian: Jacobian = (i > 0).then_some((0, 0.1)).into_iter().collect();
         ekf.augment(0.0, &jacobian, 1.0);

@@ -17,26 +17,32 @@ pub struct Part {
 
 /// Every part.
 pub const PARTS: [Part; 14] = [
-    Part::new("grid", "every wall has a direction of its own", |config| config.walls = WallPolicy::Free),
-    Part::new("gains", "the range sensors' gains are taken for exact", |config| config.calibrate_gains = false),
-    Part::new("scales", "the drive's scales are taken for exact", |config| config.calibrate_scales = false),
-    Part::new("track", "the track is taken for exact", |config| config.calibrate_track = false),
+    Part::new("grid", "every wall has a direction of its own", |config| config.walls.policy = WallPolicy::Free),
+    Part::new("gains", "the range sensors' gains are taken for exact", |config| config.sensing.calibrate_gains = false),
+    Part::new("scales", "the drive's scales are taken for exact", |config| config.motion.calibrate_scales = false),
+    Part::new("track", "the track is taken for exact", |config| config.motion.calibrate_track = false),
     Part::new("first-estimates", "models are differentiated at the latest estimates", |config| {
-        config.linearisation = Linearisation::Latest;
+        config.measurement.linearisation = Linearisation::Latest;
     }),
     Part::new("deviation", "walls on the grid have exactly its direction", |config| {
-        if config.walls == WallPolicy::NearGrid {
-            config.walls = WallPolicy::Grid;
+        if config.walls.policy == WallPolicy::NearGrid {
+            config.walls.policy = WallPolicy::Grid;
         }
     }),
-    Part::new("repeats", "each reading of a wall is a new one, however near the last", |config| config.repeats = false),
-    Part::new("relief", "the surfaces of walls are planes", |config| config.relief_m = 0.0),
-    Part::new("frame", "the start pose holds the map frame", |config| config.frame = MapFrame::Start),
-    Part::new("clutter", "a reading inside a wall's gate is the wall's", |config| config.clutter = false),
-    Part::new("latency", "readings that come in metres are of the moment", |config| config.calibrate_latency = false),
-    Part::new("slip", "the rig states all the noise of motion", |config| config.slip = false),
-    Part::new("mean-travel", "scales multiply each step's odometry as it is", |config| config.mean_travel = false),
-    Part::new("levels", "the noise is as large as the rig states", |config| config.learn_noise = false),
+    Part::new("repeats", "each reading of a wall is a new one, however near the last", |config| {
+        config.sensing.repeats = false
+    }),
+    Part::new("relief", "the surfaces of walls are planes", |config| config.walls.relief_m = 0.0),
+    Part::new("frame", "the start pose holds the map frame", |config| config.walls.frame = MapFrame::Start),
+    Part::new("clutter", "a reading inside a wall's gate is the wall's", |config| config.measurement.clutter = false),
+    Part::new("latency", "readings that come in metres are of the moment", |config| {
+        config.sensing.calibrate_latency = false
+    }),
+    Part::new("slip", "the rig states all the noise of motion", |config| config.motion.slip = false),
+    Part::new("mean-travel", "scales multiply each step's odometry as it is", |config| {
+        config.motion.mean_travel = false
+    }),
+    Part::new("levels", "the noise is as large as the rig states", |config| config.sensing.learn_noise = false),
 ];
 
 impl Part {

@@ -132,16 +132,14 @@ impl VariantArgs {
     fn config<const S: usize>(&self, rig: &Rig<S>) -> Config {
         let base = Config::for_rig(rig);
         let calibrate = !self.no_calibration;
-        let config = Config {
-            walls: self.walls.map_or(base.walls, Walls::policy),
-            clustering: self.clusters.clustering(),
-            linearisation: self.jacobians.linearisation(),
-            calibrate_gains: calibrate,
-            calibrate_scales: calibrate,
-            calibrate_track: calibrate,
-            calibrate_latency: calibrate && base.calibrate_latency,
-            ..base
-        };
+        let mut config = base;
+        config.walls.policy = self.walls.map_or(base.walls.policy, Walls::policy);
+        config.births.clustering = self.clusters.clustering();
+        config.measurement.linearisation = self.jacobians.linearisation();
+        config.sensing.calibrate_gains = calibrate;
+        config.motion.calibrate_scales = calibrate;
+        config.motion.calibrate_track = calibrate;
+        config.sensing.calibrate_latency = calibrate && base.sensing.calibrate_latency;
         self.without.iter().fold(config, |config, part| part.off(config))
     }
 }

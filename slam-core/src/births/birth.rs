@@ -2,13 +2,13 @@
 
 use crate::births::local_line::LocalLine;
 use crate::births::verdict::Verdict;
-use crate::config::WallPolicy;
 use crate::filter::ekf::{EkfView, Jacobian};
 use crate::filter::layout::{ALPHA, THETA, X, Y};
 use crate::geometry::angle::wrap;
 use crate::walls::founding::{self};
 use crate::walls::manhattan::GridDirection;
 use crate::walls::wall::Direction;
+use crate::walls::wall::WallPolicy;
 
 /// Adds the states of a wall. None, and nothing changed, where the state is full.
 pub fn add_states(ekf: &mut EkfView, verdict: Verdict, line: &LocalLine) -> Option<(usize, Direction)> {

@@ -7,8 +7,18 @@
 use crate::births::buffer::OutlierBuffer;
 use crate::births::dbscan::{NOISE, dbscan};
 use crate::births::line_fit::{FittedLine, Moments, fit};
-use crate::config::Clustering;
 use crate::walls::wall::GAP_M;
+
+/// How outliers are grouped into candidate walls.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Clustering {
+    /// Readings of one sensor that follow each other.
+    #[default]
+    BySensor,
+    /// Density-based over all sensors (Ester et al. 1996).
+    Dbscan,
+}
 
 /// Fewest points of a line: two make any line, and each further one is a test of it.
 const MIN_POINTS: u32 = 5;

@@ -1,21 +1,22 @@
 //! Extending the map: from the outlier buffer to new walls (report 3.3).
 
+use crate::births::BirthSettings;
 use crate::births::birth;
 use crate::births::candidates::{Candidates, SHORTEST_WALL_M};
 use crate::births::cluster::{Members, newest_line};
 use crate::births::line_fit::FittedLine;
 use crate::births::local_line::{LocalLine, Origin};
 use crate::births::verdict::{self, SHORT_M, Verdict};
-use crate::config::{Config, WallPolicy};
 use crate::filter::ekf::EkfView;
 use crate::filter::layout;
 use crate::measurement::sensor::SensorState;
 use crate::motion::drive::Drive;
 use crate::report::Changes;
 use crate::sensing::latency::Latency;
+use crate::walls::WallSettings;
 use crate::walls::manhattan::GridDirection;
 use crate::walls::map::MapView;
-use crate::walls::wall::Wall;
+use crate::walls::wall::{Wall, WallPolicy};
 
 /// A short line that was seen with such a gap is a row of things, metres: chairs' legs stand 0.4 m apart.
 const ROW_GAP_M: f32 = 0.15;
@@ -25,8 +26,10 @@ const CLUSTERINGS_PER_S: f32 = 25.0;
 
 /// Where new walls come from, and where they go.
 pub struct Extension<'a, const B: usize> {
-    /// Settings.
-    pub config: &'a Config,
+    /// Settings of this stage.
+    pub settings: &'a BirthSettings,
+    /// What walls are like.
+    pub walls: &'a WallSettings,
     /// The state.
     pub ekf: &'a mut EkfView,
     /// The walls.
@@ -52,7 +55,7 @@ impl<const B: usize> Extension<'_, B> {
         for _ in 0..turns {
             let Some(sensor) = self.candidates.next_pending(self.sensors.len()) else { break };
             let spacing_m = Candidates::<B>::spacing_m(self.in_rig);
-            let (clustering, relief_m) = (self.config.clustering, self.config.relief_m);
+            let (clustering, relief_m) = (self.settings.clustering, self.walls.relief_m);
             let found = newest_line(&self.candidates.buffer, sensor as u8, clustering, spacing_m, relief_m);
             if let Some((members, line)) = found
                 && self.is_wall(sensor, &line)
@@ -78,7 +81,7 @@ impl<const B: usize> Extension<'_, B> {
     /// heading; a wall near the grid turns nothing.
     fn is_row(&self, members: &Members<B>, line: &FittedLine) -> bool {
         let length_m = line.length_m();
-        if length_m > SHORT_M || !self.map.has_grid || self.config.walls == WallPolicy::NearGrid {
+        if length_m > SHORT_M || !self.map.has_grid || self.walls.policy == WallPolicy::NearGrid {
             return false;
         }
         const BINS: u32 = 32;
@@ -102,11 +105,11 @@ impl<const B: usize> Extension<'_, B> {
         let origin = Origin { ekf: self.ekf, drive: self.drive, sensors: self.sensors, latency: self.latency };
         let mut local = LocalLine::new(&origin, line, points);
         let grid = self.map.grid(self.ekf);
-        let verdict = verdict::judge(self.ekf, self.config.walls, grid.as_ref(), &local, &mut self.candidates.doubts);
+        let verdict = verdict::judge(self.ekf, self.walls.policy, grid.as_ref(), &local, &mut self.candidates.doubts);
         if verdict == Verdict::Wait {
             return false;
         }
-        local.add_relief(self.config.relief_m);
+        local.add_relief(self.walls.relief_m);
         let path_m = self.drive.dead_reckoning.path_m;
         let is_full = self.map.is_full() || self.ekf.len() + 2 > self.ekf.capacity();
         if is_full && self.map.evict(self.ekf, line.count, path_m) {

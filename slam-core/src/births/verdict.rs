@@ -1,13 +1,13 @@
 //! What a line is: on the grid, off it, or not clear yet (report 3.3).
 
 use crate::births::local_line::LocalLine;
-use crate::config::WallPolicy;
 use crate::filter::ekf::EkfView;
 use crate::filter::layout::{ALPHA, THETA};
 use crate::geometry::angle::wrap;
 use crate::walls::decision;
 use crate::walls::decision::{GRID_SHARE, SHORT_SHARE, decide};
 use crate::walls::manhattan::GridDirection;
+use crate::walls::wall::WallPolicy;
 
 /// Largest direction sigma of a free line, radians: two degrees.
 const DIRECTION_SIGMA: f32 = 0.035;

@@ -15,11 +15,11 @@ pub const LANES: usize = 8;
 /// Eight neighbouring columns of a row, or eight neighbouring entries of a vector.
 pub type Block = [f32; LANES];
 
-/// A row of a tile.
-type Pair = [Block; 2];
+/// Sixteen neighbouring entries: a row of a tile, or of a vector.
+pub type Pair = [Block; 2];
 
 /// States of a tile.
-const TILE: usize = 2 * LANES;
+pub const TILE: usize = 2 * LANES;
 
 /// States at the head, which every reading depends on: the pose and the grid's direction.
 pub const HEAD: usize = LANES / 2;
@@ -27,48 +27,39 @@ pub const HEAD: usize = LANES / 2;
 /// Most entries beside the head of a sparse row: the drive's calibration, sixteen gains in a birth, and one more.
 pub const MAX_OTHERS: usize = 20;
 
-/// Number of blocks that a covariance of `nb` block columns has.
-pub const fn blocks(nb: usize) -> usize {
-    2 * tile_start(nb.div_ceil(2))
+/// Number of rows in a covariance of so many tiles; also where the rows of the next tile start.
+pub const fn rows(tiles: usize) -> usize {
+    LANES * tiles * (tiles + 1)
 }
 
-/// Where the rows of tile `m` start.
-const fn tile_start(m: usize) -> usize {
-    LANES * m * (m + 1)
-}
-
-/// Entry `i` of a vector as long as the state, in blocks; zero past its end.
+/// Entry `i` of a vector as long as the state, or longer; zero past its end.
 #[inline]
-pub fn entry(vector: &[Block], i: usize) -> f32 {
-    vector.as_flattened().get(i).copied().unwrap_or(0.0)
+pub fn entry(vector: &[Pair], i: usize) -> f32 {
+    vector.as_flattened().as_flattened().get(i).copied().unwrap_or(0.0)
 }
 
 /// Product of such a vector with a sparse row, given by its first entries and the others.
-pub fn dot(vector: &[Block], head: &[f32; HEAD], others: &[(usize, f32)]) -> f32 {
+pub fn dot(vector: &[Pair], head: &[f32; HEAD], others: &[(usize, f32)]) -> f32 {
     let mut sum = 0.0;
-    for (h, value) in head.iter().zip(vector.as_flattened()) {
+    for (h, value) in head.iter().zip(vector.as_flattened().first().unwrap_or(&[0.0; LANES])) {
         sum += h * value;
     }
+    let entries = vector.as_flattened().as_flattened();
     for &(i, h) in others {
-        sum += h * entry(vector, i);
+        // With a second way out the compiler leaves the short loop as it is.
+        let Some(value) = entries.get(i) else { break };
+        sum += h * value;
     }
     sum
 }
 
 /// gain = factor * column, and mean += innovation * gain, over the first `n` entries' blocks.
-pub(crate) fn correct(
-    mean: &mut [Block],
-    gain: &mut [Block],
-    column: &[Block],
-    factor: f32,
-    innovation: f32,
-    n: usize,
-) {
-    let column = column.get(..n.div_ceil(LANES)).unwrap_or(&[]);
-    downdate::correct(mean, gain, column, factor, innovation);
+pub(crate) fn correct(mean: &mut [Pair], gain: &mut [Pair], column: &[Pair], factor: f32, innovation: f32, n: usize) {
+    let column = column.as_flattened().get(..n.div_ceil(LANES)).unwrap_or(&[]);
+    downdate::correct(mean.as_flattened_mut(), gain.as_flattened_mut(), column, factor, innovation);
 }
 
-/// A symmetric matrix of up to `8 nb` rows, in an array of [`blocks`]`(nb)` blocks or in a borrowed slice of so many.
+/// A symmetric matrix, in an array of [`rows`]`(tiles)` or in a borrowed slice of so many.
 #[derive(Clone, Debug)]
 pub struct Covariance<C>(pub C);
 
@@ -82,19 +73,19 @@ const fn locate(i: usize, j: usize) -> usize {
     if j > LARGEST {
         return usize::MAX;
     }
-    TILE * (tile_start(j / TILE) + i) + j % TILE
+    TILE * (rows(j / TILE) + i) + j % TILE
 }
 
-impl<C: AsRef<[Block]>> Covariance<C> {
+impl<C: AsRef<[Pair]>> Covariance<C> {
     /// The rows of all tiles.
     fn pairs(&self) -> &[Pair] {
-        self.0.as_ref().as_chunks().0
+        self.0.as_ref()
     }
 
     /// Entry (i, j); zero outside.
     #[inline]
     pub fn get(&self, i: usize, j: usize) -> f32 {
-        self.0.as_ref().as_flattened().get(locate(i, j)).copied().unwrap_or(0.0)
+        self.0.as_ref().as_flattened().as_flattened().get(locate(i, j)).copied().unwrap_or(0.0)
     }
 
     /// J P J^T for a sparse row J, given by its entries of the first states and the others. O(entries^2).
@@ -120,24 +111,22 @@ impl<C: AsRef<[Block]>> Covariance<C> {
 
     /// Covariances of state `i`, which is not one of the first, with the first states.
     fn head_of(&self, i: usize) -> [f32; HEAD] {
-        let rows = self.pairs().get(tile_start(i / TILE)..).and_then(|rows| rows.first_chunk());
+        let rows = self.pairs().get(rows(i / TILE)..).and_then(|rows| rows.first_chunk());
         rows.map_or([0.0; HEAD], |rows: &[Pair; HEAD]| rows.each_ref().map(|row| row[i / LANES % 2][i % LANES]))
     }
 
     /// out = P J^T over the leading n x n part, outside of which P is zero, for a sparse row J, given by its entries of
     /// the first states and the others. O(entries n). Past the block of `n`, `out` is left as it was.
-    pub fn product(&self, head: &[f32; HEAD], others: &[(usize, f32)], n: usize, out: &mut [Block]) {
-        for (m, out) in out.chunks_mut(2).enumerate().take(n.div_ceil(TILE)) {
+    #[inline(always)]
+    pub fn product(&self, head: &[f32; HEAD], others: &[(usize, f32)], n: usize, out: &mut [Pair]) {
+        for (m, out) in out.iter_mut().enumerate().take(n.div_ceil(TILE)) {
             let width = n - TILE * m;
-            if width > LANES
-                && let Some(out) = out.first_chunk_mut::<2>()
-            {
+            let [near, _] = out;
+            if width > LANES {
                 product::tile(self.pairs(), m, head, others, out);
-            } else if width > LANES / 2
-                && let Some(out) = out.first_chunk_mut::<1>()
-            {
-                product::tile(self.pairs(), m, head, others, out);
-            } else if let Some([near, far]) = out.first_mut().map(|out| out.as_chunks_mut().0) {
+            } else if width > LANES / 2 {
+                product::tile(self.pairs(), m, head, others, core::array::from_mut(near));
+            } else if let [near, far] = near.as_chunks_mut().0 {
                 product::tile::<{ LANES / 2 }, 1>(self.pairs(), m, head, others, core::array::from_mut(near));
                 *far = [0.0; LANES / 2];
             }
@@ -145,64 +134,67 @@ impl<C: AsRef<[Block]>> Covariance<C> {
     }
 }
 
-impl<C: AsRef<[Block]> + AsMut<[Block]>> Covariance<C> {
+impl<C: AsRef<[Pair]> + AsMut<[Pair]>> Covariance<C> {
     fn pairs_mut(&mut self) -> &mut [Pair] {
-        self.0.as_mut().as_chunks_mut().0
+        self.0.as_mut()
     }
 
     /// Sets entries (i, j) and (j, i); nothing outside.
     #[inline]
     pub fn set(&mut self, i: usize, j: usize, value: f32) {
-        if let Some(entry) = self.0.as_mut().as_flattened_mut().get_mut(locate(i, j)) {
+        if let Some(entry) = self.0.as_mut().as_flattened_mut().as_flattened_mut().get_mut(locate(i, j)) {
             *entry = value;
         }
     }
 
     /// P -= k g g^T over the leading n x n part, for k g in `scaled`: n (n + 1) / 2 multiply-subtracts, and those of unused
     /// lanes. `g` must be zero past `n`.
-    pub fn downdate(&mut self, g: &[Block], scaled: &[Block], n: usize) {
+    pub fn downdate(&mut self, g: &[Pair], scaled: &[Pair], n: usize) {
         let mut rest = self.pairs_mut();
-        for (m, (g, factors)) in g.chunks(2).zip(scaled.chunks(2)).enumerate().take(n.div_ceil(TILE)) {
+        let factors = scaled.as_flattened();
+        for (m, ([g, h], [near, far])) in g.iter().zip(scaled).enumerate().take(n.div_ceil(TILE)) {
             let first = TILE * m;
             let Some((rows, tail)) = rest.split_at_mut_checked(first + TILE) else { return };
             rest = tail;
-            match (g, factors) {
-                ([g, h], [_, beside]) if n > first + LANES => {
-                    let Some((above, diagonal)) = rows.split_at_mut_checked(first + LANES) else { return };
-                    downdate::pairs(above, scaled, g, h);
-                    downdate::triangle::<1, LANES>(diagonal, beside, h);
-                }
-                ([g, ..], [beside, ..]) => {
-                    let Some((above, diagonal)) = rows.split_at_mut_checked(first) else { return };
-                    if n > first + LANES / 2 {
-                        downdate::lanes::<LANES>(above, scaled, g);
-                        downdate::triangle::<0, LANES>(diagonal, beside, g);
-                    } else {
-                        downdate::lanes::<{ LANES / 2 }>(above, scaled, g);
-                        downdate::triangle::<0, { LANES / 2 }>(diagonal, beside, g);
-                    }
-                }
-                _ => return,
+            if n > first + LANES {
+                let Some((above, diagonal)) = rows.split_at_mut_checked(first + LANES) else { return };
+                downdate::pairs(above, factors, g, h);
+                downdate::triangle::<1, LANES>(diagonal, far, h);
+                continue;
+            }
+            let Some((above, diagonal)) = rows.split_at_mut_checked(first) else { return };
+            if n > first + LANES / 2 {
+                downdate::lanes::<LANES>(above, factors, g);
+                downdate::triangle::<0, LANES>(diagonal, near, g);
+            } else {
+                downdate::lanes::<{ LANES / 2 }>(above, factors, g);
+                downdate::triangle::<0, { LANES / 2 }>(diagonal, near, g);
             }
         }
     }
 
     /// Replaces the entries of row `i` from the diagonal on, for a row of the first block.
-    pub fn set_row(&mut self, i: usize, row: &[Block], n: usize) {
-        for j in i..n.min(TILE) {
-            self.set(i, j, entry(row, j));
+    pub fn set_row(&mut self, i: usize, row: &[Pair], n: usize) {
+        let pairs = self.pairs_mut();
+        if let (Some(to), Some(from)) = (pairs.get_mut(i), row.first()) {
+            let to = to.as_flattened_mut().get_mut(i..n.min(TILE)).unwrap_or_default();
+            let from = from.as_flattened().get(i..n.min(TILE)).unwrap_or_default();
+            for (to, from) in to.iter_mut().zip(from) {
+                *to = *from;
+            }
         }
-        for (m, values) in row.chunks(2).enumerate().take(n.div_ceil(TILE)).skip(1) {
-            if let Some(row) = self.pairs_mut().get_mut(tile_start(m) + i) {
-                for (p, values) in row.iter_mut().zip(values) {
-                    *p = *values;
+        for (m, from) in row.iter().enumerate().take(n.div_ceil(TILE)).skip(1) {
+            if let Some(to) = pairs.get_mut(rows(m) + i) {
+                for (to, &[a, b, c, d, e, f, g, h]) in to.iter_mut().zip(from) {
+                    // Entry by entry, in registers: as a whole it would be a call.
+                    *to = [a, b, c, d, e, f, g, h];
                 }
             }
         }
     }
 
     /// Replaces row and column `i` of the leading n x n part by `column`, and the diagonal entry by `variance`.
-    pub fn set_column(&mut self, i: usize, column: &[Block], variance: f32, n: usize) {
+    pub fn set_column(&mut self, i: usize, column: &[Pair], variance: f32, n: usize) {
         for j in 0..n {
             self.set(i, j, entry(column, j));
         }

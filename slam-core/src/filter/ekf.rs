@@ -3,7 +3,7 @@
 //! Prediction touches the rows of the pose only; a scalar update has a sparse Jacobian; a state can be added with its
 //! full cross-covariance, and removed. The costs are O(n) but for the update's downdate, which is n (n + 1) / 2.
 
-use crate::filter::covariance::{self, Block, Covariance, HEAD, LANES};
+use crate::filter::covariance::{self, Covariance, HEAD, LANES, Pair, TILE};
 use core::ops::{Deref, DerefMut};
 use heapless::Vec;
 
@@ -23,10 +23,10 @@ const FINEST: f32 = 1.0 / 65536.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Degenerate;
 
-/// Blocks of storage for a state of at most `states` entries: mean, three rows of scratch, covariance.
+/// Rows of storage for a state of at most `states` entries: mean, three rows of scratch, covariance.
 pub const fn storage(states: usize) -> usize {
-    let columns = states.div_ceil(LANES);
-    VECTORS * columns + covariance::blocks(columns)
+    let tiles = states.div_ceil(TILE);
+    VECTORS * tiles + covariance::rows(tiles)
 }
 
 /// Vectors in the storage: the mean, and three for the products of the covariance with Jacobian rows. These are kept,
@@ -37,53 +37,53 @@ const VECTORS: usize = 4;
 #[derive(Debug)]
 pub struct EkfInner<C: ?Sized> {
     len: usize,
-    /// Blocks of a vector.
-    columns: usize,
+    /// Tiles that a vector is long.
+    tiles: usize,
     /// The vectors, then the covariance.
-    blocks: C,
+    rows: C,
 }
 
-/// State estimate in `BLOCKS` = [`storage`]`(states)` blocks.
-pub type Ekf<const BLOCKS: usize> = EkfInner<[Block; BLOCKS]>;
+/// State estimate in `ROWS` = [`storage`]`(states)` rows.
+pub type Ekf<const ROWS: usize> = EkfInner<[Pair; ROWS]>;
 
 /// A state estimate of whatever capacity.
-pub type EkfView = EkfInner<[Block]>;
+pub type EkfView = EkfInner<[Pair]>;
 
-impl<const BLOCKS: usize> Ekf<BLOCKS> {
-    const COLUMNS: usize = {
-        let mut columns = 0;
-        while storage(LANES * columns) < BLOCKS {
-            columns += 1;
+impl<const ROWS: usize> Ekf<ROWS> {
+    const TILES: usize = {
+        let mut tiles = 0;
+        while storage(TILE * tiles) < ROWS {
+            tiles += 1;
         }
-        assert!(storage(LANES * columns) == BLOCKS, "the blocks of a filter must be ekf::storage(states)");
-        columns
+        assert!(storage(TILE * tiles) == ROWS, "the rows of a filter must be ekf::storage(states)");
+        tiles
     };
 
     /// No states yet.
-    pub const EMPTY: Self = Self { len: 0, columns: Self::COLUMNS, blocks: [[0.0; LANES]; BLOCKS] };
+    pub const EMPTY: Self = Self { len: 0, tiles: Self::TILES, rows: [[[0.0; LANES]; 2]; ROWS] };
 
     /// Room for nothing until [`Ekf::clear`]; all its bytes are zero.
-    pub const IDLE: Self = Self { len: 0, columns: 0, blocks: [[0.0; LANES]; BLOCKS] };
+    pub const IDLE: Self = Self { len: 0, tiles: 0, rows: [[[0.0; LANES]; 2]; ROWS] };
 
     /// Most states it can hold.
-    pub const CAPACITY: usize = LANES * Self::COLUMNS;
+    pub const CAPACITY: usize = TILE * Self::TILES;
 
     /// Forgets every state.
     pub fn clear(&mut self) {
         self.len = 0;
-        self.columns = Self::COLUMNS;
-        self.blocks.fill([0.0; LANES]);
+        self.tiles = Self::TILES;
+        self.rows.fill([[0.0; LANES]; 2]);
     }
 }
 
-impl<const BLOCKS: usize> Deref for Ekf<BLOCKS> {
+impl<const ROWS: usize> Deref for Ekf<ROWS> {
     type Target = EkfView;
     fn deref(&self) -> &EkfView {
         self
     }
 }
 
-impl<const BLOCKS: usize> DerefMut for Ekf<BLOCKS> {
+impl<const ROWS: usize> DerefMut for Ekf<ROWS> {
     fn deref_mut(&mut self) -> &mut EkfView {
         self
     }
@@ -91,30 +91,29 @@ impl<const BLOCKS: usize> DerefMut for Ekf<BLOCKS> {
 
 /// The storage of a filter, taken apart.
 struct Parts<'a> {
-    mean: &'a mut [Block],
-    rows: [&'a mut [Block]; 3],
-    covariance: Covariance<&'a mut [Block]>,
+    mean: &'a mut [Pair],
+    rows: [&'a mut [Pair]; 3],
+    covariance: Covariance<&'a mut [Pair]>,
 }
 
 impl EkfView {
-    fn parts(&mut self) -> Parts<'_> {
-        fn split(blocks: &mut [Block], at: usize) -> (&mut [Block], &mut [Block]) {
-            blocks.split_at_mut_checked(at).unwrap_or_default()
-        }
-        let (mean, rest) = split(&mut self.blocks, self.columns);
-        let (first, rest) = split(rest, self.columns);
-        let (second, rest) = split(rest, self.columns);
-        let (third, covariance) = split(rest, self.columns);
-        Parts { mean, rows: [first, second, third], covariance: Covariance(covariance) }
+    /// None where there is no storage, before a filter is started.
+    #[inline(always)]
+    fn parts(&mut self) -> Option<Parts<'_>> {
+        let (mean, rest) = self.rows.split_at_mut_checked(self.tiles)?;
+        let (first, rest) = rest.split_at_mut_checked(self.tiles)?;
+        let (second, rest) = rest.split_at_mut_checked(self.tiles)?;
+        let (third, covariance) = rest.split_at_mut_checked(self.tiles)?;
+        Some(Parts { mean, rows: [first, second, third], covariance: Covariance(covariance) })
     }
 
-    fn stored(&self) -> Covariance<&[Block]> {
-        Covariance(self.blocks.get(VECTORS * self.columns..).unwrap_or_default())
+    fn stored(&self) -> Covariance<&[Pair]> {
+        Covariance(self.rows.get(VECTORS * self.tiles..).unwrap_or_default())
     }
 
     /// Most states it can hold.
     pub fn capacity(&self) -> usize {
-        LANES * self.columns
+        TILE * self.tiles
     }
 
     /// True before the first state.
@@ -130,12 +129,12 @@ impl EkfView {
     /// Estimate of state `i`, which must be one.
     #[inline]
     pub fn mean(&self, i: usize) -> f32 {
-        covariance::entry(&self.blocks, i)
+        covariance::entry(&self.rows, i)
     }
 
     /// Moves the estimate of state `i` without touching its uncertainty (an angle's whole turns).
     pub fn set_mean(&mut self, i: usize, value: f32) {
-        if let Some(entry) = self.blocks.as_flattened_mut().get_mut(i).filter(|_| i < self.len) {
+        if let Some(entry) = self.rows.as_flattened_mut().as_flattened_mut().get_mut(i).filter(|_| i < self.len) {
             *entry = value;
         }
     }
@@ -156,7 +155,7 @@ impl EkfView {
     /// `jacobian` is d(pose')/d(leading states); `noise` is Q, symmetric.
     pub fn predict(&mut self, pose: [f32; 3], jacobian: &MotionJacobian, noise: &[[f32; 3]; 3]) {
         let len = self.len;
-        let Parts { mean, mut rows, mut covariance } = self.parts();
+        let Some(Parts { mean, mut rows, mut covariance }) = self.parts() else { return };
         for (row, derivatives) in rows.iter_mut().zip(jacobian) {
             let Some((head, rest)) = derivatives.split_first_chunk() else { return };
             let mut others: Vec<(usize, f32), { LEADING - HEAD }> = Vec::new();
@@ -169,10 +168,11 @@ impl EkfView {
         }
         let mut pose_block = *noise;
         for ((out, row), noise) in pose_block.iter_mut().zip(&rows).zip(noise) {
+            let Some([first, _]) = row.first() else { return };
             for ((out, derivatives), noise) in out.iter_mut().zip(jacobian).zip(noise) {
                 let mut sum = *noise;
-                for (i, &derivative) in derivatives.iter().enumerate() {
-                    sum += covariance::entry(row, i) * derivative;
+                for (p, derivative) in first.iter().zip(derivatives) {
+                    sum += p * derivative;
                 }
                 *out = sum;
             }
@@ -183,7 +183,7 @@ impl EkfView {
                 covariance.set(i, j, *entry);
             }
         }
-        for (mean, value) in mean.as_flattened_mut().iter_mut().zip(pose) {
+        for (mean, value) in mean.as_flattened_mut().as_flattened_mut().iter_mut().zip(pose) {
             *mean = value;
         }
     }
@@ -194,7 +194,9 @@ impl EkfView {
     /// [`Degenerate`] and nothing changed where the innovation variance is not a positive number.
     pub fn update(&mut self, innovation: f32, jacobian: &Jacobian, noise: f32) -> Result<(), Degenerate> {
         let len = self.len;
-        let Parts { mean, rows: [column, gain, _], mut covariance } = self.parts();
+        let Some(Parts { mean, rows: [column, gain, _], mut covariance }) = self.parts() else {
+            return Err(Degenerate);
+        };
         covariance.product(jacobian.head(), jacobian.others(), len, column);
         let known = covariance::dot(column, jacobian.head(), jacobian.others());
         let variance = known + noise;
@@ -223,7 +225,7 @@ impl EkfView {
     /// Gives state `i`, which nothing depends on yet, a value that depends on other states by `jacobian`.
     pub fn initialise(&mut self, i: usize, value: f32, jacobian: &Jacobian, noise: f32) {
         let len = self.len;
-        let Parts { rows: [column, ..], mut covariance, .. } = self.parts();
+        let Some(Parts { rows: [column, ..], mut covariance, .. }) = self.parts() else { return };
         covariance.product(jacobian.head(), jacobian.others(), len, column);
         let variance = noise + covariance::dot(column, jacobian.head(), jacobian.others());
         covariance.set_column(i, column, variance, len);
@@ -233,14 +235,18 @@ impl EkfView {
     /// Adds covariance between two states (noise that the initialisations of both share).
     pub fn correlate(&mut self, i: usize, j: usize, covariance: f32) {
         let before = self.covariance(i, j);
-        self.parts().covariance.set(i, j, before + covariance);
+        if let Some(mut parts) = self.parts() {
+            parts.covariance.set(i, j, before + covariance);
+        }
     }
 
     /// Removes state `i` by moving the last one into its place; returns the index that the moved one had.
     pub fn remove(&mut self, i: usize) -> usize {
         let last = self.len.saturating_sub(1);
         let len = self.len;
-        self.parts().covariance.move_state(last, i, len);
+        if let Some(mut parts) = self.parts() {
+            parts.covariance.move_state(last, i, len);
+        }
         self.set_mean(i, self.mean(last));
         self.set_mean(last, 0.0);
         self.len = last;

@@ -15,6 +15,18 @@ use crate::measurement::beam::Prediction;
 use crate::walls::manhattan::GridDirection;
 use crate::walls::wall::{Direction, Wall};
 
+/// At which estimates the models are differentiated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Linearisation {
+    /// The latest ones: the plain extended Kalman filter, as in the report.
+    Latest,
+    /// The pose as each step predicted it and the grid's direction as it was founded (Huang, Mourikis and Roumeliotis
+    /// 2010).
+    #[default]
+    FirstEstimates,
+}
+
 /// A first direction of the grid that turned out farther off than this is taken anew, radians: one degree. Its error in
 /// each Jacobian costs more than what is gained by keeping it.
 const GRID_OFF_RAD: f32 = 0.02;

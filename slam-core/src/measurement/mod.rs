@@ -6,3 +6,33 @@ pub mod first_estimates;
 pub mod line_of_sight;
 pub mod observe;
 pub mod sensor;
+
+use first_estimates::Linearisation;
+
+/// How readings are associated with walls, and what they are worth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct MeasurementSettings {
+    /// Association gate: largest squared innovation over its variance (chi-square with one degree of freedom).
+    pub gate: f32,
+    /// A reading near a wall may be of something else: it counts by the odds that it is the wall's.
+    pub clutter: bool,
+    /// At which estimates the models are differentiated.
+    pub linearisation: Linearisation,
+}
+
+impl MeasurementSettings {
+    pub(crate) const IDLE: Self = Self { gate: 0.0, clutter: false, linearisation: Linearisation::Latest };
+
+    /// For rooms with things in them that no wall is.
+    pub fn real_rooms() -> Self {
+        Self { clutter: true, ..Self::default() }
+    }
+}
+
+impl Default for MeasurementSettings {
+    fn default() -> Self {
+        // 99.9 % of a chi-square distribution with one degree of freedom.
+        Self { gate: 10.83, clutter: false, linearisation: Linearisation::default() }
+    }
+}

@@ -1,17 +1,18 @@
 //! One scalar update for every reading: association, gate, Jacobian (report 3.1 and 3.2).
 
-use crate::config::{Config, Linearisation, WallPolicy};
 use crate::filter::ekf::{EkfView, Jacobian};
 use crate::filter::layout::{ALPHA, THETA, X, Y};
 use crate::geometry::angle::sin_cos;
+use crate::measurement::MeasurementSettings;
 use crate::measurement::beam::{Beam, Prediction};
 use crate::measurement::data_association;
-use crate::measurement::first_estimates::FirstEstimates;
+use crate::measurement::first_estimates::{FirstEstimates, Linearisation};
 use crate::measurement::line_of_sight::{Candidate, first_met, prolongation_m};
 use crate::measurement::sensor::Sensor;
 use crate::report::{Outcome, Refusal};
 use crate::rig::RangeSensor;
 use crate::sample::Increment;
+use crate::sensing::SensingSettings;
 use crate::sensing::correlation::{Hit, SurfaceCorrelationView};
 use crate::sensing::latency::Timing;
 use crate::sensing::noise_level::{Expected, NoiseLevels};
@@ -109,8 +110,14 @@ fn check_limits(limits: &RangeSensor, min_cos: f32, met: &Hypothesis) -> Result<
 
 /// The readings of one step against the map: what they are held against, and what they change.
 pub struct Observer<'a> {
-    /// Settings.
-    pub config: &'a Config,
+    /// Settings of this stage.
+    pub settings: &'a MeasurementSettings,
+    /// What is learned of the errors of readings.
+    pub sensing: &'a SensingSettings,
+    /// How far the surfaces of walls are from planes, 1-sigma, metres.
+    pub relief_m: f32,
+    /// A snapped wall's own direction moves with the grid's (eq. 5 as printed).
+    pub theta_moves: bool,
     /// The state.
     pub ekf: &'a mut EkfView,
     /// The walls.
@@ -209,7 +216,7 @@ impl Observer<'_> {
         let prediction = beam.predict(&candidate.line);
         let predicted_m = gain * prediction.range_m;
         let innovation = reading.innovation(predicted_m);
-        let derivatives = match self.config.linearisation {
+        let derivatives = match self.settings.linearisation {
             Linearisation::Latest => prediction,
             Linearisation::FirstEstimates => self.first.of_reading(wall, &candidate.line, &prediction),
         };
@@ -219,7 +226,7 @@ impl Observer<'_> {
             let _ = jacobian.push((age, -gain * change_m(&prediction, *heading, self.timing.latency.rate())));
         }
         // What stands out of a wall's plane is met so much earlier along a slanting beam.
-        let relief_m = self.config.relief_m / candidate.cos_incidence;
+        let relief_m = self.relief_m / candidate.cos_incidence;
         let surface_m2 = SURFACE_M * SURFACE_M + relief_m * relief_m;
         let white_m2 = innovation.noise_m2 + surface_m2 + self.timing_variance(sensor, &prediction, *heading);
         let step = self.timing.step;
@@ -230,7 +237,7 @@ impl Observer<'_> {
         let noise_m2 = if at_end { 4.0 * white_m2 } else { white_m2 };
         let is_analogue = matches!(reading.noise, Noise::Volts { .. });
         let own_m2 = if is_analogue { white_m2 } else { noise_m2 };
-        let gate = if at_end { self.config.gate.min(END_GATE) } else { self.config.gate };
+        let gate = if at_end { self.settings.gate.min(END_GATE) } else { self.settings.gate };
         let known_m2 = self.ekf.variance(&jacobian);
         let level = self.levels.readings.factor();
         let variance_m2 = known_m2 + level * noise_m2;
@@ -238,7 +245,7 @@ impl Observer<'_> {
         let square_m2 = innovation_m * innovation_m;
         let fits_m2 = known_m2 + level * own_m2;
         let span_m = limits.max_m - limits.min_m;
-        let likelier = !self.config.clutter || data_association::odds(innovation_m, fits_m2, span_m) >= 1.0;
+        let likelier = !self.settings.clutter || data_association::odds(innovation_m, fits_m2, span_m) >= 1.0;
         Some(Hypothesis {
             wall: wall.id,
             candidate,
@@ -252,13 +259,13 @@ impl Observer<'_> {
             span_m,
             at_end,
             explains: likelier && square_m2 <= gate * fits_m2,
-            nearly: at_end && is_analogue && square_m2 <= self.config.gate * variance_m2,
+            nearly: at_end && is_analogue && square_m2 <= self.settings.gate * variance_m2,
         })
     }
 
     /// The noise of a reading that may yet be of something else.
     fn weighed(&self, met: &Hypothesis) -> f32 {
-        if !self.config.clutter {
+        if !self.settings.clutter {
             return met.noise_m2;
         }
         let odds = data_association::odds(met.innovation_m, met.variance_m2, met.span_m);
@@ -267,7 +274,7 @@ impl Observer<'_> {
 
     /// What the nearest wall's innovation says of the noise of readings and of motion, as far as the reading is its.
     fn learn_noise(&mut self, sight: &Sight, met: &Hypothesis) {
-        if !self.config.learn_noise || !matches!(sight.reading.noise, Noise::Metres { .. }) {
+        if !self.sensing.learn_noise || !matches!(sight.reading.noise, Noise::Metres { .. }) {
             return;
         }
         let odds = data_association::odds(met.innovation_m, met.variance_m2, met.span_m);
@@ -285,7 +292,7 @@ impl Observer<'_> {
     /// Effective number of readings that this one repeats, at least 1; also records it.
     fn repeated(&mut self, sight: &Sight, met: &Hypothesis) -> f32 {
         // An analogue sensor's noise is electric, and new with each reading.
-        if !self.config.repeats || !matches!(sight.reading.noise, Noise::Metres { .. }) {
+        if !self.sensing.repeats || !matches!(sight.reading.noise, Noise::Metres { .. }) {
             return 1.0;
         }
         let (sensor, wall, along_m, step) = (sight.sensor.index, met.wall, met.candidate.along_m, self.number);
@@ -325,7 +332,7 @@ impl Observer<'_> {
             Direction::Free(theta) | Direction::NearGrid(theta, _) => push(theta, gain * prediction.by_beta),
             Direction::Snapped(theta) => {
                 push(ALPHA, gain * prediction.by_beta);
-                if self.config.walls == (WallPolicy::Snapped { theta_moves: true }) {
+                if self.theta_moves {
                     push(theta, gain * prediction.by_beta);
                 }
             }

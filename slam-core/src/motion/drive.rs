@@ -1,8 +1,8 @@
 //! The drive of the robot: from a sample's motion input to the step that it made.
 
-use crate::config::Config;
 use crate::filter::ekf::EkfView;
 use crate::geometry::pose::Pose;
+use crate::motion::MotionSettings;
 use crate::motion::dead_reckoning::DeadReckoning;
 use crate::motion::mean_motion::MeanMotion;
 use crate::motion::step::{self, Factor, Factors, Step};
@@ -77,14 +77,14 @@ impl Drive {
     pub fn advance(
         &mut self,
         model: &DriveModel,
-        config: &Config,
+        settings: &MotionSettings,
         travel: Option<Travel>,
         dt_s: f32,
         ekf: &EkfView,
     ) -> Factors {
         let factors = self.states.factors(ekf);
         let step = match &travel {
-            Some(travel) => self.real_step(model, config, travel, dt_s, &factors),
+            Some(travel) => self.real_step(model, settings, travel, dt_s, &factors),
             None => self.step.lost(),
         };
         self.dead_reckoning.advance(&step);
@@ -99,17 +99,17 @@ impl Drive {
     fn real_step(
         &mut self,
         model: &DriveModel,
-        config: &Config,
+        settings: &MotionSettings,
         travel: &Travel,
         dt_s: f32,
         factors: &Factors,
     ) -> Step {
         let mut step = step::step(model, travel, factors);
         let Travel::Body(raw) = *travel else { return step.unsteady(dt_s) };
-        if config.slip {
+        if settings.slip {
             step = step.slipping();
         }
-        if config.mean_travel {
+        if settings.mean_travel {
             self.travelled.follow(raw, dt_s, TRAVEL_S);
             step.by_factor = step::by_scales(self.travelled.over(dt_s));
         }

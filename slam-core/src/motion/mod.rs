@@ -5,3 +5,33 @@ pub mod drive;
 pub mod mean_motion;
 pub mod step;
 pub mod travel;
+
+/// How motion is predicted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct MotionSettings {
+    /// Estimate wheel scales or odometry scales whose prior sigma is not zero.
+    pub calibrate_scales: bool,
+    /// Estimate the track where its prior sigma is not zero.
+    pub calibrate_track: bool,
+    /// Dead reckoning that comes as a pose slips in runs and in turns, beyond the noise that the rig states.
+    pub slip: bool,
+    /// The scales of dead reckoning that comes as a pose multiply its mean over a second, which has less noise.
+    pub mean_travel: bool,
+}
+
+impl MotionSettings {
+    pub(crate) const IDLE: Self =
+        Self { calibrate_scales: false, calibrate_track: false, slip: false, mean_travel: false };
+
+    /// For floors and odometry as they are.
+    pub fn real_rooms() -> Self {
+        Self { slip: true, mean_travel: true, ..Self::default() }
+    }
+}
+
+impl Default for MotionSettings {
+    fn default() -> Self {
+        Self { calibrate_scales: true, calibrate_track: true, slip: false, mean_travel: false }
+    }
+}

@@ -4,3 +4,33 @@ pub mod correlation;
 pub mod latency;
 pub mod noise_level;
 pub mod range;
+
+/// What is learned of the errors of readings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct SensingSettings {
+    /// Estimate sensor gains whose prior sigma is not zero.
+    pub calibrate_gains: bool,
+    /// Estimate how late the readings of sensors that report metres are.
+    pub calibrate_latency: bool,
+    /// Learn from the innovations how large the noise is, where sensors report metres.
+    pub learn_noise: bool,
+    /// Readings of one stretch of wall repeat its surface's error, where the sensor reports metres.
+    pub repeats: bool,
+}
+
+impl SensingSettings {
+    pub(crate) const IDLE: Self =
+        Self { calibrate_gains: false, calibrate_latency: false, learn_noise: false, repeats: false };
+
+    /// For sensors whose readings are late, and rigs whose noise is a guess.
+    pub fn real_rooms() -> Self {
+        Self { calibrate_latency: true, learn_noise: true, ..Self::default() }
+    }
+}
+
+impl Default for SensingSettings {
+    fn default() -> Self {
+        Self { calibrate_gains: true, calibrate_latency: false, learn_noise: false, repeats: true }
+    }
+}

@@ -4,17 +4,14 @@ use std::vec;
 use std::vec::Vec;
 
 use super::random::Random;
-use crate::filter::covariance::{Block, Covariance, HEAD, LANES, blocks, entry};
+use crate::filter::covariance::{Covariance, HEAD, LANES, Pair, TILE, entry, rows};
 
-/// Two whole tiles and half a one.
-const NB: usize = 5;
-const CAPACITY: usize = LANES * NB;
-/// The last tile has room for eight columns more.
-const ROOM: usize = CAPACITY.next_multiple_of(2 * LANES);
-type Packed = Covariance<[Block; blocks(NB)]>;
-type Vector = [Block; NB];
+const TILES: usize = 3;
+const CAPACITY: usize = TILE * TILES;
+type Packed = Covariance<[Pair; rows(TILES)]>;
+type Vector = [Pair; TILES];
 
-const ZERO: Packed = Covariance([[0.0; LANES]; blocks(NB)]);
+const ZERO: Packed = Covariance([[[0.0; LANES]; 2]; rows(TILES)]);
 
 fn random_symmetric(random: &mut Random, n: usize) -> (Packed, Vec<Vec<f64>>) {
     let (mut packed, mut dense) = (ZERO, vec![vec![0.0; n]; n]);
@@ -29,16 +26,16 @@ fn random_symmetric(random: &mut Random, n: usize) -> (Packed, Vec<Vec<f64>>) {
 }
 
 fn random_vector(random: &mut Random, n: usize) -> (Vector, Vec<f64>) {
-    let mut vector = [[0.0; LANES]; NB];
+    let mut vector = [[[0.0; LANES]; 2]; TILES];
     let values: Vec<f64> = (0..n).map(|_| f64::from(random.uniform(-1.0, 1.0) as f32)).collect();
     for (i, value) in values.iter().enumerate() {
-        vector.as_flattened_mut()[i] = *value as f32;
+        vector.as_flattened_mut().as_flattened_mut()[i] = *value as f32;
     }
     (vector, values)
 }
 
 fn scaled(vector: &Vector, factor: f32) -> Vector {
-    vector.map(|block| block.map(|value| factor * value))
+    vector.map(|pair| pair.map(|block| block.map(|value| factor * value)))
 }
 
 /// Every entry, from both sides, within a few roundings of numbers around 1; nothing outside the n x n part.
@@ -73,13 +70,13 @@ fn every_entry_has_a_place_of_its_own() {
 #[test]
 fn outside_there_is_nothing() {
     let mut packed = ZERO;
-    packed.set(0, ROOM, 1.0);
-    packed.set(ROOM, 0, 1.0);
-    packed.set(ROOM + 9, ROOM + 9, 1.0);
+    packed.set(0, CAPACITY, 1.0);
+    packed.set(CAPACITY, 0, 1.0);
+    packed.set(CAPACITY + 9, CAPACITY + 9, 1.0);
     assert_equal(&packed, &[], "set outside");
-    assert_eq!(packed.get(3, ROOM), 0.0);
+    assert_eq!(packed.get(3, CAPACITY), 0.0);
     assert_eq!(packed.get(usize::MAX, 1), 0.0);
-    assert_eq!(entry(&[[1.0; LANES]; NB], CAPACITY), 0.0);
+    assert_eq!(entry(&[[[1.0; LANES]; 2]; TILES], CAPACITY), 0.0);
 }
 
 #[test]

@@ -8,14 +8,14 @@ use super::random::Random;
 use crate::filter::ekf::{Ekf, Jacobian, LEADING, MotionJacobian, storage};
 
 /// Both filters, and a truth for them to estimate.
-struct Pair<const BLOCKS: usize> {
-    ekf: Ekf<BLOCKS>,
+struct Pair<const ROWS: usize> {
+    ekf: Ekf<ROWS>,
     oracle: Oracle,
     truth: Vec<f64>,
     random: Random,
 }
 
-impl<const BLOCKS: usize> Pair<BLOCKS> {
+impl<const ROWS: usize> Pair<ROWS> {
     /// Pose known, a grid that is not founded, eleven calibration factors of 1 %.
     fn new(seed: u64) -> Self {
         let ekf = Ekf::EMPTY;
@@ -156,11 +156,11 @@ impl<const BLOCKS: usize> Pair<BLOCKS> {
     }
 }
 
-fn random_sequence<const BLOCKS: usize>(seed: u64, operations: usize) {
-    let mut pair = Pair::<BLOCKS>::new(seed);
+fn random_sequence<const ROWS: usize>(seed: u64, operations: usize) {
+    let mut pair = Pair::<ROWS>::new(seed);
     pair.predict();
     pair.found();
-    let capacity = Ekf::<BLOCKS>::CAPACITY;
+    let capacity = Ekf::<ROWS>::CAPACITY;
     let mut was_full = false;
     for operation in 0..operations {
         let walls = pair.truth.len() - 15;

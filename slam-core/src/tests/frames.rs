@@ -3,6 +3,7 @@
 use core::f32::consts::{FRAC_PI_2, PI};
 
 use super::random::Random;
+use crate::WallSettings;
 use crate::filter::ekf::storage;
 use crate::geometry::line::Line;
 use crate::walls::map_frame::CommonMotion;
@@ -94,7 +95,7 @@ fn turned(frame: MapFrame) -> Slam<4, 16, 64, { storage(48) }> {
         noise_rad2_per_rad: 1e-3,
     };
     let rig = Rig { drive, adc: None, sensors: sensors.collect() };
-    let config = Config { frame, ..Config::real_rooms() };
+    let config = Config { walls: WallSettings { frame, ..WallSettings::real_rooms() }, ..Config::real_rooms() };
     let mut slam = Slam::new(rig, config).expect("a rig that can be");
     let mut random = Random::new(5);
     let mut theta = 0.0f32;

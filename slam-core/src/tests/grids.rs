@@ -2,7 +2,6 @@
 
 use core::f32::consts::FRAC_PI_2;
 
-use crate::config::WallPolicy;
 use crate::filter::ekf::{Ekf, Jacobian, storage};
 use crate::filter::layout::{ALPHA, THETA};
 use crate::geometry::angle::wrap;
@@ -10,6 +9,7 @@ use crate::walls::decision::{GRID_SHARE, decide};
 use crate::walls::founding::upkeep;
 use crate::walls::manhattan::GridDirection;
 use crate::walls::map::Map;
+use crate::walls::wall::WallPolicy;
 use crate::walls::wall::{Direction, WallKind};
 
 type Filter = Ekf<{ storage(24) }>;

@@ -7,10 +7,10 @@ use std::vec::Vec;
 
 use super::numeric::{beam, derivative, ray_to_line};
 use super::random::Random;
-use crate::config::WallPolicy;
 use crate::filter::ekf::{Ekf, Jacobian, storage};
 use crate::filter::layout::{ALPHA, THETA, X, Y};
 use crate::walls::wall::Direction;
+use crate::walls::wall::WallPolicy;
 use crate::{
     Config, DriveModel, Linearisation, Motion, Mount, Outcome, RangeInput, RangeModel, RangeSensor, Rig, Sample, Slam,
 };
@@ -83,8 +83,10 @@ fn slam(kind: Kind, mount: [f64; 3], state: &[f64; STATES], variances: &[f32; ST
         noise_m2_per_m: 1e-5,
     };
     let rig = Rig { drive, adc: None, sensors: [sensor, sensor].into_iter().collect() };
-    let config =
-        Config { walls: kind.policy(), linearisation: Linearisation::Latest, repeats: false, ..Config::default() };
+    let mut config = Config::default();
+    config.walls.policy = kind.policy();
+    config.measurement.linearisation = Linearisation::Latest;
+    config.sensing.repeats = false;
     let mut slam = Small::new(rig, config).unwrap();
     slam.ekf = Ekf::EMPTY;
     for (mean, variance) in state.iter().zip(variances) {

@@ -10,8 +10,8 @@ use std::vec::Vec;
 use super::numeric::{arc, beam, ray_to_line, slope};
 use super::oracle::{Matrix, Oracle, dot, is_positive, sandwich};
 use super::random::Random;
-use crate::config::WallPolicy;
 use crate::filter::layout::{ALPHA, THETA, X, Y};
+use crate::walls::wall::WallPolicy;
 use crate::walls::wall::{Direction, Wall};
 use crate::{
     Config, DriveModel, Linearisation, Motion, Mount, Outcome, RangeInput, RangeModel, RangeSensor, Rig, RobotSlam,
@@ -124,7 +124,7 @@ fn predict(oracle: &mut Oracle, slam: &RobotSlam, ticks: [f64; 2], first: &mut [
     let mut rows: [Vec<f64>; 3] =
         [0, 1, 2].map(|i| (0..mean.len()).map(|j| slope(|s| after(s)[i], &mean, j)).collect());
     let predicted = after(&mean);
-    if slam.config.linearisation == Linearisation::FirstEstimates {
+    if slam.config.measurement.linearisation == Linearisation::FirstEstimates {
         rows[X][THETA] = first[Y] - predicted[Y];
         rows[Y][THETA] = predicted[X] - first[X];
     }
@@ -168,7 +168,7 @@ fn observe(
     let mean = oracle.mean.clone();
     let predicted_m = range(&mean);
     let mut h: Vec<f64> = (0..mean.len()).map(|j| slope(range, &mean, j)).collect();
-    if slam.config.linearisation == Linearisation::FirstEstimates {
+    if slam.config.measurement.linearisation == Linearisation::FirstEstimates {
         let beta = match (wall.direction, slam.first.grid) {
             (Direction::Grid(quarter), Some(grid)) => {
                 let (sin, cos) =
@@ -219,7 +219,10 @@ fn follow(
 fn run(policy: WallPolicy, linearisation: Linearisation, seed: u64, steps: u64) {
     let rig = rig();
     // What repeats is learned from the readings, which the oracle does not do.
-    let config = Config { walls: policy, linearisation, repeats: false, ..Config::default() };
+    let mut config = Config::default();
+    config.walls.policy = policy;
+    config.measurement.linearisation = linearisation;
+    config.sensing.repeats = false;
     let mut truth = Truth::new(seed);
     let mut first = [0.0; 3];
     let mut slam = RobotSlam::new(rig.clone(), config).unwrap();
@@ -302,7 +305,8 @@ fn noise_that_is_new_each_time_is_found_to_be() {
 /// The latency that is found for readings of [`Truth`] that come in `steps` steps late, and its 1-sigma, seconds.
 fn found_latency(seed: u64, steps: usize) -> (f32, f32) {
     let rig = rig();
-    let config = Config { calibrate_latency: true, ..Config::default() };
+    let mut config = Config::default();
+    config.sensing.calibrate_latency = true;
     let mut truth = Truth::new(seed);
     let mut slam = RobotSlam::new(rig.clone(), config).unwrap();
     let mut late = vec![[RangeInput::Missing; 8]; steps + 1];

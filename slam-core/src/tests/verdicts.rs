@@ -4,10 +4,10 @@ use core::f32::consts::{FRAC_PI_2, PI};
 
 use crate::births::local_line::LocalLine;
 use crate::births::verdict::{Doubts, Verdict, judge};
-use crate::config::WallPolicy;
 use crate::filter::ekf::{Ekf, Jacobian, storage};
 use crate::filter::layout::THETA;
 use crate::walls::manhattan::GridDirection;
+use crate::walls::wall::WallPolicy;
 
 const DEGREE: f32 = PI / 180.0;
 

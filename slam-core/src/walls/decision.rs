@@ -1,7 +1,7 @@
 //! Whether a wall stands on the grid: the odds of a direction on it against one of its own.
 
-use crate::config::WallPolicy;
 use crate::filter::ekf::EkfView;
+use crate::walls::wall::WallPolicy;
 use core::f32::consts::{FRAC_2_PI, PI};
 
 /// Share of a home's walls that stand on its grid, before any is seen: "mostly parallel or orthogonal".

@@ -4,13 +4,13 @@
 //! direction modulo a quarter turn: a first wall alone may be a sofa set askew. A free wall costs one more state and
 //! holds the heading just as well, so nothing is lost by waiting.
 
-use crate::config::WallPolicy;
 use crate::filter::ekf::{EkfView, Jacobian};
 use crate::filter::layout::ALPHA;
 use crate::geometry::angle::wrap;
 use crate::walls::decision::{GRID_SHARE, GRID_TOLERANCE, decide, deviation, relative_variance};
 use crate::walls::manhattan::GridDirection;
 use crate::walls::map::MapView;
+use crate::walls::wall::WallPolicy;
 use crate::walls::wall::{Direction, Wall};
 use core::f32::consts::FRAC_PI_2;
 

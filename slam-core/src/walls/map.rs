@@ -1,10 +1,10 @@
 //! The list of walls: adding, removing, and what happens when it is full.
 
-use crate::config::MapFrame;
 use crate::filter::ekf::EkfView;
 use crate::geometry::line::Line;
 use crate::geometry::pose::Pose;
 use crate::walls::manhattan::GridDirection;
+use crate::walls::map_frame::MapFrame;
 use crate::walls::wall::{Direction, Wall};
 use core::ops::{Deref, DerefMut};
 use heapless::{Vec, VecView};

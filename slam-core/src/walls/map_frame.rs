@@ -8,7 +8,6 @@
 //! others, since it is there that the robot is. Where they disagree, each weighs less the farther it is off, as least absolute
 //! deviations have it: a few that a closing loop moves do not take the frame along. The start pose is what moves.
 
-use crate::config::MapFrame;
 use crate::filter::ekf::EkfView;
 use crate::filter::layout::{X, Y};
 use crate::geometry::angle::{sin_cos, wrap};
@@ -16,6 +15,17 @@ use crate::geometry::line::Line;
 use crate::geometry::pose::Pose;
 use crate::walls::manhattan::GridDirection;
 use crate::walls::map::MapView;
+
+/// What holds the map frame once the robot has left its start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum MapFrame {
+    /// The start pose. What is learned of the first turns moves the map.
+    #[default]
+    Start,
+    /// The walls. What is learned of the first turns moves the start pose.
+    Walls,
+}
 
 /// Walls that are off by less than this stay, metres; those that are off by more have the less weight for it.
 const STAY_M: f32 = 0.002;

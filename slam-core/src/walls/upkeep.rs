@@ -1,10 +1,10 @@
 //! The map's upkeep once a step: the grid, walls that are one, walls that are gone.
 
-use crate::config::WallPolicy;
 use crate::filter::ekf::EkfView;
 use crate::report::Changes;
 use crate::walls::founding;
 use crate::walls::map::MapView;
+use crate::walls::wall::WallPolicy;
 
 /// Founds the grid or takes a wall into it, merges and removes, in the step of this number.
 pub fn upkeep(map: &mut MapView, ekf: &mut EkfView, policy: WallPolicy, number: usize, path_m: f32) -> Changes {

@@ -5,6 +5,25 @@ use crate::geometry::angle::sin_cos;
 use crate::geometry::line::Line;
 use crate::walls::manhattan::GridDirection;
 
+/// Which kinds of wall the map may have.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum WallPolicy {
+    /// Every wall is a free line (rho, theta): the report's section 3.1.
+    Free,
+    /// Every wall is a line (rho, theta) whose direction is snapped to the grid (report 3.2, eqs. 2-4).
+    Snapped {
+        /// Also move theta_i with the innovation, dh/dtheta_i = dh/dalpha, as eq. 5 can be read; otherwise
+        /// dh/dtheta_i = 0, which is what beta(alpha) in eq. 3 gives.
+        theta_moves: bool,
+    },
+    /// Walls on the grid have rho alone; lines that the data put off the grid are free.
+    #[default]
+    Grid,
+    /// The same, but a wall on the grid may stand off its direction by half a degree, as built walls do: (rho, theta).
+    NearGrid,
+}
+
 /// Points this far apart along a line are of one wall: the gap is too narrow for a door, metres. Doors start at 0.6 m.
 pub const GAP_M: f32 = 0.4;
 

@@ -45,7 +45,7 @@ pub fn run(bench: &Bench) {
 }
 
 fn drive(bench: &Bench, slam: &mut RobotSlam, clustering: Clustering) -> Worst {
-    let config = Config { clustering, ..Config::default() };
+    let config = Config { births: clustering.into(), ..Config::default() };
     slam.start(rig(), config).expect("the rig is a valid one");
     let mut worst = Worst::default();
     let mut home = Drive::new();

@@ -24,8 +24,8 @@ pub fn run(bench: &Bench) {
 }
 
 #[inline(never)]
-fn one_length<const BLOCKS: usize>(bench: &Bench, names: [&str; 2], n: usize) {
-    let mut ekf: Ekf<BLOCKS> = Ekf::IDLE;
+fn one_length<const ROWS: usize>(bench: &Bench, names: [&str; 2], n: usize) {
+    let mut ekf: Ekf<ROWS> = Ekf::IDLE;
     ekf.clear();
     measure(bench, names, n, &mut ekf);
 }

@@ -205,18 +205,18 @@ fn configuration(origin: &Origin) -> Value {
     let arguments: Map<String, Value> =
         origin.arguments.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect();
     let config = &origin.config;
-    let walls = match config.walls {
+    let walls = match config.walls.policy {
         WallPolicy::Free => "free",
         WallPolicy::Snapped { theta_moves: false } => "snapped",
         WallPolicy::Snapped { theta_moves: true } => "snapped, theta moves",
         WallPolicy::Grid => "grid",
         WallPolicy::NearGrid => "near-grid",
     };
-    let clustering = match config.clustering {
+    let clustering = match config.births.clustering {
         Clustering::BySensor => "by sensor",
         Clustering::Dbscan => "dbscan",
     };
-    let jacobians = match config.linearisation {
+    let jacobians = match config.measurement.linearisation {
         Linearisation::Latest => "latest",
         Linearisation::FirstEstimates => "first",
     };
@@ -225,10 +225,10 @@ fn configuration(origin: &Origin) -> Value {
         "estimator": {
             "walls": walls,
             "clustering": clustering,
-            "calibrate_gains": config.calibrate_gains,
-            "calibrate_scales": config.calibrate_scales,
-            "calibrate_track": config.calibrate_track,
-            "gate": config.gate,
+            "calibrate_gains": config.sensing.calibrate_gains,
+            "calibrate_scales": config.motion.calibrate_scales,
+            "calibrate_track": config.motion.calibrate_track,
+            "gate": config.measurement.gate,
             "jacobians": jacobians,
             "without": without(config),
         },

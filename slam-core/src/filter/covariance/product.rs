@@ -1,6 +1,6 @@
 //! P J^T of a sparse row J.
 
-use super::{HEAD, LANES, Pair, TILE, tile_start};
+use super::{HEAD, LANES, Pair, TILE, rows};
 
 /// The first `N` entries of the first `W` blocks of tile `m` of P J^T: the first states' rows times the factors of `head`,
 /// and the others' as they are stored: a row where the state is left of the tile, a column where it is right of it.
@@ -13,7 +13,7 @@ pub fn tile<const N: usize, const W: usize>(
     out: &mut [[f32; N]; W],
 ) {
     let first = TILE * m;
-    let Some((above, diagonal)) = pairs.get(tile_start(m)..).and_then(|rows| rows.split_at_checked(first)) else {
+    let Some((above, diagonal)) = pairs.get(rows(m)..).and_then(|rows| rows.split_at_checked(first)) else {
         return;
     };
     let Some(diagonal) = diagonal.first_chunk() else { return };
@@ -41,7 +41,7 @@ pub fn tile<const N: usize, const W: usize>(
                 }
             }
         } else if state >= first + TILE {
-            let rows = pairs.get(tile_start(state / TILE) + first..).and_then(|rows| rows.first_chunk::<TILE>());
+            let rows = pairs.get(rows(state / TILE) + first..).and_then(|rows| rows.first_chunk::<TILE>());
             let Some(rows) = rows else { continue };
             for (w, sums) in sums.iter_mut().enumerate() {
                 for (k, sum) in sums.iter_mut().enumerate() {
