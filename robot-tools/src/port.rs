@@ -74,7 +74,7 @@ pub fn row(sample: &Sample, robot: &Robot, truth: Option<Pose2>) -> Result<Row, 
 pub enum Heard {
     /// A frame.
     Frame(Frame),
-    /// No whole frame for [`PATIENCE`]; [`Port::trouble`] says what it may be.
+    /// No whole frame for five seconds; [`Port::trouble`] says what it may be.
     Nothing,
     /// The line has ended.
     End,
