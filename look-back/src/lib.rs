@@ -49,7 +49,7 @@ mod twins;
 mod wall;
 
 pub use diary::{Diary, Hit};
-pub use look_back::{LookBack, Progress};
+pub use look_back::{LookBack, Progress, Unknown};
 pub use packed::packed_len;
 pub use system::border_len;
 pub use wall::Wall;

@@ -6,7 +6,7 @@
 use crate::diary::{Diary, FEWEST};
 use crate::labels::Labels;
 use crate::place::{is_on_grid, place};
-use crate::rows::{ALPHA, LAST_POSE};
+use crate::rows;
 use crate::solve::{Slice, Solver};
 use crate::survey::{self, Cursor};
 use crate::system::border_len;
@@ -249,23 +249,54 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K,
         self.effort
     }
 
-    /// Covariance of the last pose that was placed (x, y, theta): m^2, m rad, rad^2.
-    pub fn pose_covariance(&self) -> [[f32; 3]; 3] {
-        [0, 1, 2].map(|i| {
-            let row = self.solver.system.covariances(LAST_POSE + i);
-            [0, 1, 2].map(|j| row.get(LAST_POSE + j).copied().unwrap_or(0.0))
-        })
+    /// Covariance of two unknowns as the last step had it, in their units; none where a wall was not placed. Their means are the
+    /// diary's. Together these are the state of a filter at the last keyframe that was placed.
+    pub fn covariance(&self, one: Unknown, other: Unknown) -> Option<f32> {
+        let (one, other) = (self.place(one)?, self.place(other)?);
+        self.solver.system.covariances(one).get(other).copied()
     }
 
-    /// Variance of a wall's offset at the middle of its extent, m^2; none where the wall was not placed.
-    pub fn offset_variance(&self, wall: usize) -> Option<f32> {
-        Some(self.solver.system.variance(&[(self.solver.place(wall)?, 1.0)]))
+    /// Whether f32 told every unknown of the last step from nothing: only then is their covariance one.
+    pub fn is_positive(&self) -> bool {
+        self.solver.system.held == 0
     }
 
-    /// Covariances of the grid's direction with everything in the border.
-    pub fn grid_covariances(&self) -> [f32; B] {
-        self.solver.system.covariances(ALPHA)
+    fn place(&self, unknown: Unknown) -> Option<usize> {
+        match unknown {
+            Unknown::Distance => Some(rows::DISTANCE),
+            Unknown::Turn => Some(rows::TURN),
+            Unknown::Veer => Some(rows::VEER),
+            Unknown::Alpha => Some(rows::ALPHA),
+            Unknown::X => Some(rows::LAST_POSE),
+            Unknown::Y => Some(rows::LAST_POSE + 1),
+            Unknown::Theta => Some(rows::LAST_POSE + 2),
+            Unknown::Offset(wall) => self.solver.place(wall),
+            Unknown::Direction(wall) => Some(self.solver.place(wall)? + 1),
+        }
     }
+}
+
+/// What a look back finds beside the earlier poses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unknown {
+    /// Scale of distance.
+    Distance,
+    /// Scale of turning.
+    Turn,
+    /// Veer, radians per metre.
+    Veer,
+    /// Direction of the grid, radians.
+    Alpha,
+    /// The last pose's x, metres.
+    X,
+    /// Its y, metres.
+    Y,
+    /// Its heading, radians.
+    Theta,
+    /// Offset of the wall with this number at the middle of its extent, metres.
+    Offset(usize),
+    /// Its direction, radians.
+    Direction(usize),
 }
 
 /// Draws the line of a wall that has none, and says of every wall whether it stands on the grid.

@@ -42,13 +42,19 @@ impl<const P: usize> Packed<P> {
         })
     }
 
-    /// Takes y^T y off the first `rows` rows, y of three rows.
-    pub fn subtract_square<const B: usize>(&mut self, y: &[[f32; B]; 3], rows: usize) {
-        let [first, second, third] = y;
-        let heads = first.iter().zip(second).zip(third);
-        for (row, ((a, b), c)) in self.rows_mut(rows).zip(heads) {
-            for (((entry, u), v), w) in row.iter_mut().zip(first).zip(second).zip(third) {
-                *entry -= a * u + b * v + c * w;
+    /// Takes y y^T off the first `rows` rows, y of three columns.
+    pub fn subtract_square(&mut self, y: &[[f32; 3]], rows: usize) {
+        for (row, head) in self.rows_mut(rows).zip(y) {
+            let (fours, rest) = row.as_chunks_mut::<4>();
+            let (others, _) = y.as_chunks::<4>();
+            let done = 4 * fours.len();
+            for (entries, others) in fours.iter_mut().zip(others) {
+                for (entry, other) in entries.iter_mut().zip(others) {
+                    *entry -= head[0] * other[0] + head[1] * other[1] + head[2] * other[2];
+                }
+            }
+            for (entry, other) in rest.iter_mut().zip(y.iter().skip(done)) {
+                *entry -= head[0] * other[0] + head[1] * other[1] + head[2] * other[2];
             }
         }
     }

@@ -121,8 +121,8 @@ pub struct System<const B: usize, const P: usize> {
     matrix: Packed<P>,
     /// The border's right-hand side, then its increment.
     right: [f32; B],
-    /// The present pose's rows of the border.
-    coupling: [[f32; B]; 3],
+    /// The present pose's coupling with each entry of the border.
+    coupling: [[f32; 3]; B],
     pair: Pair,
     /// Unknowns of the border in use.
     len: usize,
@@ -137,7 +137,7 @@ impl<const B: usize, const P: usize> System<B, P> {
     pub const NEW: Self = Self {
         matrix: Packed::ZERO,
         right: [0.0; B],
-        coupling: [[0.0; B]; 3],
+        coupling: [[0.0; 3]; B],
         pair: Pair::ZERO,
         len: 0,
         active: 0,
@@ -166,7 +166,7 @@ impl<const B: usize, const P: usize> System<B, P> {
         self.held = 0;
         self.matrix.clear(self.len);
         self.right = [0.0; B];
-        self.coupling = [[0.0; B]; 3];
+        self.coupling = [[0.0; 3]; B];
         self.pair = Pair::ZERO;
     }
 
@@ -189,10 +189,8 @@ impl<const B: usize, const P: usize> System<B, P> {
                 *right -= weighted * row.residual;
             }
             self.matrix.add(place, place, weighted * value);
-            for (coupling, here) in self.coupling.iter_mut().zip(row.here) {
-                if let Some(entry) = coupling.get_mut(place) {
-                    *entry += weighted * here;
-                }
+            if let Some(coupling) = self.coupling.get_mut(place) {
+                coupling.iter_mut().zip(row.here).for_each(|(entry, here)| *entry += weighted * here);
             }
         }
         if i != j {
@@ -206,25 +204,15 @@ impl<const B: usize, const P: usize> System<B, P> {
         let factor = factor(&self.pair.own);
         let cross = columns(&factor, &self.pair.cross);
         let right = forward(&factor, self.pair.right);
-        let active = self.active.min(B);
-        for i in 0..active {
-            let column = forward(&factor, self.coupling.map(|row| row.get(i).copied().unwrap_or(0.0)));
-            for (row, value) in self.coupling.iter_mut().zip(column) {
-                if let Some(entry) = row.get_mut(i) {
-                    *entry = value;
-                }
-            }
-            if let Some(entry) = self.right.get_mut(i) {
-                *entry -= dot3(column, right);
-            }
+        for (column, own) in self.coupling.iter_mut().zip(&mut self.right).take(self.active) {
+            *column = forward(&factor, *column);
+            *own -= dot3(*column, right);
         }
-        self.matrix.subtract_square(&self.coupling, active);
+        self.matrix.subtract_square(&self.coupling, self.active);
         let left = [0, 1, 2].map(|i| [0, 1, 2].map(|j| dot3(cross[i], cross[j])));
         self.pair.move_on(&left, [0, 1, 2].map(|i| dot3(cross[i], right)));
-        let [first, second, third] = &mut self.coupling;
-        for ((a, b), c) in first.iter_mut().zip(second).zip(third).take(active) {
-            let column = [*a, *b, *c];
-            [*a, *b, *c] = cross.map(|cross| -dot3(cross, column));
+        for column in self.coupling.iter_mut().take(self.active) {
+            *column = cross.map(|cross| -dot3(cross, *column));
         }
         self.couple(rows);
     }
@@ -232,7 +220,7 @@ impl<const B: usize, const P: usize> System<B, P> {
     /// Goes on to the next pose without eliminating the present one, which is where it is.
     pub fn pass(&mut self, rows: &[Row]) {
         self.pair.move_on(&[[0.0; 3]; 3], [0.0; 3]);
-        self.coupling = [[0.0; B]; 3];
+        self.coupling = [[0.0; 3]; B];
         self.couple(rows);
     }
 
@@ -240,10 +228,8 @@ impl<const B: usize, const P: usize> System<B, P> {
     fn couple(&mut self, rows: &[Row]) {
         for row in rows {
             for (place, value) in row.border {
-                for (coupling, next) in self.coupling.iter_mut().zip(row.next) {
-                    if let Some(entry) = coupling.get_mut(place) {
-                        *entry += row.weight * value * next;
-                    }
+                if let Some(coupling) = self.coupling.get_mut(place) {
+                    coupling.iter_mut().zip(row.next).for_each(|(entry, next)| *entry += row.weight * value * next);
                 }
             }
         }
@@ -259,8 +245,8 @@ impl<const B: usize, const P: usize> System<B, P> {
                 *entry += self.pair.right[i];
             }
         }
-        for (i, coupling) in self.coupling.iter().enumerate() {
-            for (place, value) in coupling.iter().enumerate().take(self.active) {
+        for (place, column) in self.coupling.iter().enumerate().take(self.active) {
+            for (i, value) in column.iter().enumerate() {
                 self.matrix.add(LAST_POSE + i, place, *value);
             }
         }

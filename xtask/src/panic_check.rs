@@ -1,4 +1,4 @@
-//! slam-core has no panic path on the robot's processor: the linker finds no way from its entry points to the handler.
+//! slam-core and look-back have no panic path on the robot's processor: the linker finds no way from its entry points to the handler.
 
 use crate::elf::Elf;
 use crate::run::{Result, run};
@@ -16,11 +16,11 @@ pub fn panic_check() -> Result {
     }
     let elf = link(&[])?;
     if elf.find(HANDLER).is_none() {
-        println!("no panic path from slam-core's entry points; one that was put in was found");
+        println!("no panic path from the entry points of slam-core and look-back; one that was put in was found");
         return Ok(());
     }
     let places = panic_sites(&elf)?;
-    Err(format!("slam-core can panic on the target, at {} places:\n{}", places.len(), places.join("\n")))
+    Err(format!("slam-core or look-back can panic on the target, at {} places:\n{}", places.len(), places.join("\n")))
 }
 
 fn link(features: &[&str]) -> Result<Elf> {

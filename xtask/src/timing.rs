@@ -7,6 +7,8 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 const FILE: &str = "docs/results/timing.csv";
+/// What prints counts: the estimator's cases, and a look back, for which there is no memory beside them.
+const PROGRAMS: [&str; 2] = ["timing", "look-back-timing"];
 const HEADER: &str = "case,compiler,instructions";
 /// Largest growth over the committed figure with the same compiler.
 const GROWTH: f64 = 1.05;
@@ -27,6 +29,8 @@ const BARS: &[(&str, u32)] = &[
     ("step_n79_8_updates", 200_000),
     ("step_worst", 350_000),
     ("step_worst_dbscan", 350_000),
+    ("look_back_full", 1_500_000_000),
+    ("look_back_slice", 350_000),
 ];
 
 /// By case, then by compiler.
@@ -58,8 +62,12 @@ pub fn timing(update: bool) -> Result {
 pub fn measure() -> Result<(BTreeMap<String, u32>, String)> {
     let thumb = Thumb::require()?;
     run(thumb.cargo("firmware", "build").args(["--release", "--package", "timing"]))?;
-    let elf = thumb.target_dir().join(TARGET).join("release/timing");
-    Ok((parse_output(&qemu::run(&elf, &[], Duration::from_secs(300))?)?, thumb.version()?))
+    let mut counts = BTreeMap::new();
+    for program in PROGRAMS {
+        let elf = thumb.target_dir().join(TARGET).join("release").join(program);
+        counts.extend(parse_output(&qemu::run(&elf, &[], Duration::from_secs(300))?)?);
+    }
+    Ok((counts, thumb.version()?))
 }
 
 /// Share of a core at 168 MHz that something takes 25 times a second, percent.

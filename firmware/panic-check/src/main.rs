@@ -1,10 +1,11 @@
-//! Calls every public entry point of slam-core with inputs that the compiler knows nothing about. This program is never
+//! Calls every public entry point of slam-core and look-back with inputs that the compiler knows nothing about. This program is never
 //! run: `cargo xtask panic-check` looks whether the linker had to keep `panic_reached`.
 #![no_std]
 #![no_main]
 
 use core::hint::black_box;
 use core::panic::PanicInfo;
+use look_back::{Hit, RobotDiary, RobotLookBack, Unknown};
 use slam_core::{Adc, Config, DriveModel, Increment, Motion, Pose, RangeInput, RobotSlam, Sample, Ticks, angle};
 
 #[cortex_m_rt::entry]
@@ -15,6 +16,7 @@ fn main() -> ! {
     if let Ok(mut slam) = RobotSlam::new(rig(), black_box(Config::default())) {
         estimator(&mut slam);
     }
+    back_end();
     loop {
         cortex_m::asm::nop();
     }
@@ -75,6 +77,28 @@ fn estimator(slam: &mut RobotSlam) {
     for factor in slam.calibration() {
         black_box(factor);
     }
+}
+
+fn back_end() {
+    let mut diary = black_box(RobotDiary::new(&rig().drive, black_box(Pose::ORIGIN)));
+    diary.travel(&black_box(Increment { forward_m: 1.0, left_m: 0.0, turn_rad: 0.1 }));
+    if black_box(diary.is_due()) {
+        diary.begin_keyframe(&black_box(Pose::ORIGIN));
+    }
+    diary.grid(black_box(0.1));
+    let hit = Hit { from_m: [0.0; 2], end_m: [1.0, 0.0], sigma_m: 0.01, alike: 1.0, sensor: 0, wall: Some(1) };
+    diary.hit(&black_box(hit));
+    let mut look_back = black_box(RobotLookBack::new());
+    look_back.begin(&diary);
+    black_box(look_back.work(&mut diary, black_box(1000)));
+    black_box(look_back.effort());
+    black_box(look_back.is_positive());
+    black_box(look_back.covariance(black_box(Unknown::Direction(3)), black_box(Unknown::X)));
+    black_box(diary.robot());
+    black_box(diary.keyframes().last());
+    black_box(diary.walls().last());
+    black_box(diary.id_of(black_box(3)));
+    black_box((diary.calibration(), diary.alpha_rad(), diary.losses(), diary.group_count()));
 }
 
 #[panic_handler]

@@ -3,7 +3,6 @@
 #![no_main]
 #![forbid(unsafe_code)]
 
-mod bench;
 mod cases;
 
 use core::panic::PanicInfo;
@@ -11,7 +10,7 @@ use cortex_m_semihosting::{debug, hprintln};
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    cases::run(&bench::Bench::new());
+    cases::run(&instruction_count::Bench::start());
     exit(debug::EXIT_SUCCESS)
 }
 

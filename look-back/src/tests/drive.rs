@@ -79,6 +79,16 @@ impl Robot {
         }
     }
 
+    /// Begins a keyframe here; the true pose in the map.
+    pub fn begin_keyframe<const K: usize, const G: usize, const W: usize>(
+        &mut self,
+        diary: &mut Diary<K, G, W>,
+    ) -> [f64; 3] {
+        diary.begin_keyframe(&self.reckoned);
+        let [x, y] = self.in_map([self.truth[0], self.truth[1]]);
+        [x, y, self.truth[2]]
+    }
+
     fn look(&self, beam: f64) -> (u16, f64) {
         let [x, y, theta] = self.truth;
         let way = [(theta + beam).cos(), (theta + beam).sin()];

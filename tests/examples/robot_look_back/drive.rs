@@ -1,7 +1,7 @@
 //! A recorded drive as the robot would have written it down, and the path and the map as it would place them.
 
 use look_back::look_back::Effort;
-use look_back::{Hit, Progress, RobotDiary, RobotLookBack};
+use look_back::{Hit, Progress, RobotDiary, RobotLookBack, Unknown};
 use slam_core::{Increment, Outcome, Rig, WallKind, WallView};
 
 use lab::evaluate::smoother::{Noise, moved};
@@ -160,6 +160,11 @@ impl Robot {
         (0..recording.steps.len()).map(place).collect()
     }
 
+    /// Of what the last look back found; not a number where it was not asked.
+    fn variance(&self, unknown: Unknown) -> f32 {
+        self.solver.covariance(unknown, unknown).unwrap_or(f32::NAN)
+    }
+
     fn walls(&self) -> Vec<WallView> {
         let seen = self.diary.walls().filter(|(_, wall)| wall.hits > 0);
         let view = |(index, wall): (usize, &look_back::Wall)| WallView {
@@ -169,7 +174,7 @@ impl Robot {
             beta_rad: wall.beta_rad,
             lo_m: wall.lo_m,
             hi_m: wall.hi_m,
-            sigma_rho_m: self.solver.offset_variance(index).unwrap_or(f32::NAN).max(0.0).sqrt(),
+            sigma_rho_m: self.variance(Unknown::Offset(index)).sqrt(),
             updates: wall.hits,
         };
         seen.map(view).collect()

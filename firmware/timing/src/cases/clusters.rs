@@ -1,7 +1,7 @@
 //! Density-based clustering of a full outlier buffer, for three kinds of contents.
 
-use crate::bench::Bench;
 use core::hint::black_box;
+use instruction_count::Bench;
 use slam_core::dbscan::dbscan;
 
 /// Points in a full buffer.

@@ -1,8 +1,8 @@
 //! Whole steps at 25 Hz with eight readings each: up the stairs until the map is full, then down through known walls.
 
 use super::home::{Drive, rig};
-use crate::bench::Bench;
 use core::ops::Range;
+use instruction_count::Bench;
 use slam_core::{Clustering, Config, Outcome, RobotSlam, StepReport};
 use static_cell::ConstStaticCell;
 

@@ -1,7 +1,7 @@
 //! The filter alone: one scalar update and one prediction, with a capacity fitted to the state.
 
-use crate::bench::Bench;
 use core::hint::black_box;
+use instruction_count::Bench;
 use slam_core::ekf::{Ekf, EkfView, Jacobian, LEADING, MotionJacobian, storage};
 use static_cell::ConstStaticCell;
 

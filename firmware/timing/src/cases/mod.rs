@@ -5,8 +5,8 @@ mod drive;
 mod filter;
 mod home;
 
-use crate::bench::Bench;
 use core::hint::black_box;
+use instruction_count::Bench;
 use slam_core::angle;
 
 /// Runs every case.

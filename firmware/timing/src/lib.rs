@@ -1,4 +1,6 @@
 //! Counts instructions in the emulator and cycles on a board.
+#![no_std]
+#![forbid(unsafe_code)]
 
 use cortex_m::peripheral::{DWT, Peripherals};
 use cortex_m_semihosting::hprintln;
@@ -25,7 +27,7 @@ pub struct Bench {
 
 impl Bench {
     /// Finds out where it runs and starts the counter.
-    pub fn new() -> Self {
+    pub fn start() -> Self {
         let mut core = Peripherals::take().expect("the program starts once");
         let mut counter = Counter::Instructions;
         if core.CPUID.base.read() != EMULATED_CPUID {
