@@ -11,6 +11,7 @@ use crate::measurement::first_estimates::{FirstEstimates, Linearisation};
 use crate::measurement::observe::Observer;
 use crate::measurement::sensor::{Sensor, SensorState};
 use crate::motion::drive::{Drive, DriveStates};
+use crate::motion::shortfall::Shortfall;
 use crate::motion::step::{Step, start_variance};
 use crate::report::{Counters, Outcome, Refusal, StepReport};
 use crate::rig::{DriveModel, MAX_SENSORS, RangeModel, Rig, RigError};
@@ -22,6 +23,13 @@ use crate::walls::map::Map;
 use crate::walls::upkeep::upkeep;
 use crate::walls::wall::WallPolicy;
 use heapless::Vec;
+
+/// What rounding takes from the covariance is given back once in so many steps. Twice as often, walls that are out of sight
+/// for a day would drift by millimetres; a quarter as often, a day's roundings at a metre's sigma would be too many.
+const ROUNDING_STEPS: u32 = 16;
+
+/// Variances from this on, (decimetres)^2 or (decirad)^2, get it back at once: such a wall does not drift by that.
+const LARGE: f32 = 0.01;
 
 /// The estimator as it runs on the robot: 8 range sensors, 64 walls, 128 buffered outliers, 80 states.
 pub type RobotSlam = Slam<8, 64, 128, { storage(80) }>;
@@ -42,6 +50,7 @@ pub struct Slam<const S: usize, const W: usize, const B: usize, const ROWS: usiz
     pub(crate) correlation: SurfaceCorrelation<S>,
     pub(crate) ekf: Ekf<ROWS>,
     pub(crate) first: FirstEstimates,
+    shortfall: Shortfall,
     pub(crate) map: Map<W>,
     candidates: Candidates<B>,
     pub(crate) counters: Counters,
@@ -70,6 +79,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         correlation: SurfaceCorrelation::NEW,
         ekf: Ekf::IDLE,
         first: FirstEstimates::START,
+        shortfall: Shortfall::NONE,
         map: Map::EMPTY,
         candidates: Candidates::NONE,
         counters: Counters::ZERO,
@@ -106,6 +116,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.levels = NoiseLevels::STATED;
         self.correlation = SurfaceCorrelation::NEW;
         self.first = FirstEstimates::START;
+        self.shortfall = Shortfall::NONE;
         self.map.clear(config.walls.frame);
         self.candidates.clear();
         self.counters = Counters::ZERO;
@@ -150,6 +161,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.observe(&sample.ranges, tick.dt_s, &mut report);
         self.extend_map(tick.dt_s, &mut report);
         self.latency.settle(&mut self.ekf);
+        let is_turn = self.counters.steps.is_multiple_of(ROUNDING_STEPS);
+        self.ekf.restore_rounding(if is_turn { 0.0 } else { LARGE });
         let theta_rad = wrap(self.ekf.mean(THETA));
         self.ekf.set_mean(THETA, theta_rad);
         self.map.hold_frame(&self.ekf, self.drive.dead_reckoning.path_m);
@@ -169,7 +182,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.counters.add_motion(travel.is_none());
         let factors = drive.advance(&rig.drive, &config.motion, travel, tick.dt_s, ekf);
         let step = &drive.step;
-        let noise = if config.sensing.learn_noise { self.levels.of_motion(&step.noise) } else { step.noise };
+        let mut noise = if config.sensing.learn_noise { self.levels.of_motion(&step.noise) } else { step.noise };
+        noise[0][0] += self.shortfall.advance(step.path_m, self.map.heading_variance(ekf));
         let before = layout::pose(ekf);
         let (jacobian, noise) = Step { noise, ..*step }.in_map(sin_cos(before.theta_rad), &factors);
         let pose = step.applied_to(&before);
@@ -216,6 +230,9 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             let outcome = reading.and_then(|reading| observer.observe(&sensor, &reading));
             report.outcome = outcome.unwrap_or_else(Outcome::Refused);
             self.counters.add_reading(&report.outcome);
+            if matches!(report.outcome, Outcome::Updated { .. }) {
+                self.shortfall = Shortfall::NONE;
+            }
             if let (Ok(reading), Outcome::Unexplained | Outcome::Gated { .. }) = (&reading, report.outcome) {
                 let ekf = &*observer.ekf;
                 let outlier = Unexplained { sensor: &sensor, reading, timing, odometry, ekf, number: observer.number };
@@ -239,6 +256,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             sensors: &self.sensors,
             in_rig: self.rig.sensors.len(),
             latency: &self.latency,
+            first: &mut self.first,
+            start_variance: start_variance(&self.rig.drive),
         }
         .extend(dt_s);
         let (number, path_m) = (self.counters.steps as usize, self.drive.dead_reckoning.path_m);

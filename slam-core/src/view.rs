@@ -1,6 +1,6 @@
 //! What the estimator shows of itself.
 
-use crate::filter::layout::{self, ALPHA, THETA, X, Y};
+use crate::filter::layout::{self, ALPHA};
 use crate::geometry::pose::Pose;
 use crate::report::Counters;
 use crate::rig::{DriveModel, Rig};
@@ -67,7 +67,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
 
     /// Covariance of the pose (x, y, theta) in the frame of the start pose: m^2, m rad, rad^2.
     pub fn pose_covariance(&self) -> [[f32; 3]; 3] {
-        [X, Y, THETA].map(|i| [X, Y, THETA].map(|j| self.ekf.covariance(i, j)))
+        let covariance = layout::pose_covariance(&self.ekf);
+        self.map.anchor.map_or(covariance, |anchor| anchor.compose(&layout::pose(&self.ekf), &covariance).covariance)
     }
 
     /// [`Slam::pose_covariance`] as a nalgebra matrix, for those who go on computing with it.
@@ -82,7 +83,9 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
 
     /// Direction of the wall grid and its 1-sigma, radians; none before the first grid wall.
     pub fn alpha(&self) -> Option<(f32, f32)> {
-        self.map.has_grid.then(|| (self.ekf.mean(ALPHA) + self.map.start.theta_rad, self.sigma(ALPHA)))
+        self.map.has_grid.then(|| {
+            (self.ekf.mean(ALPHA) + self.map.origin().map_or(0.0, |origin| origin.theta_rad), self.sigma(ALPHA))
+        })
     }
 
     fn sigma(&self, i: usize) -> f32 {
@@ -126,6 +129,16 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     /// Counts of everything used and refused.
     pub fn counters(&self) -> &Counters {
         &self.counters
+    }
+
+    /// Estimate of state `i`, in the filter's frame.
+    pub fn state_mean(&self, i: usize) -> f32 {
+        self.ekf.mean(i)
+    }
+
+    /// Covariance of the states `i` and `j`, in the filter's frame.
+    pub fn state_covariance(&self, i: usize, j: usize) -> f32 {
+        self.ekf.covariance(i, j)
     }
 
     /// Length of the state vector at present.

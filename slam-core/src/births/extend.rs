@@ -9,11 +9,13 @@ use crate::births::local_line::{LocalLine, Origin};
 use crate::births::verdict::{self, SHORT_M, Verdict};
 use crate::filter::ekf::EkfView;
 use crate::filter::layout;
+use crate::measurement::first_estimates::FirstEstimates;
 use crate::measurement::sensor::SensorState;
 use crate::motion::drive::Drive;
 use crate::report::Changes;
 use crate::sensing::latency::Latency;
 use crate::walls::WallSettings;
+use crate::walls::anchor::Anchor;
 use crate::walls::manhattan::GridDirection;
 use crate::walls::map::MapView;
 use crate::walls::wall::{Wall, WallPolicy};
@@ -44,6 +46,10 @@ pub struct Extension<'a, const B: usize> {
     pub in_rig: usize,
     /// How late readings in metres are.
     pub latency: &'a Latency,
+    /// What the models are differentiated at.
+    pub first: &'a mut FirstEstimates,
+    /// Variance of (x, y, theta) where a robot of this drive starts.
+    pub start_variance: [f32; 3],
 }
 
 impl<const B: usize> Extension<'_, B> {
@@ -99,8 +105,21 @@ impl<const B: usize> Extension<'_, B> {
         longest as f32 * length_m / BINS as f32 > ROW_GAP_M.max(2.0 * self.drive.step.path_m)
     }
 
+    /// Begins anew where the robot is, if there is no wall yet and the start is known badly.
+    fn drop_anchor(&mut self) {
+        if !self.map.walls().is_empty() {
+            return;
+        }
+        let before = self.map.anchor.unwrap_or(Anchor::START);
+        if let Some(anchor) = before.drop_at(self.ekf, self.start_variance) {
+            self.map.anchor = Some(anchor);
+            *self.first = FirstEstimates::START;
+        }
+    }
+
     /// Adds the wall that a line is, where it is clear which, and takes its points out of the buffer.
     fn give_birth(&mut self, members: &Members<B>, line: &FittedLine, changes: &mut Changes) -> bool {
+        self.drop_anchor();
         let points = self.candidates.buffer.iter().zip(members).filter(|(_, member)| **member).map(|(point, _)| point);
         let origin = Origin { ekf: self.ekf, drive: self.drive, sensors: self.sensors, latency: self.latency };
         let mut local = LocalLine::new(&origin, line, points);

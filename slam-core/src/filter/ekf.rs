@@ -19,6 +19,9 @@ pub type MotionJacobian = [[f32; LEADING]; 3];
 /// variance that is lost in f32's rounding of the larger one, and a covariance that is none.
 const FINEST: f32 = 1.0 / 65536.0;
 
+/// What [`EkfView::restore_rounding`] adds: 2^-22, two units in the last place.
+const ROUNDING: f32 = 1.0 / 4_194_304.0;
+
 /// An update that cannot be done: the innovation variance is not a positive number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Degenerate;
@@ -209,6 +212,18 @@ impl EkfView {
         covariance::correct(mean, gain, column, inverse, innovation, len);
         covariance.downdate(column, gain, len);
         Ok(())
+    }
+
+    /// Adds to each variance of at least `least` the share of it that rounding may have taken from the covariance.
+    pub fn restore_rounding(&mut self, least: f32) {
+        let len = self.len;
+        let Some(Parts { mut covariance, .. }) = self.parts() else { return };
+        for i in 0..len {
+            let variance = covariance.get(i, i);
+            if variance >= least {
+                covariance.set(i, i, variance + ROUNDING * variance);
+            }
+        }
     }
 
     /// Adds a state whose derivative by the others is `jacobian`, with `noise` of its own. Returns its index.

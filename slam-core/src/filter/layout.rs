@@ -14,7 +14,12 @@ pub const THETA: usize = 2;
 /// Direction of the wall grid, radians; variance zero until there is a grid.
 pub const ALPHA: usize = 3;
 
-/// The estimated pose in the frame of the start pose.
+/// The estimated pose in the filter's frame.
 pub fn pose(ekf: &EkfView) -> Pose {
     Pose { x_m: ekf.mean(X), y_m: ekf.mean(Y), theta_rad: ekf.mean(THETA) }
+}
+
+/// Covariance of the pose in the filter's frame: m^2, m rad, rad^2.
+pub fn pose_covariance(ekf: &EkfView) -> [[f32; 3]; 3] {
+    [X, Y, THETA].map(|i| [X, Y, THETA].map(|j| ekf.covariance(i, j)))
 }

@@ -44,6 +44,10 @@ const END_GATE: f32 = 3.84;
 /// chair legs is half a metre long, and beams go through most of it.
 const PASS_M: f32 = 0.05;
 
+/// Where the pose tells a range to this share of the sensor's span, one reading can tell which wall it is of. Where it does
+/// not, it takes a line of them.
+const TOLD_SHARE: f32 = 0.125;
+
 /// "This reading came from that wall."
 struct Hypothesis {
     /// Identifier of the wall.
@@ -191,7 +195,7 @@ impl Observer<'_> {
         let beam = self.beam(sensor, sin_cos(self.ekf.mean(THETA)));
         let Some(met) = self.first_met(&beam, 0.0, ABSENCE_SHARE * sensor.limits.max_m) else { return };
         if met.inside_m > ABSENCE_M && met.cos_incidence > sensor.state.min_cos {
-            self.map.passed_through(met.index);
+            self.map.passed_through(met.index, met.along_m);
         }
     }
 
@@ -245,7 +249,11 @@ impl Observer<'_> {
         let square_m2 = innovation_m * innovation_m;
         let fits_m2 = known_m2 + level * own_m2;
         let span_m = limits.max_m - limits.min_m;
-        let likelier = !self.settings.clutter || data_association::odds(innovation_m, fits_m2, span_m) >= 1.0;
+        let is_told = known_m2 <= TOLD_SHARE * TOLD_SHARE * span_m * span_m;
+        let likelier = match self.settings.clutter {
+            true => data_association::odds(innovation_m, fits_m2, span_m) >= 1.0,
+            false => is_told,
+        };
         Some(Hypothesis {
             wall: wall.id,
             candidate,
@@ -306,7 +314,7 @@ impl Observer<'_> {
     fn judge_pass(&mut self, met: &Hypothesis) {
         let margin_m = 0.1 + 3.0 * libm::sqrtf(met.variance_m2);
         if met.innovation_m > margin_m && met.candidate.inside_m > PASS_M {
-            self.map.passed_through(met.candidate.index);
+            self.map.passed_through(met.candidate.index, met.candidate.along_m);
         }
     }
 

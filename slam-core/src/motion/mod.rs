@@ -3,6 +3,7 @@
 pub mod dead_reckoning;
 pub mod drive;
 pub mod mean_motion;
+pub mod shortfall;
 pub mod step;
 pub mod travel;
 

@@ -1,6 +1,7 @@
 //! Tests that need what is private to this crate: each formula against an independent derivation.
 #![allow(clippy::needless_range_loop, reason = "a matrix is written with its indices")]
 
+mod anchors;
 mod angles;
 mod beams;
 mod births;

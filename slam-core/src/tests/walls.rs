@@ -106,7 +106,7 @@ fn removing_walls_leaves_the_others_as_they_were() {
             let (id, len) = (map.walls()[gone].id, ekf.len());
             let mut passes = 0;
             while !map.prune(&mut ekf, 0.0) {
-                map.passed_through(gone);
+                map.passed_through(gone, 0.0);
                 passes += 1;
                 assert!(passes < 100, "it never goes");
             }
@@ -128,7 +128,7 @@ fn identifiers_are_never_used_again() {
     let mut ekf = filter(&mut random);
     let mut map = map(&mut random, &mut ekf);
     for _ in 0..50 {
-        map.passed_through(0);
+        map.passed_through(0, 0.0);
     }
     assert!(map.prune(&mut ekf, 0.0));
     let before: Vec<u16> = map.walls().iter().map(|w| w.id).collect();
@@ -281,4 +281,22 @@ fn the_first_wall_met_is_the_nearest_that_faces_the_beam() {
         }
     }
     assert!(met > 500 && missed > 500, "{met} {missed}");
+}
+
+/// Beams that pass near an end take the overshoot back by and by, from either end; beams that pass elsewhere do not.
+#[test]
+fn beams_that_pass_near_an_end_shorten_a_wall() {
+    let mut random = Random::new(8);
+    let mut ekf = filter(&mut random);
+    let mut map = Map::<CAPACITY>::EMPTY;
+    let rho = ekf.augment(2.0, &Jacobian::new(), 1e-4).unwrap();
+    map.add(rho, Direction::Grid(0), (0.0, 2.0), 20, 0.0);
+    for _ in 0..60 {
+        map.met(0, 1.0, 0.0);
+        map.passed_through(0, 1.8);
+        map.passed_through(0, 0.1);
+        map.passed_through(0, 1.0);
+    }
+    let wall = map.walls()[0];
+    assert!((wall.hi_m - 1.8).abs() < 1e-3 && (wall.lo_m - 0.1).abs() < 1e-3, "{wall:?}");
 }

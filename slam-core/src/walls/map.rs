@@ -1,8 +1,11 @@
 //! The list of walls: adding, removing, and what happens when it is full.
 
 use crate::filter::ekf::EkfView;
+use crate::filter::layout::{ALPHA, THETA};
 use crate::geometry::line::Line;
 use crate::geometry::pose::Pose;
+use crate::walls::anchor::Anchor;
+use crate::walls::decision::relative_variance;
 use crate::walls::manhattan::GridDirection;
 use crate::walls::map_frame::MapFrame;
 use crate::walls::wall::{Direction, Wall};
@@ -13,6 +16,13 @@ use heapless::{Vec, VecView};
 const BIRTH_SCORE: i8 = 5;
 /// So many that a short run of wrong associations does not take a wall that was seen all day.
 const MAX_SCORE: i8 = 100;
+
+/// Readings of what stands beside a wall's end prolong the wall, each by a little; beams that pass show it up to here,
+/// metres.
+const OVERSHOOT_M: f32 = 0.3;
+
+/// Of an overshoot one beam that passes takes away so much.
+const CUT_SHARE: f32 = 0.1;
 
 /// A wall that was met by fewer readings than this, and not for [`FORGET_AFTER_M`] of path, was noise.
 const FORGET_BELOW: u32 = 10;
@@ -31,6 +41,8 @@ pub struct MapInner<V: ?Sized> {
     pub frame: MapFrame,
     /// Where the robot started, in the map frame.
     pub start: Pose,
+    /// Where the filter's frame is in that of the start pose; none where they are one.
+    pub anchor: Option<Anchor>,
     walls: V,
 }
 
@@ -42,8 +54,14 @@ pub type MapView = MapInner<VecView<Wall>>;
 
 impl<const W: usize> Map<W> {
     /// No walls.
-    pub const EMPTY: Self =
-        Self { next_id: 0, has_grid: false, frame: MapFrame::Start, start: Pose::ORIGIN, walls: Vec::new() };
+    pub const EMPTY: Self = Self {
+        next_id: 0,
+        has_grid: false,
+        frame: MapFrame::Start,
+        start: Pose::ORIGIN,
+        anchor: None,
+        walls: Vec::new(),
+    };
 }
 
 impl<const W: usize> Deref for Map<W> {
@@ -66,12 +84,18 @@ impl MapView {
         self.has_grid = false;
         self.frame = frame;
         self.start = Pose::ORIGIN;
+        self.anchor = None;
         self.walls.clear();
     }
 
     /// The grid's direction at the filter's present estimate, once it was founded.
     pub fn grid(&self, ekf: &EkfView) -> Option<GridDirection> {
         self.has_grid.then(|| GridDirection::of(ekf))
+    }
+
+    /// Variance of the heading against what the robot drives by: the grid, or the filter's frame before there is one, rad^2.
+    pub fn heading_variance(&self, ekf: &EkfView) -> f32 {
+        if self.has_grid { relative_variance(ekf, THETA, ALPHA) } else { ekf.covariance(THETA, THETA) }
     }
 
     /// The walls.
@@ -110,10 +134,16 @@ impl MapView {
         }
     }
 
-    /// A reading went through wall `index`.
-    pub fn passed_through(&mut self, index: usize) {
+    /// A reading went through wall `index` at `along_m`. Near an end it shows that the wall ends before.
+    pub fn passed_through(&mut self, index: usize, along_m: f32) {
         if let Some(wall) = self.walls.get_mut(index) {
             wall.score = wall.score.saturating_sub(1);
+            let (from_lo_m, to_hi_m) = ((along_m - wall.lo_m).max(0.0), (wall.hi_m - along_m).max(0.0));
+            if from_lo_m < to_hi_m.min(OVERSHOOT_M) {
+                wall.lo_m += CUT_SHARE * from_lo_m;
+            } else if to_hi_m < OVERSHOOT_M {
+                wall.hi_m -= CUT_SHARE * to_hi_m;
+            }
         }
     }
 

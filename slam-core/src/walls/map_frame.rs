@@ -122,12 +122,18 @@ impl MapView {
         }
     }
 
-    /// A line of the start pose's frame in the map frame, and how much its coordinates along it grow.
-    pub fn in_map(&self, line: &Line) -> (Line, f32) {
-        if self.frame == MapFrame::Start {
-            return (*line, 0.0);
+    /// The filter's frame in the map frame; none where they are one.
+    pub fn origin(&self) -> Option<Pose> {
+        let anchor = self.anchor.map(|anchor| anchor.pose);
+        match self.frame {
+            MapFrame::Start => anchor,
+            MapFrame::Walls => Some(anchor.map_or(self.start, |anchor| self.start.compose(&anchor))),
         }
-        let Pose { x_m, y_m, theta_rad } = self.start;
+    }
+
+    /// A line of the filter's frame in the map frame, and how much its coordinates along it grow.
+    pub fn in_map(&self, line: &Line) -> (Line, f32) {
+        let Some(Pose { x_m, y_m, theta_rad }) = self.origin() else { return (*line, 0.0) };
         let (s, c) = sin_cos(theta_rad);
         let [nx, ny] = line.normal;
         let normal = [c * nx - s * ny, s * nx + c * ny];
@@ -136,13 +142,13 @@ impl MapView {
         (Line { rho_m, beta_rad, normal }, y_m * normal[0] - x_m * normal[1])
     }
 
-    /// A point of the start pose's frame in the map frame.
+    /// A point of the filter's frame in the map frame.
     pub fn point_in_map(&self, point: [f32; 2]) -> [f32; 2] {
-        if self.frame == MapFrame::Start { point } else { self.start.transform(point) }
+        self.origin().map_or(point, |origin| origin.transform(point))
     }
 
-    /// A pose of the start pose's frame in the map frame.
+    /// A pose of the filter's frame in the map frame.
     pub fn pose_in_map(&self, pose: &Pose) -> Pose {
-        if self.frame == MapFrame::Start { *pose } else { self.start.compose(pose) }
+        self.origin().map_or(*pose, |origin| origin.compose(pose))
     }
 }

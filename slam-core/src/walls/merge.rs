@@ -24,6 +24,10 @@ const REFIND_GATE: f32 = 25.0;
 /// Farther apart, one may be a cupboard before the other, metres.
 const REFIND_M: f32 = 0.5;
 
+/// Where the distance between two walls is known less well than this, metres, readings were not held against the one that
+/// they may be of.
+const VAGUE_M: f32 = 0.15;
+
 /// Collinear walls are one where the unseen gap between them is too narrow for a door, metres.
 const MERGE_GAP_M: f32 = super::wall::GAP_M;
 
@@ -34,7 +38,7 @@ impl MapView {
         let grid = GridDirection::of(ekf);
         let Some(&wall) = self.walls().get(index) else { return false };
         let line = wall.line(ekf, &grid);
-        let twin = self.walls().iter().enumerate().find_map(|(other, candidate)| {
+        let mut twins = self.walls().iter().enumerate().filter_map(|(other, candidate)| {
             // A free wall that is one with a wall of the grid is first taken into the grid.
             let comparable = newborn || wall.kind() == candidate.kind();
             if other == index || !comparable {
@@ -42,10 +46,14 @@ impl MapView {
             }
             Tie::between(ekf, &grid, (&wall, &line), candidate, newborn).map(|tie| (other, tie))
         });
-        let Some((other, tie)) = twin else { return false };
+        let Some((other, tie)) = twins.next() else { return false };
+        // Where the pose does not tell which of two it is, it is neither.
+        if tie.is_vague && twins.next().is_some() {
+            return false;
+        }
         // A newborn twin is made of readings that the older wall's gate refused: the very ones that are off. It shows
-        // where the wall goes on, and nothing more, unless it is off by more than readings are.
-        if !newborn || tie.refound {
+        // where the wall goes on, and nothing more, unless it is off by more than readings are, or the gate was.
+        if !newborn || tie.refound || tie.is_vague {
             for (difference_m, jacobian) in &tie.differences {
                 // A tie that is numerically impossible leaves the filter as it was.
                 let _ = ekf.update(-difference_m, jacobian, FLUSH_M * FLUSH_M);
@@ -66,6 +74,8 @@ struct Tie {
     updates: u32,
     /// They differ by more than the filter expects, and yet there cannot be two.
     refound: bool,
+    /// How they lie to one another is known so badly that readings could not tell.
+    is_vague: bool,
 }
 
 impl Tie {
@@ -102,6 +112,7 @@ impl Tie {
         let mut differences: Vec<(f32, Jacobian), 2> = Vec::new();
         let mut variances: Vec<f32, 2> = Vec::new();
         let mut refound = false;
+        let mut is_vague = false;
         for along_m in points.into_iter().filter(|p| p.is_finite()) {
             let (difference_m, jacobian) = apart((wall, line), (other, &other_line), along_m);
             let variance = ekf.variance(&jacobian) + FLUSH_M * FLUSH_M;
@@ -114,6 +125,7 @@ impl Tie {
                 return None;
             }
             refound |= !fits;
+            is_vague |= variance > VAGUE_M * VAGUE_M;
             let _ = differences.push((difference_m, jacobian));
             let _ = variances.push(variance);
         }
@@ -125,7 +137,7 @@ impl Tie {
             let gate = if refound { REFIND_GATE } else { JOINT_GATE };
             *second_m = second_if_first_is_zero([*first_m, *second_m], [first_m2, second_m2], covariance_m2, gate)?;
         }
-        Some(Self { differences, updates: other.updates, refound })
+        Some(Self { differences, updates: other.updates, refound, is_vague })
     }
 }
 

@@ -1,5 +1,6 @@
 //! The walls of the map, the grid that they stand on and the frame that they hold (report 3.2).
 
+pub mod anchor;
 pub mod decision;
 pub mod founding;
 pub mod manhattan;

@@ -1,0 +1,104 @@
+//! The anchor's moments, the shortfall's, and what rounding is given, each against another derivation.
+
+use super::random::Random;
+use crate::filter::ekf::{Ekf, Jacobian, storage};
+use crate::geometry::pose::Pose;
+use crate::motion::shortfall::Shortfall;
+use crate::walls::anchor::Anchor;
+
+/// Second moments of a pose of the anchor's frame about its estimate, by drawing the anchor's error (a lower triangular factor
+/// times normal numbers) and the pose's.
+fn drawn(anchor: &Pose, factor: &[[f64; 3]; 3], pose: &Pose, sigmas: [f64; 3]) -> [[f64; 3]; 3] {
+    const DRAWS: usize = 100_000;
+    let place = |anchor: [f64; 3], pose: [f64; 3]| {
+        let (s, c) = anchor[2].sin_cos();
+        [anchor[0] + c * pose[0] - s * pose[1], anchor[1] + s * pose[0] + c * pose[1], anchor[2] + pose[2]]
+    };
+    let [anchor, pose] = [anchor, pose].map(|p| [p.x_m, p.y_m, p.theta_rad].map(f64::from));
+    let centre = place(anchor, pose);
+    let mut random = Random::new(1);
+    let mut sum = [[0.0; 3]; 3];
+    for _ in 0..DRAWS {
+        let normal: [f64; 3] = core::array::from_fn(|_| random.gaussian());
+        let off = |i: usize| (0..=i).map(|k| factor[i][k] * normal[k]).sum::<f64>();
+        let at = core::array::from_fn(|i| anchor[i] + off(i));
+        let seen = core::array::from_fn(|i| pose[i] + sigmas[i] * random.gaussian());
+        let placed = place(at, seen);
+        for i in 0..3 {
+            for j in 0..3 {
+                sum[i][j] += (placed[i] - centre[i]) * (placed[j] - centre[j]) / DRAWS as f64;
+            }
+        }
+    }
+    sum
+}
+
+#[test]
+fn a_pose_beyond_an_anchor_is_as_uncertain_as_one_that_is_drawn() {
+    for turn in [0.02, 0.09, 0.4, 1.0] {
+        // Position errors that go with the turn, as those of a drive into the unknown do.
+        let factor = [[0.5, 0.0, 0.0], [0.2, 0.8, 0.0], [-0.3 * turn, 0.5 * turn, turn]];
+        let product = |i: usize, j: usize| (0..3).map(|k| factor[i][k] * factor[j][k]).sum::<f64>();
+        let anchor = Anchor {
+            pose: Pose { x_m: 3.0, y_m: -1.0, theta_rad: 0.7 },
+            covariance: core::array::from_fn(|i| core::array::from_fn(|j| product(i, j) as f32)),
+        };
+        let (pose, sigmas) = (Pose { x_m: 4.0, y_m: 2.0, theta_rad: -1.0 }, [0.05, 0.02, 0.01]);
+        let own = core::array::from_fn(|i| {
+            core::array::from_fn(|j| if i == j { (sigmas[i] * sigmas[i]) as f32 } else { 0.0 })
+        });
+        let placed = anchor.compose(&pose, &own);
+        let drawn = drawn(&anchor.pose, &factor, &pose, sigmas);
+        for i in 0..3 {
+            for j in 0..3 {
+                let scale = (drawn[i][i] * drawn[j][j]).sqrt();
+                let off = (f64::from(placed.covariance[i][j]) - drawn[i][j]).abs() / scale;
+                assert!(off < 0.02, "turn {turn}, {i}, {j}: {} is not {}", placed.covariance[i][j], drawn[i][j]);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_known_start_is_not_left_behind_and_an_unknown_one_is() {
+    let filter = |heading_rad: f32| {
+        let mut ekf = Ekf::<{ storage(16) }>::EMPTY;
+        for (mean, sigma) in [(2.0, 0.5), (-1.0, 0.5), (0.3, heading_rad), (0.0, 0.0), (1.01, 0.005)] {
+            ekf.augment(mean, &Jacobian::new(), sigma * sigma);
+        }
+        ekf
+    };
+    let mut known = filter(0.05);
+    assert!(Anchor::START.drop_at(&mut known, [1e-8; 3]).is_none());
+    assert_eq!(known.mean(0), 2.0);
+    let mut unknown = filter(0.1);
+    let anchor = Anchor::START.drop_at(&mut unknown, [1e-8, 0.0, 1e-6]).expect("the heading is not known");
+    assert_eq!((anchor.pose.x_m, anchor.pose.y_m, anchor.pose.theta_rad), (2.0, -1.0, 0.3));
+    assert_eq!([0, 1, 2].map(|i| unknown.mean(i)), [0.0; 3]);
+    assert_eq!([0, 1, 2].map(|i| unknown.covariance(i, i)), [1e-8, 0.0, 1e-6]);
+    assert_eq!((unknown.mean(4), unknown.covariance(4, 4)), (1.01, 0.005 * 0.005), "the calibration is kept");
+}
+
+/// A path with a constant heading error: what it lacks along the heading, in mean square over the errors.
+#[test]
+fn a_shortfall_is_that_of_a_heading_that_is_off() {
+    const SIGMA: f64 = 0.2;
+    let mut shortfall = Shortfall::NONE;
+    let grown: f32 = (0..1000).map(|_| shortfall.advance(0.01, (SIGMA * SIGMA) as f32)).sum();
+    let mut random = Random::new(2);
+    let drawn = (0..100_000).map(|_| (10.0 * (1.0 - (SIGMA * random.gaussian()).cos())).powi(2)).sum::<f64>() / 1e5;
+    assert!((f64::from(grown) / drawn - 1.0).abs() < 0.1, "{grown} is not {drawn}");
+}
+
+#[test]
+fn rounding_is_given_back_to_what_is_as_large_as_asked() {
+    let mut ekf = Ekf::<{ storage(16) }>::EMPTY;
+    for variance in [4.0, 0.0, 1e-4] {
+        ekf.augment(0.0, &Jacobian::new(), variance);
+    }
+    ekf.restore_rounding(0.01);
+    assert!(ekf.covariance(0, 0) > 4.0 && ekf.covariance(0, 0) < 4.000_002);
+    assert_eq!((ekf.covariance(1, 1), ekf.covariance(2, 2)), (0.0, 1e-4));
+    ekf.restore_rounding(0.0);
+    assert!(ekf.covariance(2, 2) > 1e-4 && ekf.covariance(1, 1) == 0.0);
+}
