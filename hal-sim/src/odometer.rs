@@ -22,7 +22,8 @@ struct Errors {
 impl Errors {
     /// Drawn by what the rig states; none where it has wheels, whose own errors are enough.
     fn draw(drive: &DriveModel, options: &SimOptions, seed: u64) -> Option<Self> {
-        let DriveModel::Odometry { scale_sigma, noise_m2_per_m, noise_rad2_per_m, noise_rad2_per_rad } = *drive else {
+        let DriveModel::Odometry { scale_sigma, noise_m2_per_m, noise_rad2_per_m, noise_rad2_per_rad, .. } = *drive
+        else {
             return None;
         };
         let sigma = options.error_ratio * f64::from(scale_sigma);

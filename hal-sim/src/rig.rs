@@ -51,6 +51,7 @@ pub fn odometry_rig() -> Rig<16> {
         noise_m2_per_m: 1e-4,
         noise_rad2_per_m: 1e-4,
         noise_rad2_per_rad: 2e-4,
+        veer_sigma: 0.0,
     };
     Rig { drive, ..robot::rig::time_of_flight_rig() }
 }

@@ -205,7 +205,13 @@ fn jittered_stamps_still_increase() {
 fn a_dead_reckoned_pose_has_the_errors_that_its_rig_states() {
     let (mut distances, mut turns, mut sideways) = (Vec::new(), Vec::new(), Vec::new());
     let (noise_m2_per_m, noise_rad2_per_m, noise_rad2_per_rad) = (1e-4, 1e-4, 1e-3);
-    let drive = DriveModel::Odometry { scale_sigma: 0.02, noise_m2_per_m, noise_rad2_per_m, noise_rad2_per_rad };
+    let drive = DriveModel::Odometry {
+        scale_sigma: 0.02,
+        noise_m2_per_m,
+        noise_rad2_per_m,
+        noise_rad2_per_rad,
+        veer_sigma: 0.0,
+    };
     for seed in 0..200 {
         let rig = Rig { drive, ..default_rig() };
         let mut simulation = Simulation::new(&field(), &rig, SimOptions::default(), seed).unwrap();

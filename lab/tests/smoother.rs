@@ -25,6 +25,7 @@ fn rig() -> Rig<MAX_SENSORS> {
         noise_m2_per_m: 1e-4,
         noise_rad2_per_m: 1e-5,
         noise_rad2_per_rad: 1e-5,
+        veer_sigma: 0.0,
     };
     Rig { drive, adc: None, sensors: (0..4).map(sensor).collect() }
 }

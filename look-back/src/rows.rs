@@ -74,7 +74,7 @@ impl Odometry {
                 let both = scale_sigma * core::f32::consts::FRAC_1_SQRT_2;
                 [both, libm::hypotf(both, track_sigma), 2.0 * both / track_m]
             }
-            DriveModel::Odometry { scale_sigma, .. } => [scale_sigma, scale_sigma, 0.0],
+            DriveModel::Odometry { scale_sigma, veer_sigma, .. } => [scale_sigma, scale_sigma, veer_sigma],
         }
     }
 

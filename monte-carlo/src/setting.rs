@@ -92,6 +92,7 @@ impl Setting {
                 noise_m2_per_m: 0.5 * noise_m2_per_m,
                 noise_rad2_per_m,
                 noise_rad2_per_rad: 0.5 * track_m * noise_rad2_per_m,
+                veer_sigma: 2.0f32.sqrt() * scale_sigma / track_m,
             };
         }
         told

@@ -60,7 +60,7 @@ pub use measurement::first_estimates::Linearisation;
 pub use motion::MotionSettings;
 pub use motion::step::{SLIP_M2_PER_RAD, SLIP_RUNS};
 pub use report::{Counters, Outcome, ReadingReport, Refusal, StepReport};
-pub use rig::{Adc, DriveModel, Mount, RangeModel, RangeSensor, Rig, RigError};
+pub use rig::{Adc, DriveModel, Mount, RangeModel, RangeSensor, Rig, RigError, VEER_SIGMA};
 pub use sample::{Increment, Motion, RangeInput, Sample, Ticks};
 pub use sensing::SensingSettings;
 pub use sensing::range::SURFACE_M;

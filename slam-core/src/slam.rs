@@ -133,14 +133,18 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let mut allot = |is_wanted: bool, mean: f32, sigma: f32| {
             if is_wanted && sigma > 0.0 { ekf.augment(mean, &Jacobian::new(), sigma * sigma) } else { None }
         };
-        let (scale_sigma, track_sigma) = match rig.drive {
-            DriveModel::Wheels { scale_sigma, track_sigma, .. } => (scale_sigma, track_sigma),
-            DriveModel::Odometry { scale_sigma, .. } => (scale_sigma, 0.0),
+        let (scale_sigma, (is_wanted, mean, sigma)) = match rig.drive {
+            DriveModel::Wheels { scale_sigma, track_sigma, .. } => {
+                (scale_sigma, (config.motion.calibrate_track, 1.0, track_sigma))
+            }
+            DriveModel::Odometry { scale_sigma, veer_sigma, .. } => {
+                (scale_sigma, (config.motion.calibrate_scales, 0.0, veer_sigma))
+            }
         };
         drive.states = DriveStates {
             first_scale: allot(config.motion.calibrate_scales, 1.0, scale_sigma),
             second_scale: allot(config.motion.calibrate_scales, 1.0, scale_sigma),
-            track: allot(config.motion.calibrate_track, 1.0, track_sigma),
+            third: allot(is_wanted, mean, sigma),
         };
         for (state, sensor) in sensors.iter_mut().zip(&rig.sensors) {
             *state = SensorState::new(sensor, allot(config.sensing.calibrate_gains, 1.0, sensor.gain_sigma));

@@ -23,6 +23,8 @@ pub enum Parameter {
     ScaleDistance,
     /// Scale of turned angle.
     ScaleTurn,
+    /// Turn that the odometry misses, radians per metre driven forward.
+    Veer,
     /// Gain of the range sensor with this index.
     Gain(u8),
 }
@@ -110,13 +112,13 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         })
     }
 
-    /// Every calibration state with its estimate (a factor, 1 where exact) and 1-sigma.
+    /// Every calibration state with its estimate (a factor, 1 where exact, or the veer) and 1-sigma.
     pub fn calibration(&self) -> impl Iterator<Item = (Parameter, f32, f32)> + '_ {
-        let (first, second) = match self.rig.drive {
-            DriveModel::Wheels { .. } => (Parameter::ScaleLeft, Parameter::ScaleRight),
-            DriveModel::Odometry { .. } => (Parameter::ScaleDistance, Parameter::ScaleTurn),
+        let drive = match self.rig.drive {
+            DriveModel::Wheels { .. } => [Parameter::ScaleLeft, Parameter::ScaleRight, Parameter::Track],
+            DriveModel::Odometry { .. } => [Parameter::ScaleDistance, Parameter::ScaleTurn, Parameter::Veer],
         };
-        let drive = [first, second, Parameter::Track].into_iter().zip(self.drive.states.in_order());
+        let drive = drive.into_iter().zip(self.drive.states.in_order());
         let gains = self.sensors.iter().enumerate().map(|(i, sensor)| (Parameter::Gain(i as u8), sensor.gain));
         drive.chain(gains).filter_map(|(parameter, state)| state.map(|i| (parameter, self.ekf.mean(i), self.sigma(i))))
     }

@@ -26,8 +26,13 @@ const WHEELS: DriveModel = DriveModel::Wheels {
     scale_sigma: 0.005,
     noise_m2_per_m: 1e-5,
 };
-const ODOMETRY: DriveModel =
-    DriveModel::Odometry { scale_sigma: 0.05, noise_m2_per_m: 4e-4, noise_rad2_per_m: 2e-4, noise_rad2_per_rad: 1e-3 };
+const ODOMETRY: DriveModel = DriveModel::Odometry {
+    scale_sigma: 0.05,
+    noise_m2_per_m: 4e-4,
+    noise_rad2_per_m: 2e-4,
+    noise_rad2_per_rad: 1e-3,
+    veer_sigma: 0.0,
+};
 
 /// Two analogue and two metric sensors, of which the first `sensors` are there.
 fn rig(drive: DriveModel, sensors: usize) -> Rig<4> {

@@ -107,6 +107,7 @@ impl From<slam_core::Parameter> for Parameter {
             slam_core::Parameter::Track => Self::Track,
             slam_core::Parameter::ScaleDistance => Self::ScaleDistance,
             slam_core::Parameter::ScaleTurn => Self::ScaleTurn,
+            slam_core::Parameter::Veer => Self::Veer,
             slam_core::Parameter::Gain(sensor) => Self::Gain(sensor),
         }
     }

@@ -1,4 +1,5 @@
-//! What is said. The order of variants and fields is the format: a change needs a new [`VERSION`](crate::VERSION).
+//! What is said. The order of variants and fields is the format: a change needs a new [`VERSION`](crate::VERSION), but for a
+//! variant at the end.
 
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -151,6 +152,8 @@ pub enum Parameter {
     ScaleTurn,
     /// The range sensor with this index.
     Gain(u8),
+    /// Turn that dead reckoning misses, radians per metre driven.
+    Veer,
 }
 
 /// Counts since the robot's start; they saturate.

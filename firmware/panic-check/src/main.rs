@@ -29,6 +29,7 @@ fn rig() -> slam_core::Rig<8> {
             noise_m2_per_m: 4e-4,
             noise_rad2_per_m: 2e-4,
             noise_rad2_per_rad: 1e-3,
+            veer_sigma: 0.0,
         }),
         adc: black_box(Some(Adc { bits: 12, vref_v: 3.3 })),
         sensors: heapless::Vec::new(),

@@ -15,8 +15,13 @@ use static_cell::{ConstStaticCell, StaticCell};
 static DIARY: StaticCell<RobotDiary> = StaticCell::new();
 static LOOK_BACK: ConstStaticCell<RobotLookBack> = ConstStaticCell::new(RobotLookBack::new());
 
-const DRIVE: DriveModel =
-    DriveModel::Odometry { scale_sigma: 0.02, noise_m2_per_m: 1e-4, noise_rad2_per_m: 1e-4, noise_rad2_per_rad: 1e-3 };
+const DRIVE: DriveModel = DriveModel::Odometry {
+    scale_sigma: 0.02,
+    noise_m2_per_m: 1e-4,
+    noise_rad2_per_m: 1e-4,
+    noise_rad2_per_rad: 1e-3,
+    veer_sigma: 0.0,
+};
 
 /// Length of a step of the stairs, metres.
 const STEP_M: f32 = 0.75;

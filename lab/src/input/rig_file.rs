@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use input_file::{FileError, Limits, Number, TomlFile};
-use slam_core::{Adc, DriveModel, Mount, RangeModel, RangeSensor, Rig, RigError};
+use slam_core::{Adc, DriveModel, Mount, RangeModel, RangeSensor, Rig, RigError, VEER_SIGMA};
 
 /// Most range sensors that the workbench takes.
 pub const MAX_SENSORS: usize = 16;
@@ -135,6 +135,7 @@ fn drive(
             noise_m2_per_m: keys.noise_m2_per_m.single(),
             noise_rad2_per_m: keys.noise_rad2_per_m.single(),
             noise_rad2_per_rad: keys.noise_rad2_per_rad.single(),
+            veer_sigma: keys.drift_sigma_deg_per_m.map_or(VEER_SIGMA, |sigma| sigma.single().to_radians()),
         }),
     }
 }
@@ -208,11 +209,15 @@ fn write_drive(text: &mut String, drive: &DriveModel) -> std::fmt::Result {
             "[wheels]\ntrack_m = {track_m:?}\ntrack_sigma = {track_sigma:?}\nmetres_per_tick = {metres_per_tick:?}\n\
              scale_sigma = {scale_sigma:?}\nnoise_m2_per_m = {noise_m2_per_m:?}\n"
         ),
-        DriveModel::Odometry { scale_sigma, noise_m2_per_m, noise_rad2_per_m, noise_rad2_per_rad } => write!(
-            text,
-            "[odometry]\nscale_sigma = {scale_sigma:?}\nnoise_m2_per_m = {noise_m2_per_m:?}\n\
-             noise_rad2_per_m = {noise_rad2_per_m:?}\nnoise_rad2_per_rad = {noise_rad2_per_rad:?}\n"
-        ),
+        DriveModel::Odometry { scale_sigma, noise_m2_per_m, noise_rad2_per_m, noise_rad2_per_rad, veer_sigma } => {
+            write!(
+                text,
+                "[odometry]\nscale_sigma = {scale_sigma:?}\nnoise_m2_per_m = {noise_m2_per_m:?}\n\
+             noise_rad2_per_m = {noise_rad2_per_m:?}\nnoise_rad2_per_rad = {noise_rad2_per_rad:?}\n\
+             drift_sigma_deg_per_m = {:?}\n",
+                degrees(*veer_sigma)
+            )
+        }
     }
 }
 

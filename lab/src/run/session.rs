@@ -141,7 +141,8 @@ impl Session {
         // A parameter that is no state is known exactly.
         let value = |parameter: &Parameter| {
             let found = self.slam.calibration().find(|(state, ..)| state == parameter);
-            found.map_or((1.0, 0.0), |(_, estimate, sigma)| (estimate, sigma))
+            let known = if *parameter == Parameter::Veer { 0.0 } else { 1.0 };
+            found.map_or((known, 0.0), |(_, estimate, sigma)| (estimate, sigma))
         };
         let values = self.parameters.iter().map(value).collect();
         self.recording.calibration.push(CalibrationSnapshot { step, values });
@@ -174,7 +175,7 @@ fn sensor_info((sensor, name): (&slam_core::RangeSensor, &String)) -> SensorInfo
 fn parameters_of(robot: &Robot) -> Vec<Parameter> {
     let drive: &[Parameter] = match robot.rig.drive {
         DriveModel::Wheels { .. } => &[Parameter::ScaleLeft, Parameter::ScaleRight, Parameter::Track],
-        DriveModel::Odometry { .. } => &[Parameter::ScaleDistance, Parameter::ScaleTurn],
+        DriveModel::Odometry { .. } => &[Parameter::ScaleDistance, Parameter::ScaleTurn, Parameter::Veer],
     };
     let gains = (0..robot.rig.sensors.len()).map(|index| Parameter::Gain(index as u8));
     gains.chain(drive.iter().copied()).collect()
@@ -187,6 +188,7 @@ fn parameter_name(parameter: Parameter, sensors: &[String]) -> String {
         Parameter::Track => "track".to_owned(),
         Parameter::ScaleDistance => "scale_distance".to_owned(),
         Parameter::ScaleTurn => "scale_turn".to_owned(),
+        Parameter::Veer => "veer".to_owned(),
         Parameter::Gain(index) => match sensors.get(usize::from(index)) {
             Some(name) => format!("gain_{name}"),
             None => format!("gain_{index}"),

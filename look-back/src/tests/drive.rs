@@ -16,8 +16,13 @@ const BEAMS: [f64; 4] = [0.0, 0.7, -0.7, -1.6];
 pub const SIGMA_M: f64 = 0.01;
 pub const SCALE: f64 = 0.97;
 
-pub const DRIVE: DriveModel =
-    DriveModel::Odometry { scale_sigma: 0.03, noise_m2_per_m: 1e-4, noise_rad2_per_m: 1e-4, noise_rad2_per_rad: 1e-3 };
+pub const DRIVE: DriveModel = DriveModel::Odometry {
+    scale_sigma: 0.03,
+    noise_m2_per_m: 1e-4,
+    noise_rad2_per_m: 1e-4,
+    noise_rad2_per_rad: 1e-3,
+    veer_sigma: 0.0,
+};
 
 /// The robot as it is, and as its odometry has it.
 pub struct Robot {

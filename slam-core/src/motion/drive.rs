@@ -21,23 +21,29 @@ pub struct DriveStates {
     pub first_scale: Option<usize>,
     /// Scale of the right wheel, or of turning.
     pub second_scale: Option<usize>,
-    /// Factor of the track.
-    pub track: Option<usize>,
+    /// Factor of the track, or the veer.
+    pub third: Option<usize>,
 }
 
 impl DriveStates {
     /// All factors known.
-    pub const NONE: Self = Self { first_scale: None, second_scale: None, track: None };
+    pub const NONE: Self = Self { first_scale: None, second_scale: None, third: None };
 
     /// In the order of [`Step::by_factor`].
     pub fn in_order(&self) -> [Option<usize>; 3] {
-        [self.first_scale, self.second_scale, self.track]
+        [self.first_scale, self.second_scale, self.third]
     }
 
     /// The factors as they are estimated.
-    fn factors(&self, ekf: &EkfView) -> Factors {
-        let factor = |state: Option<usize>| Factor { value: state.map_or(1.0, |i| ekf.mean(i)), state };
-        Factors { first: factor(self.first_scale), second: factor(self.second_scale), track: factor(self.track) }
+    fn factors(&self, model: &DriveModel, ekf: &EkfView) -> Factors {
+        let known = Factors::nominal(model);
+        let factor =
+            |state: Option<usize>, known: Factor| state.map_or(known, |i| Factor { value: ekf.mean(i), state });
+        Factors {
+            first: factor(self.first_scale, known.first),
+            second: factor(self.second_scale, known.second),
+            third: factor(self.third, known.third),
+        }
     }
 }
 
@@ -82,7 +88,7 @@ impl Drive {
         dt_s: f32,
         ekf: &EkfView,
     ) -> Factors {
-        let factors = self.states.factors(ekf);
+        let factors = self.states.factors(model, ekf);
         let step = match &travel {
             Some(travel) => self.real_step(model, settings, travel, dt_s, &factors),
             None => self.step.lost(),
@@ -90,7 +96,7 @@ impl Drive {
         self.dead_reckoning.advance(&step);
         self.step = step;
         if let Some(travel) = travel {
-            self.nominal = step::step(model, &travel, &Factors::KNOWN).applied_to(&self.nominal);
+            self.nominal = step::step(model, &travel, &Factors::nominal(model)).applied_to(&self.nominal);
         }
         factors
     }
@@ -111,7 +117,7 @@ impl Drive {
         }
         if settings.mean_travel {
             self.travelled.follow(raw, dt_s, TRAVEL_S);
-            step.by_factor = step::by_scales(self.travelled.over(dt_s));
+            step.by_factor = step::by_factors(self.travelled.over(dt_s), factors);
         }
         step
     }

@@ -27,16 +27,18 @@ pub struct Factors {
     pub first: Factor,
     /// Scale of the right wheel, or of turning.
     pub second: Factor,
-    /// Factor of the track.
-    pub track: Factor,
+    /// Factor of the track of wheels; the veer of an odometry, radians per metre forward.
+    pub third: Factor,
 }
 
 impl Factors {
-    /// Every factor 1, and known.
-    pub const KNOWN: Self = {
+    /// What is known of them without estimating: factors are 1, and there is no veer.
+    pub const fn nominal(drive: &DriveModel) -> Self {
         let known = Factor { value: 1.0, state: None };
-        Self { first: known, second: known, track: known }
-    };
+        let none = Factor { value: 0.0, state: None };
+        let third = if matches!(drive, DriveModel::Wheels { .. }) { known } else { none };
+        Self { first: known, second: known, third }
+    }
 }
 
 /// One step of motion in the robot's frame, with its derivatives and noise.
@@ -44,7 +46,7 @@ impl Factors {
 pub struct Step {
     /// Displacement and turn in the robot's frame at the step's start.
     pub increment: Increment,
-    /// d(forward, left, turn) by the first scale, the second scale and the track.
+    /// d(forward, left, turn) by the three factors of [`Factors`].
     pub by_factor: [[f32; 3]; 3],
     /// Covariance of (forward, left, turn).
     pub noise: [[f32; 3]; 3],
@@ -100,16 +102,19 @@ pub fn step(drive: &DriveModel, travel: &Travel, factors: &Factors) -> Step {
         }
         (&DriveModel::Odometry { noise_m2_per_m, noise_rad2_per_m, noise_rad2_per_rad, .. }, &Travel::Body(raw)) => {
             let (distance, turn) = (factors.first.value, factors.second.value);
+            let (forward_m, left_m) = (distance * raw.forward_m, distance * raw.left_m);
             let path_m = distance * libm::sqrtf(raw.forward_m * raw.forward_m + raw.left_m * raw.left_m);
+            // Wheels of unequal size turn the robot as it drives; on average it has turned by half of that.
+            let veered_rad = factors.third.value * forward_m;
             let position = noise_m2_per_m * path_m;
             let heading = noise_rad2_per_m * path_m + noise_rad2_per_rad * (turn * raw.turn_rad).abs();
             Step {
                 increment: Increment {
-                    forward_m: distance * raw.forward_m,
-                    left_m: distance * raw.left_m,
-                    turn_rad: turn * raw.turn_rad,
+                    forward_m: forward_m - 0.5 * veered_rad * left_m,
+                    left_m: left_m + 0.5 * veered_rad * forward_m,
+                    turn_rad: turn * raw.turn_rad + veered_rad,
                 },
-                by_factor: by_scales(raw),
+                by_factor: by_factors(raw, factors),
                 noise: [[position, 0.0, 0.0], [0.0, position, 0.0], [0.0, 0.0, heading]],
                 path_m,
             }
@@ -118,13 +123,19 @@ pub fn step(drive: &DriveModel, travel: &Travel, factors: &Factors) -> Step {
     }
 }
 
-/// d(forward, left, turn) by the scales of distance and of turning, for this motion as the odometry says it.
-pub fn by_scales(raw: Increment) -> [[f32; 3]; 3] {
-    [[raw.forward_m, raw.left_m, 0.0], [0.0, 0.0, raw.turn_rad], [0.0; 3]]
+/// d(forward, left, turn) by the scales of distance and of turning and by the veer, for this motion as the odometry says it.
+pub fn by_factors(raw: Increment, factors: &Factors) -> [[f32; 3]; 3] {
+    let Increment { forward_m, left_m, turn_rad } = raw;
+    let (distance, veer) = (factors.first.value, factors.third.value);
+    // Along the scaled path, and the turn that the veer makes of it.
+    let (forward, left, veered_rad) = (distance * forward_m, distance * left_m, veer * distance * forward_m);
+    let by_distance = [forward_m - veered_rad * left_m, left_m + veered_rad * forward_m, veer * forward_m];
+    let by_veer = [-0.5 * forward * left, 0.5 * forward * forward, forward];
+    [by_distance, [0.0, 0.0, turn_rad], by_veer]
 }
 
 fn wheel_step(track_m: f32, noise_m2_per_m: f32, left_m: f32, right_m: f32, factors: &Factors) -> Step {
-    let track_m = track_m * factors.track.value;
+    let track_m = track_m * factors.third.value;
     let (left, right) = (factors.first.value * left_m, factors.second.value * right_m);
     let distance = 0.5 * (left + right);
     let turn = (right - left) / track_m;
@@ -149,7 +160,7 @@ fn wheel_step(track_m: f32, noise_m2_per_m: f32, left_m: f32, right_m: f32, fact
             noise[i][j] = left_variance * by_left[i] * by_left[j] + right_variance * by_right[i] * by_right[j];
         }
     }
-    let by_track = by_turn.map(|d| -d * turn / factors.track.value);
+    let by_track = by_turn.map(|d| -d * turn / factors.third.value);
     Step {
         increment: Increment { forward_m, left_m: left_m_body, turn_rad: turn },
         by_factor: [by_left.map(|d| d * left_m), by_right.map(|d| d * right_m), by_track],
@@ -213,7 +224,7 @@ impl Step {
         jacobian[THETA][THETA] = 1.0;
         jacobian[X][THETA] = -moved[1];
         jacobian[Y][THETA] = moved[0];
-        for (factor, derivative) in [factors.first, factors.second, factors.track].iter().zip(self.by_factor) {
+        for (factor, derivative) in [factors.first, factors.second, factors.third].iter().zip(self.by_factor) {
             let derivative = rotate(derivative);
             for (row, d) in jacobian.iter_mut().zip(derivative) {
                 if let Some(entry) = factor.state.and_then(|i| row.get_mut(i)) {

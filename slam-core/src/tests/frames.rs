@@ -93,6 +93,7 @@ fn turned(frame: MapFrame) -> Slam<4, 16, 64, { storage(48) }> {
         noise_m2_per_m: 1e-4,
         noise_rad2_per_m: 1e-4,
         noise_rad2_per_rad: 1e-3,
+        veer_sigma: 0.0,
     };
     let rig = Rig { drive, adc: None, sensors: sensors.collect() };
     let config = Config { walls: WallSettings { frame, ..WallSettings::real_rooms() }, ..Config::real_rooms() };

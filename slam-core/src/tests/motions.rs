@@ -16,13 +16,18 @@ const WHEELS: DriveModel = DriveModel::Wheels {
     scale_sigma: 0.005,
     noise_m2_per_m: 1e-5,
 };
-const ODOMETRY: DriveModel =
-    DriveModel::Odometry { scale_sigma: 0.05, noise_m2_per_m: 4e-4, noise_rad2_per_m: 2e-4, noise_rad2_per_rad: 1e-3 };
+const ODOMETRY: DriveModel = DriveModel::Odometry {
+    scale_sigma: 0.05,
+    noise_m2_per_m: 4e-4,
+    noise_rad2_per_m: 2e-4,
+    noise_rad2_per_rad: 1e-3,
+    veer_sigma: 0.0,
+};
 
 /// States 4 to 6 are the factors.
 fn factors(values: [f64; 3]) -> Factors {
     let factor = |i: usize| Factor { value: values[i] as f32, state: Some(4 + i) };
-    Factors { first: factor(0), second: factor(1), track: factor(2) }
+    Factors { first: factor(0), second: factor(1), third: factor(2) }
 }
 
 fn random_state(random: &mut Random) -> [f64; 6] {
@@ -129,7 +134,10 @@ fn an_odometry_increment_moves_in_any_direction() {
         let model = |s: &[f64; 6]| {
             let (sin, cos) = s[2].sin_cos();
             let (f, l) = (s[3] * forward, s[3] * left);
-            [s[0] + cos * f - sin * l, s[1] + sin * f + cos * l, s[2] + s[4] * turn]
+            // The veer turns the path as it goes on, by half of its turn on average.
+            let veered = s[5] * f;
+            let (f, l) = (f - 0.5 * veered * l, l + 0.5 * veered * f);
+            [s[0] + cos * f - sin * l, s[1] + sin * f + cos * l, s[2] + s[4] * turn + veered]
         };
         let path = state[3] * forward.hypot(left);
         let heading = 2e-4 * path + 1e-3 * (state[4] * turn).abs();
@@ -189,8 +197,7 @@ fn a_motion_of_the_wrong_kind_or_not_a_number_is_no_motion() {
 
 #[test]
 fn a_slipping_robot_knows_less_of_its_place_and_as_much_of_its_heading() {
-    let known = Factor { value: 1.0, state: None };
-    let factors = Factors { first: known, second: known, track: known };
+    let factors = Factors::nominal(&ODOMETRY);
     let travel = Travel::Body(Increment { forward_m: 0.03, left_m: 0.04, turn_rad: -0.2 });
     let stated = step(&ODOMETRY, &travel, &factors);
     let slipping = stated.slipping();
@@ -208,7 +215,7 @@ fn a_slipping_robot_knows_less_of_its_place_and_as_much_of_its_heading() {
 #[test]
 fn an_arc_over_a_long_step_is_a_guess() {
     let known = Factor { value: 1.0, state: None };
-    let factors = Factors { first: known, second: known, track: known };
+    let factors = Factors { first: known, second: known, third: known };
     let mut random = Random::new(3);
     let mut nees = [0.0; 2];
     const DRIVES: usize = 400;

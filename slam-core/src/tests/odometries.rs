@@ -29,7 +29,7 @@ fn a_point_moves_with_the_factors_as_driving_again_would_move_it() {
     };
     let values = [1.01f32, 0.98, 1.02];
     let factor = |i: usize| Factor { value: values[i], state: None };
-    let factors = Factors { first: factor(0), second: factor(1), track: factor(2) };
+    let factors = Factors { first: factor(0), second: factor(1), third: factor(2) };
     let mut random = Random::new(1);
     let mut odometry = DeadReckoning::START;
     let mut path = std::vec::Vec::new();

@@ -2,7 +2,7 @@
 
 use super::random::Random;
 use crate::motion::mean_motion::MeanMotion;
-use crate::motion::step::{Factor, Factors, by_scales, step};
+use crate::motion::step::{Factor, Factors, by_factors, step};
 use crate::motion::travel::Travel;
 use crate::{DriveModel, Increment};
 
@@ -32,6 +32,7 @@ fn found_scale(steps: usize, memory_s: Option<f32>) -> f64 {
         noise_m2_per_m: 0.0,
         noise_rad2_per_m: 1e-4,
         noise_rad2_per_rad: 1e-4,
+        veer_sigma: 0.0,
     };
     let mut random = Random::new(3);
     let mut pace = MeanMotion::STILL;
@@ -42,11 +43,11 @@ fn found_scale(steps: usize, memory_s: Option<f32>) -> f64 {
         let forward_m = (TRUE_M + NOISE_M2.sqrt() * random.gaussian()) as f32;
         let raw = Increment { forward_m, ..Increment::default() };
         let known = Factor { value: 1.0, state: None };
-        let factors = Factors { first: Factor { value: scale as f32, state: None }, second: known, track: known };
+        let factors = Factors { first: Factor { value: scale as f32, state: None }, second: known, third: known };
         let mut step = step(&drive, &Travel::Body(raw), &factors);
         if let Some(memory_s) = memory_s {
             pace.follow(raw, 0.1, memory_s);
-            step.by_factor = by_scales(pace.over(0.1));
+            step.by_factor = by_factors(pace.over(0.1), &factors);
         }
         let by = f64::from(step.by_factor[0][0]);
         x += f64::from(step.increment.forward_m);

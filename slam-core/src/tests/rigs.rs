@@ -12,7 +12,7 @@ fn wheels([track_m, track_sigma, metres_per_tick, scale_sigma, noise_m2_per_m]: 
 }
 
 fn odometry([scale_sigma, noise_m2_per_m, noise_rad2_per_m, noise_rad2_per_rad]: [f32; 4]) -> DriveModel {
-    DriveModel::Odometry { scale_sigma, noise_m2_per_m, noise_rad2_per_m, noise_rad2_per_rad }
+    DriveModel::Odometry { scale_sigma, noise_m2_per_m, noise_rad2_per_m, noise_rad2_per_rad, veer_sigma: 0.05 }
 }
 
 const SHARP: RangeModel = RangeModel::Sharp { scale_m: 0.6, exponent: -1.16, noise_v: 0.012 };

@@ -23,6 +23,7 @@ fn used(step_m: f32) -> f32 {
         noise_m2_per_m: 1e-4,
         noise_rad2_per_m: 1e-4,
         noise_rad2_per_rad: 1e-4,
+        veer_sigma: 0.0,
     };
     let sensors = [core::f32::consts::FRAC_PI_2, -core::f32::consts::FRAC_PI_2].map(sensor);
     let rig = Rig::<8> { drive, adc: None, sensors: sensors.into_iter().collect() };

@@ -360,6 +360,8 @@ fn scale_sigmas(drive: &DriveModel) -> [f64; 3] {
             let both = each * 0.5f64.sqrt();
             [both, both.hypot(f64::from(track_sigma)), 2.0 * both / track]
         }
-        DriveModel::Odometry { scale_sigma, .. } => [f64::from(scale_sigma), f64::from(scale_sigma), 0.0],
+        DriveModel::Odometry { scale_sigma, veer_sigma, .. } => {
+            [f64::from(scale_sigma), f64::from(scale_sigma), f64::from(veer_sigma)]
+        }
     }
 }

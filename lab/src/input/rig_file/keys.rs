@@ -30,6 +30,7 @@ pub(super) struct Odometry {
     pub noise_m2_per_m: Number<NotNegative>,
     pub noise_rad2_per_m: Number<NotNegative>,
     pub noise_rad2_per_rad: Number<NotNegative>,
+    pub drift_sigma_deg_per_m: Option<Number<NotNegative>>,
 }
 
 #[derive(Debug, Deserialize)]

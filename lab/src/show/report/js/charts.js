@@ -188,8 +188,8 @@ function widestDeviation(parameters) {
 
 // Small multiples: gains on one common scale and motion on another, so that they can be compared.
 function calibrationCharts(run) {
-  // A parameter without uncertainty is not estimated.
-  const estimated = run.calibration.parameters.filter((p) => p.sigma.some((s) => s > 0));
+  // A parameter without uncertainty is not estimated; the veer is no factor.
+  const estimated = run.calibration.parameters.filter((p) => p.name !== "veer" && p.sigma.some((s) => s > 0));
   const groups = [(p) => p.name.startsWith("gain_"), (p) => !p.name.startsWith("gain_")].map((f) => estimated.filter(f));
   return groups.flatMap((group) => group.map((p) => calibrationChart(run, p, 1.05 * widestDeviation(group))));
 }
