@@ -9,6 +9,7 @@ use crate::file::Experiment;
 use crate::table::{self, Line};
 use crate::{figures::FOLDER, store};
 use input_file::FileError;
+use lab::show::svg::escape;
 
 const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:1100px;margin:2rem auto;padding:0 1rem;\
 color:#24292f;background:#fff}table{border-collapse:collapse;font-size:13px;display:block;overflow-x:auto}\
@@ -66,17 +67,13 @@ fn series(folder: &Path) -> Result<Vec<Figure>, FileError> {
     captions.iter().map(figure).collect()
 }
 
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
-}
-
 fn page(experiment: &Experiment, lines: &[Line], verdicts: &[Verdict], figures: &[Figure]) -> String {
-    let title = escaped(&experiment.title);
+    let title = escape(&experiment.title);
     let mut html = format!(
         "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title>\
          <meta name=\"viewport\" content=\"width=device-width\"><meta name=\"color-scheme\" content=\"light dark\">\
          <style>{STYLE}</style></head><body><h1>{title}</h1><p>{}</p>",
-        escaped(&experiment.about)
+        escape(&experiment.about)
     );
     if !lines.is_empty() {
         let (head, cells) = table::cells(lines);
@@ -89,9 +86,9 @@ fn page(experiment: &Experiment, lines: &[Line], verdicts: &[Verdict], figures: 
         write_table(&mut html, &["plan", "must hold", "found", "holds"], &cells);
     }
     for figure in figures {
-        let _ = write!(html, "<figure>{}<figcaption>{}</figcaption></figure>", figure.svg, escaped(&figure.caption));
+        let _ = write!(html, "<figure>{}<figcaption>{}</figcaption></figure>", figure.svg, escape(&figure.caption));
     }
-    let _ = writeln!(html, "<h2>The experiment file</h2><pre>{}</pre></body></html>", escaped(&experiment.text));
+    let _ = writeln!(html, "<h2>The experiment file</h2><pre>{}</pre></body></html>", escape(&experiment.text));
     html
 }
 
@@ -103,14 +100,14 @@ fn verdict_cells(verdict: &Verdict) -> Vec<String> {
 fn write_table(html: &mut String, head: &[&str], cells: &[Vec<String>]) {
     html.push_str("<table><thead><tr>");
     for name in head {
-        let _ = write!(html, "<th>{}</th>", escaped(name));
+        let _ = write!(html, "<th>{}</th>", escape(name));
     }
     html.push_str("</tr></thead><tbody>");
     for row in cells {
         html.push_str("<tr>");
         for cell in row {
             let class = if cell == "no" { " class=\"no\"" } else { "" };
-            let _ = write!(html, "<td{class}>{}</td>", escaped(cell));
+            let _ = write!(html, "<td{class}>{}</td>", escape(cell));
         }
         html.push_str("</tr>");
     }

@@ -1,6 +1,6 @@
 //! Charts as SVG, self-contained, readable in light and dark.
 
-use std::fmt::Write as _;
+use super::svg::{NAMESPACE, Svg, polyline};
 
 /// Colours that stand out on white and on near-black.
 const COLOURS: [&str; 8] = ["#7d8590", "#e8590c", "#15a38b", "#b44fd0", "#c9910a", "#2d8be0", "#d6336c", "#5c7cfa"];
@@ -15,6 +15,9 @@ const RIGHT: f64 = 16.0;
 const TOP: f64 = 30.0;
 const BOTTOM: f64 = 44.0;
 const LEGEND_LINE: f64 = 18.0;
+
+/// Width of a line.
+const STROKE: &str = "1.6";
 
 /// An axis: from where to where, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -101,11 +104,6 @@ fn number(value: f64) -> String {
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
-/// A text as it may stand in SVG.
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
-}
-
 /// One coordinate system of a figure.
 #[derive(Clone, Debug)]
 pub struct Panel {
@@ -114,13 +112,13 @@ pub struct Panel {
     y: Axis,
     width: f64,
     height: f64,
-    body: String,
+    body: Svg,
 }
 
 impl Panel {
     /// An empty panel, with its size in SVG units.
     pub fn new(title: &str, x: Axis, y: Axis, width: f64, height: f64) -> Self {
-        Self { title: title.into(), x, y, width, height, body: String::new() }
+        Self { title: title.into(), x, y, width, height, body: Svg::new() }
     }
 
     fn at(&self, x: f64, y: f64) -> (f64, f64) {
@@ -129,37 +127,39 @@ impl Panel {
     }
 
     fn path(&self, points: impl Iterator<Item = (f64, f64)>) -> String {
-        let mut path = String::new();
-        for (x, y) in points.filter(|(x, y)| x.is_finite() && y.is_finite()) {
-            let (x, y) = self.at(x, y);
-            let _ = write!(path, "{}{x:.1} {y:.1}", if path.is_empty() { "M" } else { "L" });
-        }
-        path
+        let finite = points.filter(|(x, y)| x.is_finite() && y.is_finite());
+        polyline(finite.map(|(x, y)| self.at(x, y).into()))
     }
 
     /// A line through points.
     pub fn line(&mut self, points: &[(f64, f64)], colour: usize) {
         let path = self.path(points.iter().copied());
-        let stroke = colour_of(colour);
-        let _ = write!(self.body, "<path d=\"{path}\" fill=\"none\" stroke=\"{stroke}\" stroke-width=\"1.6\"/>");
+        self.body.element(
+            "path",
+            &[("d", &path), ("fill", &"none"), ("stroke", &colour_of(colour)), ("stroke-width", &STROKE)],
+        );
     }
 
     /// The area between two heights: (x, low, high).
     pub fn band(&mut self, points: &[(f64, f64, f64)], colour: usize) {
         let there = points.iter().map(|(x, low, _)| (*x, *low));
         let back = points.iter().rev().map(|(x, _, high)| (*x, *high));
-        let path = self.path(there.chain(back));
-        let _ = write!(self.body, "<path d=\"{path}Z\" fill=\"{}\" fill-opacity=\"0.22\"/>", colour_of(colour));
+        let path = self.path(there.chain(back)) + "Z";
+        self.body.element("path", &[("d", &path), ("fill", &colour_of(colour)), ("fill-opacity", &"0.22")]);
     }
 
     /// Dots.
     pub fn dots(&mut self, points: &[(f64, f64)], radius: f64, colour: usize) {
         for (x, y) in points.iter().filter(|(x, y)| x.is_finite() && y.is_finite()) {
             let (x, y) = self.at(*x, *y);
-            let _ = write!(
-                self.body,
-                "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\" fill=\"{}\"/>",
-                colour_of(colour)
+            self.body.element(
+                "circle",
+                &[
+                    ("cx", &format_args!("{x:.1}")),
+                    ("cy", &format_args!("{y:.1}")),
+                    ("r", &radius),
+                    ("fill", &colour_of(colour)),
+                ],
             );
         }
     }
@@ -167,11 +167,8 @@ impl Panel {
     /// A vertical stroke from one height to another.
     pub fn whisker(&mut self, x: f64, low: f64, high: f64, colour: usize) {
         let ((x, y0), (_, y1)) = (self.at(x, low), self.at(x, high));
-        let _ = write!(
-            self.body,
-            "<path d=\"M{x:.1} {y0:.1}V{y1:.1}\" stroke=\"{}\" stroke-width=\"1.6\"/>",
-            colour_of(colour)
-        );
+        let path = format!("M{x:.1} {y0:.1}V{y1:.1}");
+        self.body.element("path", &[("d", &path), ("stroke", &colour_of(colour)), ("stroke-width", &STROKE)]);
     }
 
     /// Bars standing on the lower edge: (from x, to x, height).
@@ -179,48 +176,47 @@ impl Panel {
         for (from, to, height) in bars {
             let ((x0, y0), (x1, y1)) = (self.at(*from, self.y.low), self.at(*to, *height));
             let (w, h) = ((x1 - x0).max(0.5), (y0 - y1).max(0.0));
-            let _ = write!(
-                self.body,
-                "<rect x=\"{x0:.1}\" y=\"{y1:.1}\" width=\"{w:.1}\" height=\"{h:.1}\" fill=\"{}\" fill-opacity=\"0.55\"/>",
-                colour_of(colour)
+            self.body.element(
+                "rect",
+                &[
+                    ("x", &format_args!("{x0:.1}")),
+                    ("y", &format_args!("{y1:.1}")),
+                    ("width", &format_args!("{w:.1}")),
+                    ("height", &format_args!("{h:.1}")),
+                    ("fill", &colour_of(colour)),
+                    ("fill-opacity", &"0.55"),
+                ],
             );
         }
     }
 
-    fn draw(&self, out: &mut String) {
+    fn draw(&self, out: &mut Svg) {
         let (right, bottom) = (self.width - RIGHT, self.height - BOTTOM);
-        let _ = write!(out, "<text class=\"head\" x=\"{LEFT}\" y=\"18\">{}</text>", escaped(&self.title));
+        out.text("text", &[("class", &"head"), ("x", &LEFT), ("y", &18)], &self.title);
         for (place, name) in self.x.ticks() {
             let (x, _) = self.at(place, self.y.low);
-            let _ = write!(
-                out,
-                "<path class=\"grid\" d=\"M{x:.1} {TOP}V{bottom}\"/><text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
-                bottom + 16.0,
-                escaped(&name)
-            );
+            out.element("path", &[("class", &"grid"), ("d", &format_args!("M{x:.1} {TOP}V{bottom}"))]);
+            label(out, [x, bottom + 16.0], "middle", &name);
         }
         for (place, name) in self.y.ticks() {
             let (_, y) = self.at(self.x.low, place);
-            let _ = write!(
-                out,
-                "<path class=\"grid\" d=\"M{LEFT} {y:.1}H{right}\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
-                LEFT - 6.0,
-                y + 4.0,
-                escaped(&name)
-            );
+            out.element("path", &[("class", &"grid"), ("d", &format_args!("M{LEFT} {y:.1}H{right}"))]);
+            label(out, [LEFT - 6.0, y + 4.0], "end", &name);
         }
         let (middle_x, middle_y) = (0.5 * (LEFT + right), 0.5 * (TOP + bottom));
-        let _ = write!(
-            out,
-            "{}<path class=\"axis\" fill=\"none\" d=\"M{LEFT} {TOP}V{bottom}H{right}\"/>\
-             <text x=\"{middle_x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>\
-             <text transform=\"translate(14 {middle_y:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
-            self.body,
-            bottom + 34.0,
-            escaped(&self.x.label),
-            escaped(&self.y.label)
-        );
+        out.add(&self.body);
+        let axes = format!("M{LEFT} {TOP}V{bottom}H{right}");
+        out.element("path", &[("class", &"axis"), ("fill", &"none"), ("d", &axes)]);
+        label(out, [middle_x, bottom + 34.0], "middle", &self.x.label);
+        let upright = format!("translate(14 {middle_y:.1}) rotate(-90)");
+        out.text("text", &[("transform", &upright), ("text-anchor", &"middle")], &self.y.label);
     }
+}
+
+/// A text at a place.
+fn label(out: &mut Svg, [x, y]: [f64; 2], anchor: &str, text: &str) {
+    let (x, y) = (format!("{x:.1}"), format!("{y:.1}"));
+    out.text("text", &[("x", &x), ("y", &y), ("text-anchor", &anchor)], text);
 }
 
 fn colour_of(colour: usize) -> &'static str {
@@ -230,7 +226,7 @@ fn colour_of(colour: usize) -> &'static str {
 /// Panels below each other, with a legend of (colour, name) above them.
 pub fn svg(panels: &[Panel], legend: &[(usize, String)]) -> String {
     let width = panels.iter().map(|panel| panel.width).fold(0.0, f64::max);
-    let mut head = String::new();
+    let mut head = Svg::new();
     let (mut x, mut line) = (LEFT, 1.0);
     for (colour, name) in legend {
         let advance = 28.0 + 6.6 * name.chars().count() as f64;
@@ -238,30 +234,30 @@ pub fn svg(panels: &[Panel], legend: &[(usize, String)]) -> String {
             (x, line) = (LEFT, line + 1.0);
         }
         let y = LEGEND_LINE * line;
-        let _ = write!(
-            head,
-            "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"5\" fill=\"{}\"/><text x=\"{:.1}\" y=\"{y:.1}\">{}</text>",
-            x + 5.0,
-            y - 4.0,
-            colour_of(*colour),
-            x + 14.0,
-            escaped(name)
-        );
+        let (dot_x, dot_y) = (format!("{:.1}", x + 5.0), format!("{:.1}", y - 4.0));
+        head.element("circle", &[("cx", &dot_x), ("cy", &dot_y), ("r", &5), ("fill", &colour_of(*colour))]);
+        let (text_x, text_y) = (format!("{:.1}", x + 14.0), format!("{y:.1}"));
+        head.text("text", &[("x", &text_x), ("y", &text_y)], name);
         x += advance;
     }
-    let top = if legend.is_empty() { 0.0 } else { LEGEND_LINE * line + 8.0 };
-    let mut body = String::new();
-    let mut y = top;
+    let mut body = Svg::new();
+    let mut y = if legend.is_empty() { 0.0 } else { LEGEND_LINE * line + 8.0 };
     for panel in panels {
-        let _ = write!(body, "<g transform=\"translate(0 {y:.1})\">");
+        body.open("g", &[("transform", &format_args!("translate(0 {y:.1})"))]);
         panel.draw(&mut body);
-        body.push_str("</g>");
+        body.close("g");
         y += panel.height;
     }
-    format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {y}\" width=\"{width}\" height=\"{y}\">\
-         <style>{STYLE}</style><rect class=\"paper\" width=\"{width}\" height=\"{y}\"/>{head}{body}</svg>\n"
-    )
+    let mut svg = Svg::new();
+    let view = format!("0 0 {width} {y}");
+    svg.open("svg", &[("xmlns", &NAMESPACE), ("viewBox", &view), ("width", &width), ("height", &y)]);
+    svg.text("style", &[], STYLE);
+    svg.element("rect", &[("class", &"paper"), ("width", &width), ("height", &y)]);
+    svg.add(&head);
+    svg.add(&body);
+    svg.close("svg");
+    svg.line_break();
+    svg.finish()
 }
 
 #[cfg(test)]

@@ -4,3 +4,4 @@ pub mod chart;
 pub mod closing;
 pub mod output;
 pub mod report;
+pub mod svg;

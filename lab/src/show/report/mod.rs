@@ -4,11 +4,12 @@
 //! JSON (`data.rs`). It needs no network and no other file.
 
 mod data;
+mod picture;
 mod series;
-mod svg;
 
-pub use svg::map_svg;
+pub use picture::map_svg;
 
+use super::svg::escape;
 use crate::recording::Recording;
 use std::{fs, io, path::Path};
 
@@ -79,11 +80,6 @@ fn fill(template: &str, values: &[(&str, &str)]) -> String {
     }
     page.push_str(rest);
     page
-}
-
-/// Text as markup.
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 #[cfg(test)]

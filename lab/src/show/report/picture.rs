@@ -1,9 +1,13 @@
 //! A still picture of a finished map, for a README: legible on light and dark backgrounds.
 
-use super::{data::wall_ends, escape};
+use super::data::wall_ends;
 use crate::recording::{Pose2, Recording};
+use crate::show::svg::{NAMESPACE, Svg};
 use slam_core::{Outcome, WallKind};
-use std::{f64::consts::FRAC_PI_2, fmt::Write};
+use std::{
+    f64::consts::FRAC_PI_2,
+    fmt::{Display, Write},
+};
 
 /// Size of the longer side of the drawing, SVG units.
 const SIZE: f64 = 840.0;
@@ -102,25 +106,50 @@ impl Frame {
 pub fn map_svg(recording: &Recording) -> String {
     let frame = Frame::around(recording);
     let (width, height) = (frame.width, frame.height + LEGEND);
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" role=\"img\" \
-         font-family=\"system-ui, sans-serif\" font-size=\"13\">\n<title>Map: {}</title>\n\
-         <clipPath id=\"inside\"><rect width=\"{width:.0}\" height=\"{:.0}\"/></clipPath>\n\
-         <g clip-path=\"url(#inside)\" fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n",
-        escape(&recording.title),
-        frame.height,
+    let mut svg = Svg::new();
+    svg.open(
+        "svg",
+        &[
+            ("xmlns", &NAMESPACE),
+            ("viewBox", &format_args!("0 0 {width:.0} {height:.0}")),
+            ("role", &"img"),
+            ("font-family", &"system-ui, sans-serif"),
+            ("font-size", &13),
+        ],
     );
+    svg.line_break();
+    svg.text("title", &[], &format!("Map: {}", recording.title));
+    svg.line_break();
+    svg.open("clipPath", &[("id", &"inside")]);
+    let inside = [format!("{width:.0}"), format!("{:.0}", frame.height)];
+    svg.element("rect", &[("width", &inside[0]), ("height", &inside[1])]);
+    svg.close("clipPath");
+    svg.line_break();
+    svg.open(
+        "g",
+        &[
+            ("clip-path", &"url(#inside)"),
+            ("fill", &"none"),
+            ("stroke-linecap", &"round"),
+            ("stroke-linejoin", &"round"),
+        ],
+    );
+    svg.line_break();
     let mut legend = Vec::new();
-    let mut layer = |name, colour: &'static str, width: f64, style: &str, path: String| {
+    let mut layer = |name, colour: &'static str, width: f64, style: &[(&str, &str)], path: String| {
         if path.is_empty() {
             return;
         }
-        let _ = writeln!(svg, "<path stroke=\"{colour}\" stroke-width=\"{width}\" {style} d=\"{path}\"/>");
+        let mut attributes: Vec<(&str, &dyn Display)> = vec![("stroke", &colour), ("stroke-width", &width)];
+        attributes.extend(style.iter().map(|(name, value)| (*name, value as &dyn Display)));
+        attributes.push(("d", &path));
+        svg.element("path", &attributes);
+        svg.line_break();
         legend.push((name, colour, width));
     };
     let plan = recording.true_walls.iter().map(|s| frame.line([s.from_m[0], s.from_m[1], s.to_m[0], s.to_m[1]]));
-    layer("True plan", PLAN, 8.0, "stroke-opacity=\"0.4\"", plan.collect());
-    layer("Hits", HITS, HIT, "stroke-linecap=\"square\" stroke-opacity=\"0.8\"", hits(recording, &frame));
+    layer("True plan", PLAN, 8.0, &[("stroke-opacity", "0.4")], plan.collect());
+    layer("Hits", HITS, HIT, &[("stroke-linecap", "square"), ("stroke-opacity", "0.8")], hits(recording, &frame));
     let steps = &recording.steps;
     // What is told from the start pose is drawn from where that ended up in the map.
     let start = recording.start();
@@ -128,22 +157,24 @@ pub fn map_svg(recording: &Recording) -> String {
         "Dead reckoning",
         ODOMETRY,
         1.0,
-        "stroke-opacity=\"0.8\"",
+        &[("stroke-opacity", "0.8")],
         frame.trace(steps.iter().map(|s| Some(start.compose(&s.dead_reckoning)))),
     );
-    layer("Estimated path", ESTIMATE, 1.8, "", frame.trace(steps.iter().map(|s| Some(s.pose))));
+    layer("Estimated path", ESTIMATE, 1.8, &[], frame.trace(steps.iter().map(|s| Some(s.pose))));
     let truth = frame.trace(steps.iter().map(|s| Some(start.compose(&s.truth?))));
-    layer("True path", TRUTH, 1.2, "stroke-dasharray=\"5 4\"", truth);
+    layer("True path", TRUTH, 1.2, &[("stroke-dasharray", "5 4")], truth);
     let walls = |free: bool| {
         let kind = move |kind| (kind == WallKind::Free) == free;
         recording.walls().iter().filter(|w| kind(w.kind)).map(|w| frame.line(wall_ends(w))).collect::<String>()
     };
-    layer("Estimated walls", GRID_WALL, 2.6, "", walls(false));
-    layer("Walls off the grid", FREE_WALL, 2.6, "", walls(true));
-    svg.push_str("</g>\n");
-    svg.push_str(&legend_svg(&legend, frame.height + 18.0));
-    svg.push_str("</svg>\n");
-    svg
+    layer("Estimated walls", GRID_WALL, 2.6, &[], walls(false));
+    layer("Walls off the grid", FREE_WALL, 2.6, &[], walls(true));
+    svg.close("g");
+    svg.line_break();
+    add_legend(&mut svg, &legend, frame.height + 18.0);
+    svg.close("svg");
+    svg.line_break();
+    svg.finish()
 }
 
 /// Every used or waiting hit, thinned out evenly, as dots.
@@ -164,21 +195,16 @@ fn hits(recording: &Recording, frame: &Frame) -> String {
     out
 }
 
-fn legend_svg(entries: &[(&str, &str, f64)], y: f64) -> String {
-    let mut out = String::new();
+fn add_legend(svg: &mut Svg, entries: &[(&str, &str, f64)], y: f64) {
     let mut x = MARGIN;
     for (name, colour, width) in entries {
-        let _ = writeln!(
-            out,
-            "<path stroke=\"{colour}\" stroke-width=\"{}\" d=\"M{x:.0} {:.0}h18\"/>\
-             <text x=\"{:.0}\" y=\"{y:.0}\" fill=\"#7d8590\">{name}</text>",
-            width.clamp(2.0, 5.0),
-            y - 4.5,
-            x + 24.0,
-        );
+        let path = format!("M{x:.0} {:.0}h18", y - 4.5);
+        svg.element("path", &[("stroke", colour), ("stroke-width", &width.clamp(2.0, 5.0)), ("d", &path)]);
+        let (text_x, text_y) = (format!("{:.0}", x + 24.0), format!("{y:.0}"));
+        svg.text("text", &[("x", &text_x), ("y", &text_y), ("fill", &"#7d8590")], name);
+        svg.line_break();
         x += 24.0 + 16.0 + 7.0 * name.len() as f64;
     }
-    out
 }
 
 #[cfg(test)]
