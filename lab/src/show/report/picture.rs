@@ -105,36 +105,7 @@ impl Frame {
 /// The finished map of a run as a stand-alone SVG: true plan, hits, walls, paths.
 pub fn map_svg(recording: &Recording) -> String {
     let frame = Frame::around(recording);
-    let (width, height) = (frame.width, frame.height + LEGEND);
-    let mut svg = Svg::new();
-    svg.open(
-        "svg",
-        &[
-            ("xmlns", &NAMESPACE),
-            ("viewBox", &format_args!("0 0 {width:.0} {height:.0}")),
-            ("role", &"img"),
-            ("font-family", &"system-ui, sans-serif"),
-            ("font-size", &13),
-        ],
-    );
-    svg.line_break();
-    svg.text("title", &[], &format!("Map: {}", recording.title));
-    svg.line_break();
-    svg.open("clipPath", &[("id", &"inside")]);
-    let inside = [format!("{width:.0}"), format!("{:.0}", frame.height)];
-    svg.element("rect", &[("width", &inside[0]), ("height", &inside[1])]);
-    svg.close("clipPath");
-    svg.line_break();
-    svg.open(
-        "g",
-        &[
-            ("clip-path", &"url(#inside)"),
-            ("fill", &"none"),
-            ("stroke-linecap", &"round"),
-            ("stroke-linejoin", &"round"),
-        ],
-    );
-    svg.line_break();
+    let mut svg = begin(recording, &frame);
     let mut legend = Vec::new();
     let mut layer = |name, colour: &'static str, width: f64, style: &[(&str, &str)], path: String| {
         if path.is_empty() {
@@ -175,6 +146,41 @@ pub fn map_svg(recording: &Recording) -> String {
     svg.close("svg");
     svg.line_break();
     svg.finish()
+}
+
+/// The picture up to the group that holds the layers.
+fn begin(recording: &Recording, frame: &Frame) -> Svg {
+    let (width, height) = (frame.width, frame.height + LEGEND);
+    let mut svg = Svg::new();
+    svg.open(
+        "svg",
+        &[
+            ("xmlns", &NAMESPACE),
+            ("viewBox", &format_args!("0 0 {width:.0} {height:.0}")),
+            ("role", &"img"),
+            ("font-family", &"system-ui, sans-serif"),
+            ("font-size", &13),
+        ],
+    );
+    svg.line_break();
+    svg.text("title", &[], &format!("Map: {}", recording.title));
+    svg.line_break();
+    svg.open("clipPath", &[("id", &"inside")]);
+    let inside = [format!("{width:.0}"), format!("{:.0}", frame.height)];
+    svg.element("rect", &[("width", &inside[0]), ("height", &inside[1])]);
+    svg.close("clipPath");
+    svg.line_break();
+    svg.open(
+        "g",
+        &[
+            ("clip-path", &"url(#inside)"),
+            ("fill", &"none"),
+            ("stroke-linecap", &"round"),
+            ("stroke-linejoin", &"round"),
+        ],
+    );
+    svg.line_break();
+    svg
 }
 
 /// Every used or waiting hit, thinned out evenly, as dots.
