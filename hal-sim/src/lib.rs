@@ -11,7 +11,7 @@
 //! let plan = plan_file::load("flat")?;
 //! let rig = default_rig();
 //! let simulation = Simulation::new(&plan, &rig, SimOptions::default(), 1)?;
-//! let mut slam = HostSlam::new(rig.clone(), Config::default()).expect("a rig that can be");
+//! let mut slam = HostSlam::with_config(rig.clone(), Config::default()).expect("a rig that can be");
 //! let mut robot = ClosedLoop::new(simulation, &rig, robot::PilotConfig::default());
 //! // Record once; feed the samples to as many estimators as you like.
 //! let frames = robot.record(5.0, &mut |sample| {

@@ -45,7 +45,7 @@ fn one_step(bencher: Bencher, walls: usize) {
     const STEPS: usize = 500;
     let robot = robot();
     let samples: Vec<Sample<16>> = drive(&robot, 10.0).1.iter().map(|row| row.sample).collect();
-    let fresh = || Box::new(HostSlam::new(robot.rig.clone(), Config::default()).expect("a good rig"));
+    let fresh = || Box::new(HostSlam::with_config(robot.rig.clone(), Config::default()).expect("a good rig"));
     let mut slam = fresh();
     let reached = |sample| {
         slam.step(sample);

@@ -43,7 +43,11 @@ impl<const B: usize> Tracker<B> {
     /// # Errors
     /// A value of the rig that the estimator refuses.
     pub fn new(robot: &Robot, config: Config) -> Result<Self, RigError> {
-        Ok(Self { slam: Box::new(Slam::new(robot.rig.clone(), config)?), track: Track::default(), nis_sum: 0.0 })
+        Ok(Self {
+            slam: Box::new(Slam::with_config(robot.rig.clone(), config)?),
+            track: Track::default(),
+            nis_sum: 0.0,
+        })
     }
 
     /// Estimates one sample; for a pilot to drive by.
@@ -58,16 +62,17 @@ impl<const B: usize> Tracker<B> {
                 self.track.innovations.push((t_s, f64::from(innovation_m / variance_m2.sqrt())));
             }
         }
+        let estimate = self.slam.estimate();
         self.track.steps.push(Step {
             t_s,
-            pose: self.slam.pose().into(),
+            pose: estimate.pose.into(),
             start: self.slam.start_pose().into(),
-            covariance: self.slam.pose_covariance(),
+            covariance: estimate.covariance.into(),
             dead_reckoning: self.slam.dead_reckoning().into(),
             walls: self.slam.walls().count(),
             ..Step::default()
         });
-        Estimate { pose: self.slam.pose(), ranges_m: report.readings.map(|reading| reading.range_m) }
+        Estimate { pose: estimate.pose, ranges_m: report.readings.map(|reading| reading.range_m) }
     }
 
     /// The track, with the truth of the frames that it was made from.

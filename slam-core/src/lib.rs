@@ -1,8 +1,10 @@
-//! EKF-SLAM for robots with a few infrared range sensors.
+#![doc = include_str!("../README.md")]
 //!
-//! Samples in, estimate out: [`Slam::step`] takes what the robot sensed since the last step (encoder ticks or a
-//! dead-reckoned increment, and one reading per range sensor) and keeps a pose, a map of walls, the direction of the
-//! home's wall grid and the calibration of the robot's own sensors in one extended Kalman filter.
+//! # How it works
+//!
+//! [`Slam::step`] takes what the robot sensed since the last step (encoder ticks or a dead-reckoned increment, and one reading
+//! per range sensor) and keeps a pose, a map of walls, the direction of the home's wall grid and the calibration of the robot's
+//! own sensors in one extended Kalman filter.
 //!
 //! Layers, in the order in which the data flow; none reaches back:
 //!
@@ -64,8 +66,8 @@ pub use rig::{Adc, DriveModel, Mount, RangeModel, RangeSensor, Rig, RigError, VE
 pub use sample::{Increment, Motion, RangeInput, Sample, Ticks};
 pub use sensing::SensingSettings;
 pub use sensing::range::SURFACE_M;
-pub use slam::{HostSlam, RobotSlam, Slam};
-pub use view::{Parameter, WallView};
+pub use slam::{HostSlam, RobotSlam, Slam, states};
+pub use view::{Estimate, Parameter, WallView};
 pub use walls::decision::BUILT_TOLERANCE;
 pub use walls::map_frame::MapFrame;
 pub use walls::wall::{WallKind, WallPolicy};

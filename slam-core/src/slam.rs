@@ -31,6 +31,21 @@ const ROUNDING_STEPS: u32 = 16;
 /// Variances from this on, (decimetres)^2 or (decirad)^2, get it back at once: such a wall does not drift by that.
 const LARGE: f32 = 0.01;
 
+/// The type of an estimator for so many range sensors (at most 16), walls of any kind, and readings that fit none and wait
+/// to become walls (at most 255): `slam_type!(sensors: 4, walls: 32, outliers: 64)`.
+#[macro_export]
+macro_rules! slam_type {
+    (sensors: $sensors:expr, walls: $walls:expr, outliers: $outliers:expr) => {
+        $crate::Slam<{ $sensors }, { $walls }, { $outliers }, { $crate::ekf::storage($crate::states($sensors, $walls)) }>
+    };
+}
+
+/// Most states that so many range sensors and walls have: pose and grid, calibration of the drive, gains, latency, and two
+/// a wall.
+pub const fn states(sensors: usize, walls: usize) -> usize {
+    4 + 3 + sensors + 1 + 2 * walls
+}
+
 /// The estimator as it runs on the robot: 8 range sensors, 64 walls, 128 buffered outliers, 80 states.
 pub type RobotSlam = Slam<8, 64, 128, { storage(80) }>;
 
@@ -85,13 +100,23 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         counters: Counters::ZERO,
     };
 
-    /// An estimator at the map frame's origin with an empty map.
+    /// An estimator at the map frame's origin with an empty map and the settings that suit the rig
+    /// ([`Config::for_rig`]).
     ///
     /// # Errors
     /// A value of the rig that cannot be.
-    pub fn new(rig: Rig<S>, config: Config) -> Result<Self, RigError> {
+    pub fn new(rig: Rig<S>) -> Result<Self, RigError> {
+        let config = Config::for_rig(&rig);
+        Self::with_config(rig, config)
+    }
+
+    /// An estimator like that of [`Slam::new`] with other settings.
+    ///
+    /// # Errors
+    /// A value of the rig that cannot be.
+    pub fn with_config(rig: Rig<S>, config: Config) -> Result<Self, RigError> {
         let mut slam = Self::IDLE;
-        slam.start(rig, config)?;
+        slam.start_with_config(rig, config)?;
         Ok(slam)
     }
 
@@ -100,7 +125,16 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     ///
     /// # Errors
     /// A value of the rig that cannot be; nothing is changed then.
-    pub fn start(&mut self, rig: Rig<S>, config: Config) -> Result<(), RigError> {
+    pub fn start(&mut self, rig: Rig<S>) -> Result<(), RigError> {
+        let config = Config::for_rig(&rig);
+        self.start_with_config(rig, config)
+    }
+
+    /// Starts like [`Slam::start`] with other settings.
+    ///
+    /// # Errors
+    /// A value of the rig that cannot be; nothing is changed then.
+    pub fn start_with_config(&mut self, rig: Rig<S>, config: Config) -> Result<(), RigError> {
         const {
             assert!(S <= MAX_SENSORS && B <= 255, "at most 16 sensors and 255 outliers");
             assert!(4 + 3 + S < Ekf::<ROWS>::CAPACITY, "room for the calibration");

@@ -29,6 +29,18 @@ pub enum Parameter {
     Gain(u8),
 }
 
+/// Where the robot is, in the map frame.
+///
+/// Where walls hold that frame (`MapFrame::Walls`), how the start pose lies in it ([`Slam::start_pose`]) is a choice and
+/// has no error of its own: what differs from the truth is the truth, moved by the start pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// Position and heading.
+    pub pose: Pose,
+    /// Covariance of (x, y, theta): m^2, m rad, rad^2.
+    pub covariance: Matrix3<f32>,
+}
+
 /// A wall of the map: the points p with p . (cos beta, sin beta) = rho, from lo to hi along (-sin beta, cos beta).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -67,15 +79,14 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.map.start
     }
 
-    /// Covariance of the pose (x, y, theta) in the frame of the start pose: m^2, m rad, rad^2.
-    pub fn pose_covariance(&self) -> [[f32; 3]; 3] {
+    /// The estimated pose and its covariance, both in the map frame.
+    pub fn estimate(&self) -> Estimate {
         let covariance = layout::pose_covariance(&self.ekf);
-        self.map.anchor.map_or(covariance, |anchor| anchor.compose(&layout::pose(&self.ekf), &covariance).covariance)
-    }
-
-    /// [`Slam::pose_covariance`] as a nalgebra matrix, for those who go on computing with it.
-    pub fn pose_covariance_matrix(&self) -> Matrix3<f32> {
-        Matrix3::from(self.pose_covariance())
+        let from_start = self
+            .map
+            .anchor
+            .map_or(covariance, |anchor| anchor.compose(&layout::pose(&self.ekf), &covariance).covariance);
+        Estimate { pose: self.pose(), covariance: Matrix3::from(self.map.covariance_in_map(from_start)) }
     }
 
     /// The pose by the motion input alone, with the rig's nominal calibration.

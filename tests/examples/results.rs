@@ -170,7 +170,7 @@ fn step_us() -> (f64, f64) {
     let frames = recorded("flat", MINUTES, 1, SimOptions::default());
     let mut steps: Vec<(f64, usize)> = vec![(f64::INFINITY, 0); frames.len()];
     for _ in 0..PASSES {
-        let mut slam = HostSlam::new(default_rig(), Config::default()).expect("a good rig");
+        let mut slam = HostSlam::with_config(default_rig(), Config::default()).expect("a good rig");
         for (frame, (shortest_s, walls)) in frames.iter().zip(&mut steps) {
             let begin = Instant::now();
             slam.step(&frame.sample);

@@ -9,7 +9,7 @@ pub fn recorded(plan: &str, minutes: f64, seed: u64, options: SimOptions) -> Vec
     let plan = hal_sim::plan_file::load(plan).expect("a built-in plan");
     let rig = default_rig();
     let simulation = Simulation::new(&plan, &rig, options, seed).expect("the robot fits");
-    let mut slam = HostSlam::new(rig.clone(), Config::default()).expect("a good rig");
+    let mut slam = HostSlam::with_config(rig.clone(), Config::default()).expect("a good rig");
     let mut robot = ClosedLoop::new(simulation, &rig, PilotConfig::default());
     robot.record(60.0 * minutes, &mut |sample| {
         let report = slam.step(sample);

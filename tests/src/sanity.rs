@@ -1,7 +1,7 @@
 //! What must be true of an estimator whatever it was given.
 
 use slam_core::ekf::Ekf;
-use slam_core::{Outcome, RangeInput, Refusal, Sample, Slam, StepReport};
+use slam_core::{Estimate, Outcome, RangeInput, Refusal, Sample, Slam, StepReport};
 
 /// Counts of what became of the readings, kept from the reports.
 #[derive(Clone, Debug, Default)]
@@ -53,11 +53,11 @@ impl Tally {
 
 /// Pose, covariance, walls and calibration are numbers, and the covariance is one: symmetric, not negative.
 pub fn assert_sane<const S: usize, const W: usize, const B: usize, const ROWS: usize>(slam: &Slam<S, W, B, ROWS>) {
-    let (pose, covariance) = (slam.pose(), slam.pose_covariance());
+    let Estimate { pose, covariance } = slam.estimate();
     assert!(pose.x_m.is_finite() && pose.y_m.is_finite(), "{pose:?}");
     assert!(pose.theta_rad.abs() <= core::f32::consts::PI, "{pose:?}");
     assert!(slam.dead_reckoning().x_m.is_finite() && slam.dead_reckoning().theta_rad.abs() < 3.15);
-    assert_is_covariance(&covariance);
+    assert_is_covariance(&covariance.into());
     for wall in slam.walls() {
         assert!(wall.rho_m.is_finite() && wall.beta_rad.is_finite(), "{wall:?}");
         assert!(wall.lo_m <= wall.hi_m && wall.sigma_rho_m.is_finite(), "{wall:?}");

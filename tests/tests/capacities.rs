@@ -12,7 +12,8 @@ fn run<const W: usize, const B: usize, const ROWS: usize>(
     walls: WallPolicy,
 ) -> (Counters, usize, usize) {
     let rig = narrowed_rig(&default_rig());
-    let mut slam = Slam::<8, W, B, ROWS>::new(rig, Config { walls: walls.into(), ..Config::default() }).unwrap();
+    let mut slam =
+        Slam::<8, W, B, ROWS>::with_config(rig, Config { walls: walls.into(), ..Config::default() }).unwrap();
     let mut tally = Tally::default();
     let (mut most_walls, mut most_states) = (0, 0);
     for frame in frames {
@@ -39,13 +40,13 @@ fn the_robot_s_estimator_fits_into_32_kib() {
     if let DriveModel::Wheels { track_sigma, .. } = &mut rig.drive {
         *track_sigma = 0.01;
     }
-    let empty = RobotSlam::new(rig, Config::default()).unwrap();
+    let empty = RobotSlam::with_config(rig, Config::default()).unwrap();
     assert_eq!(empty.state_len() + 64, 79);
 }
 
 #[test]
 fn the_workbench_s_estimator_holds_64_free_walls() {
-    let empty = HostSlam::new(default_rig(), Config::default()).unwrap();
+    let empty = HostSlam::with_config(default_rig(), Config::default()).unwrap();
     assert!(
         empty.state_len() + 2 * 64 <= Ekf::<{ storage(160) }>::CAPACITY,
         "{} states before the first wall",

@@ -15,7 +15,7 @@ fn it_is_a_covariance_at_every_step_of_a_run() {
         WallPolicy::Snapped { theta_moves: true },
     ] {
         let clustering = if walls == WallPolicy::Free { Clustering::Dbscan } else { Clustering::BySensor };
-        let mut slam = HostSlam::new(
+        let mut slam = HostSlam::with_config(
             default_rig(),
             Config { walls: walls.into(), births: clustering.into(), ..Config::default() },
         )

@@ -142,7 +142,7 @@ type Step = (i64, Motion, [RangeInput; 4]);
 /// Feeds the steps, and checks after each.
 fn feed(rig: Rig<4>, config: Config, steps: Vec<Step>) {
     let (drive, sensors) = (rig.drive, rig.sensors.len());
-    let mut slam = Small::new(rig, config).expect("a good rig");
+    let mut slam = Small::with_config(rig, config).expect("a good rig");
     let mut tally = Tally::default();
     let (mut time_us, mut newest_us) = (1_000_000_000i64, None);
     let mut bad_motion = 0;
@@ -192,7 +192,7 @@ proptest! {
     fn a_run_with_odd_inputs_in_between(
         config in config(), odd in vec((1usize..1500, pause_us(), motion(), vec(range_input(), 16)), 1..60),
     ) {
-        let mut slam = HostSlam::new(default_rig(), config).expect("a good rig");
+        let mut slam = HostSlam::with_config(default_rig(), config).expect("a good rig");
         let mut tally = Tally::default();
         let mut newest_us = None;
         for (i, frame) in FRAMES.iter().enumerate() {

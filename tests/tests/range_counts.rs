@@ -35,7 +35,7 @@ fn run(
     samples: u64,
 ) -> Counters {
     let sensors = rig.sensors.len();
-    let mut slam = HostSlam::new(rig, Config::default()).unwrap();
+    let mut slam = HostSlam::with_config(rig, Config::default()).unwrap();
     let mut tally = Tally::default();
     for i in 0..samples {
         let ranges = now(bank.read()).map(|Ok(range)| range);
@@ -142,7 +142,7 @@ fn the_simulated_board_s_converter_feeds_the_estimator() {
     let board = Board::new(Simulation::new(&plan, &default_rig(), SimOptions::default(), 4).unwrap());
     let (mut ranges, mut encoders, mut motors) = (board.range_sensors(), board.encoders(), board.motors());
     motors.set_duty(Duty { left: 0.22, right: 0.3 }).unwrap();
-    let mut slam = HostSlam::new(default_rig(), Config::default()).unwrap();
+    let mut slam = HostSlam::with_config(default_rig(), Config::default()).unwrap();
     let mut tally = Tally::default();
     for i in 1..=1500u64 {
         // Twice as often as the sensors have something new.
@@ -165,7 +165,7 @@ fn spikes_do_not_move_the_estimate() {
     let sharp = SharpOptions { spike_probability: 0.05, spike_v: 1.5, ..SharpOptions::default() };
     let options = SimOptions { sharp, ..SimOptions::default() };
     let simulation = Simulation::new(&plan, &default_rig(), options, 1).unwrap();
-    let mut slam = HostSlam::new(default_rig(), Config::default()).unwrap();
+    let mut slam = HostSlam::with_config(default_rig(), Config::default()).unwrap();
     let mut tally = Tally::default();
     let (mut refused, mut worst_m) = (0u32, 0.0f64);
     let mut drive = ClosedLoop::new(simulation, &default_rig(), PilotConfig::default());

@@ -9,7 +9,7 @@ fn bits(slam: &HostSlam) -> Vec<u32> {
     let pose = slam.pose();
     let dead = slam.dead_reckoning();
     let mut numbers = vec![pose.x_m, pose.y_m, pose.theta_rad, dead.x_m, dead.y_m, dead.theta_rad];
-    numbers.extend(slam.pose_covariance().into_iter().flatten());
+    numbers.extend(slam.estimate().covariance.iter());
     numbers.extend(slam.alpha().into_iter().flat_map(<[f32; 2]>::from));
     for wall in slam.walls() {
         numbers.extend([wall.rho_m, wall.beta_rad, wall.lo_m, wall.hi_m, wall.sigma_rho_m, wall.updates as f32]);
@@ -20,7 +20,7 @@ fn bits(slam: &HostSlam) -> Vec<u32> {
 
 /// A hash of the bits after every step.
 fn run(frames: &[Frame], config: Config) -> (Vec<u64>, HostSlam) {
-    let mut slam = HostSlam::new(default_rig(), config).unwrap();
+    let mut slam = HostSlam::with_config(default_rig(), config).unwrap();
     let mut hash = 0xCBF2_9CE4_8422_2325_u64;
     let hashes = frames
         .iter()

@@ -39,11 +39,11 @@ impl Estimate {
         slam: &Slam<S, W, B, ROWS>,
         time_us: u64,
     ) -> Self {
-        let (pose, dead_reckoning, p) = (slam.pose(), slam.dead_reckoning(), slam.pose_covariance());
+        let (slam_core::Estimate { pose, covariance: p }, dead_reckoning) = (slam.estimate(), slam.dead_reckoning());
         Self {
             time_us,
             pose: [pose.x_m, pose.y_m, pose.theta_rad],
-            covariance: [p[0][0], p[0][1], p[0][2], p[1][1], p[1][2], p[2][2]],
+            covariance: [p.m11, p.m12, p.m13, p.m22, p.m23, p.m33],
             alpha: slam.alpha().map(|(alpha_rad, sigma_rad)| [alpha_rad, sigma_rad]),
             dead_reckoning: [dead_reckoning.x_m, dead_reckoning.y_m, dead_reckoning.theta_rad],
             walls: u8::try_from(slam.walls().count()).unwrap_or(u8::MAX),

@@ -13,7 +13,7 @@ fn main() -> ! {
     #[cfg(feature = "bad")]
     black_box([1, 2, 3][black_box(7)]);
     plane();
-    if let Ok(mut slam) = RobotSlam::new(rig(), black_box(Config::default())) {
+    if let Ok(mut slam) = RobotSlam::with_config(rig(), black_box(Config::default())) {
         estimator(&mut slam);
     }
     back_end();
@@ -66,8 +66,7 @@ fn estimator(slam: &mut RobotSlam) {
         }
     }
     black_box(slam.rig());
-    black_box(slam.pose());
-    black_box(slam.pose_covariance());
+    black_box(slam.estimate());
     black_box(slam.dead_reckoning());
     black_box(slam.alpha());
     black_box(slam.counters());

@@ -18,7 +18,7 @@ pub async fn estimate(slam: &mut RobotSlam, config: Config, shared: &Shared) -> 
         let ranges = shared.ranges.receive().await;
         if shared.reset_map.try_take().is_some() {
             // The rig was accepted before: it is again.
-            let _ = slam.start(slam.rig().clone(), config);
+            let _ = slam.start_with_config(slam.rig().clone(), config);
         }
         let sample = raw_sample(&ranges, shared);
         let report = estimator::step(slam, &sample.to_slam());

@@ -145,7 +145,7 @@ impl Home {
     pub fn run(&self, robot: BuiltIn, mut bank: impl RangeSensorBank<SENSORS>, story: impl FnOnce(&mut Tasks<'_>)) {
         let shared = &self.shared;
         let config = Config::for_rig::<SENSORS>(&robot.rig());
-        let mut slam = RobotSlam::new(robot.rig(), config).unwrap();
+        let mut slam = RobotSlam::with_config(robot.rig(), config).unwrap();
         let mut pilot = Pilot::new(PilotConfig::default(), &robot.rig());
         let (mut encoders, mut motors, pins) = (self.board.encoders(), self.board.motors(), self.board.contacts());
         let inputs = ContactPins {

@@ -136,7 +136,7 @@ pub struct PathScore {
     pub start_m: f64,
     /// RMSE of heading after removing the alignment's rotation, degrees.
     pub heading_deg: f64,
-    /// Mean normalised pose error squared in the start frame (3 is ideal); of the estimate only.
+    /// Mean normalised pose error squared in the map frame (3 is ideal); of the estimate only.
     pub nees: Option<f64>,
     /// The alignment: true position = R(`alignment.theta_rad`) estimated position + translation.
     pub alignment: Pose2,

@@ -66,7 +66,7 @@ pub struct Step {
     pub pose: Pose2,
     /// Where the robot started, in the map frame.
     pub start: Pose2,
-    /// Covariance of (x, y, theta) in the frame of the start pose: m^2, m rad, rad^2.
+    /// Covariance of (x, y, theta) in the map frame: m^2, m rad, rad^2.
     pub covariance: [[f32; 3]; 3],
     /// Direction of the wall grid and its 1-sigma, radians; none before there is a grid.
     pub alpha: Option<(f32, f32)>,
@@ -90,9 +90,9 @@ impl Step {
         self.start.relative(&self.pose)
     }
 
-    /// Estimate minus truth in the frame of the start pose, where the truth is known.
+    /// Estimate minus truth in the map frame, where the truth is known.
     pub fn error(&self) -> Option<Pose2> {
-        let (pose, truth) = (self.pose_from_start(), self.truth?);
+        let (pose, truth) = (self.pose, self.start.compose(&self.truth?));
         Some(Pose2 {
             x_m: pose.x_m - truth.x_m,
             y_m: pose.y_m - truth.y_m,
@@ -204,14 +204,14 @@ mod tests {
     }
 
     #[test]
-    fn an_error_is_seen_from_the_start_pose() {
-        // The walls turned the start pose by a quarter: what is 1 m to the left on the map is 1 m ahead of it.
+    fn an_error_is_seen_in_the_map_frame() {
+        // The walls turned the start pose by a quarter: what is 1 m ahead of it is 1 m to the left on the map.
         let start = Pose2::new(0.5, 0.0, PI / 2.0);
         let step =
             Step { start, pose: Pose2::new(0.5, 1.0, PI / 2.0), truth: Some(Pose2::default()), ..Step::default() };
         let error = step.error().expect("there is a truth");
         assert!(
-            (error.x_m - 1.0).abs() < 1e-12 && error.y_m.abs() < 1e-12 && error.theta_rad.abs() < 1e-12,
+            error.x_m.abs() < 1e-12 && (error.y_m - 1.0).abs() < 1e-12 && error.theta_rad.abs() < 1e-12,
             "{error:?}"
         );
     }

@@ -28,7 +28,7 @@ impl Session {
     /// # Errors
     /// A value of the rig that the estimator refuses.
     pub fn new(robot: &Robot, config: Config, title: impl Into<String>) -> Result<Self, RigError> {
-        let slam = Box::new(HostSlam::new(robot.rig.clone(), config)?);
+        let slam = Box::new(HostSlam::with_config(robot.rig.clone(), config)?);
         let parameters = parameters_of(robot);
         let infos = parameters
             .iter()
@@ -59,12 +59,13 @@ impl Session {
     /// Records what came of the sample estimated last.
     pub fn record(&mut self, row: &Row, report: &StepReport<MAX_SENSORS>) -> &Step {
         let index = self.recording.steps.len();
+        let estimate = self.slam.estimate();
         let step = Step {
             t_text: row.t_text.clone(),
             t_s: row.t_s - *self.first_s.get_or_insert(row.t_s),
-            pose: self.slam.pose().into(),
+            pose: estimate.pose.into(),
             start: self.slam.start_pose().into(),
-            covariance: self.slam.pose_covariance(),
+            covariance: estimate.covariance.into(),
             alpha: self.slam.alpha(),
             dead_reckoning: self.slam.dead_reckoning().into(),
             truth: row.truth,

@@ -3,7 +3,6 @@
 use core::f32::consts::{FRAC_PI_2, PI};
 
 use super::random::Random;
-use crate::WallSettings;
 use crate::filter::ekf::storage;
 use crate::geometry::line::Line;
 use crate::walls::map_frame::CommonMotion;
@@ -11,6 +10,7 @@ use crate::{
     Config, DriveModel, Increment, MapFrame, Motion, Mount, Pose, RangeInput, RangeModel, RangeSensor, Rig, Sample,
     Slam,
 };
+use crate::{Estimate, WallSettings};
 
 fn line(rho_m: f32, beta_rad: f32) -> Line {
     Line { rho_m, beta_rad, normal: [beta_rad.cos(), beta_rad.sin()] }
@@ -97,7 +97,7 @@ fn turned(frame: MapFrame) -> Slam<4, 16, 64, { storage(48) }> {
     };
     let rig = Rig { drive, adc: None, sensors: sensors.collect() };
     let config = Config { walls: WallSettings { frame, ..WallSettings::real_rooms() }, ..Config::real_rooms() };
-    let mut slam = Slam::new(rig, config).expect("a rig that can be");
+    let mut slam = Slam::with_config(rig, config).expect("a rig that can be");
     let mut random = Random::new(5);
     let mut theta = 0.0f32;
     for step in 0..400u64 {
@@ -126,5 +126,57 @@ fn both_frames_are_one_map() {
         let here = moved(&held.start_pose(), &line(other.rho_m, other.beta_rad));
         assert!((wall.rho_m - here.rho_m).abs() < 1e-4, "{wall:?}, {here:?}");
         assert!((wall.hi_m - wall.lo_m - (other.hi_m - other.lo_m)).abs() < 1e-4, "{wall:?}, {other:?}");
+    }
+}
+
+/// e' P^-1 e, by Gauss' elimination.
+fn normalised(mut p: [[f64; 3]; 3], mut e: [f64; 3]) -> f64 {
+    let mut sum = 0.0;
+    for i in 0..3 {
+        sum += e[i] * e[i] / p[i][i];
+        for j in i + 1..3 {
+            let factor = p[j][i] / p[i][i];
+            e[j] -= factor * e[i];
+            for k in i..3 {
+                p[j][k] -= factor * p[i][k];
+            }
+        }
+    }
+    sum
+}
+
+#[test]
+fn pose_and_covariance_are_in_one_frame() {
+    let mut slam = turned(MapFrame::Walls);
+    // The robot has turned back to where it began: the truth is where the walls say that the start is.
+    let (Estimate { pose, covariance }, start) = (slam.estimate(), slam.start_pose());
+    let off = [pose.x_m - start.x_m, pose.y_m - start.y_m, pose.theta_rad - start.theta_rad];
+    let rows: [[f32; 3]; 3] = covariance.into();
+    // 99.9 % of a chi-square distribution with three degrees of freedom.
+    assert!(normalised(rows.map(|row| row.map(f64::from)), off.map(f64::from)) < 16.3, "{pose:?}, {start:?}");
+    // An uncertainty that is long in one direction, and a frame that has turned by forty degrees.
+    let start = Pose::new(0.4, -0.3, 0.7);
+    slam.map.start = start;
+    let from_start = [0, 1, 2].map(|i| [0, 1, 2].map(|j| slam.ekf.covariance(i, j)));
+    let estimate = slam.estimate();
+    assert_eq!(estimate.pose, slam.pose());
+    assert_ne!(estimate.covariance, from_start.into());
+    // What the true pose is in the frame of the start it is in the map frame by the start pose: the error of an estimate
+    // is the same number of standard deviations in either.
+    let mut random = Random::new(3);
+    let pose = start.inverse().compose(&estimate.pose);
+    for _ in 0..20 {
+        let off = [0, 1, 2].map(|i| from_start[i][i].sqrt() * random.gaussian() as f32);
+        let truth = Pose::new(pose.x_m + off[0], pose.y_m + off[1], pose.theta_rad + off[2]);
+        let in_map = start.compose(&truth);
+        let error = [
+            in_map.x_m - estimate.pose.x_m,
+            in_map.y_m - estimate.pose.y_m,
+            in_map.theta_rad - estimate.pose.theta_rad,
+        ];
+        let covariance: [[f32; 3]; 3] = estimate.covariance.into();
+        let [here, there] = [(covariance, error), (from_start, off)]
+            .map(|(p, e)| normalised(p.map(|row| row.map(f64::from)), e.map(f64::from)));
+        assert!((here - there).abs() < 0.02 * there + 1e-3, "{here} in the map, {there} from the start");
     }
 }

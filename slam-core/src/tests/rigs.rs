@@ -40,7 +40,7 @@ fn error(spoil: impl Fn(&mut Rig<4>)) -> Option<(Option<u8>, &'static str)> {
     let mut rig = rig();
     spoil(&mut rig);
     let error = rig.validate().err();
-    let of_slam = Slam::<4, 4, 16, { crate::ekf::storage(24) }>::new(rig, Config::default()).err();
+    let of_slam = Slam::<4, 4, 16, { crate::ekf::storage(24) }>::with_config(rig, Config::default()).err();
     assert_eq!(error, of_slam);
     assert!(error.is_none_or(|e| !e.allowed.is_empty()));
     error.map(|e| (e.sensor, e.key))

@@ -225,7 +225,7 @@ fn run(policy: WallPolicy, linearisation: Linearisation, seed: u64, steps: u64) 
     config.sensing.repeats = false;
     let mut truth = Truth::new(seed);
     let mut first = [0.0; 3];
-    let mut slam = RobotSlam::new(rig.clone(), config).unwrap();
+    let mut slam = RobotSlam::with_config(rig.clone(), config).unwrap();
     let mut oracle = Oracle::of(&slam.ekf);
     let mut last: Option<[f64; 2]> = None;
     let (mut updates, mut restarts, mut longest, mut alone) = (0, 0, 0, 0);
@@ -294,7 +294,7 @@ fn a_run_on_walls_near_the_grid_follows_the_oracle() {
 fn noise_that_is_new_each_time_is_found_to_be() {
     let rig = rig();
     let mut truth = Truth::new(5);
-    let mut slam = RobotSlam::new(rig.clone(), Config::default()).unwrap();
+    let mut slam = RobotSlam::with_config(rig.clone(), Config::default()).unwrap();
     for number in 0..4000 {
         slam.step(&truth.step(&rig, number));
     }
@@ -308,7 +308,7 @@ fn found_latency(seed: u64, steps: usize) -> (f32, f32) {
     let mut config = Config::default();
     config.sensing.calibrate_latency = true;
     let mut truth = Truth::new(seed);
-    let mut slam = RobotSlam::new(rig.clone(), config).unwrap();
+    let mut slam = RobotSlam::with_config(rig.clone(), config).unwrap();
     let mut late = vec![[RangeInput::Missing; 8]; steps + 1];
     for number in 0..4000 {
         let mut sample = truth.step(&rig, number);

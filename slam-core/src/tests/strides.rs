@@ -27,7 +27,7 @@ fn used(step_m: f32) -> f32 {
     };
     let sensors = [core::f32::consts::FRAC_PI_2, -core::f32::consts::FRAC_PI_2].map(sensor);
     let rig = Rig::<8> { drive, adc: None, sensors: sensors.into_iter().collect() };
-    let mut slam = RobotSlam::new(rig, Config::real_rooms()).unwrap();
+    let mut slam = RobotSlam::with_config(rig, Config::real_rooms()).unwrap();
     let mut random = Random::new(1);
     let (mut used, mut all) = (0, 0);
     for number in 0..100 {

@@ -151,4 +151,18 @@ impl MapView {
     pub fn pose_in_map(&self, pose: &Pose) -> Pose {
         self.origin().map_or(*pose, |origin| origin.compose(pose))
     }
+
+    /// A covariance of (x, y, theta) in the start pose's frame in the map frame: R P R^T for the frame's turn R.
+    pub fn covariance_in_map(&self, from_start: [[f32; 3]; 3]) -> [[f32; 3]; 3] {
+        if self.frame == MapFrame::Start {
+            return from_start;
+        }
+        let (s, c) = sin_cos(self.start.theta_rad);
+        let [[xx, xy, xt], [_, yy, yt], [_, _, tt]] = from_start;
+        let in_map_xx = c * c * xx - 2.0 * c * s * xy + s * s * yy;
+        let in_map_yy = s * s * xx + 2.0 * c * s * xy + c * c * yy;
+        let in_map_xy = c * s * (xx - yy) + (c * c - s * s) * xy;
+        let [in_map_xt, in_map_yt] = [c * xt - s * yt, s * xt + c * yt];
+        [[in_map_xx, in_map_xy, in_map_xt], [in_map_xy, in_map_yy, in_map_yt], [in_map_xt, in_map_yt, tt]]
+    }
 }

@@ -37,7 +37,7 @@ static PILOT: StaticCell<Pilot> = StaticCell::new();
 #[cortex_m_rt::entry]
 fn main() -> ! {
     let slam = SLAM.take();
-    assert!(slam.start(ROBOT.rig(), config()).is_ok(), "the built-in rig is valid");
+    assert!(slam.start_with_config(ROBOT.rig(), config()).is_ok(), "the built-in rig is valid");
     let pilot = PILOT.init_with(|| Pilot::new(PilotConfig::default(), &ROBOT.rig()));
     let mut link = link::Link::new(transport::Transport::open());
     executor::run(|spawner| spawn(spawner, slam, pilot), || link.exchange())

@@ -36,7 +36,7 @@ async fn main(spawner: Spawner) {
     defmt::info!("wall-slam {}, watchdog bit: {}", env!("CARGO_PKG_VERSION"), board.watchdog_bit);
     SHARED.faults.update(|faults| faults.watchdog_resets = board.watchdog_bit.into());
     let slam = SLAM.take();
-    assert!(slam.start(default_rig(), config()).is_ok(), "the default rig is valid");
+    assert!(slam.start_with_config(default_rig(), config()).is_ok(), "the default rig is valid");
     let pilot = PILOT.init_with(|| Pilot::new(PilotConfig::default(), &default_rig()));
     let once = "each task is spawned once";
     interrupt_level::spawner().spawn(guard(board.contacts, board.enable).expect(once));

@@ -46,7 +46,7 @@ pub fn run(bench: &Bench) {
 
 fn drive(bench: &Bench, slam: &mut RobotSlam, clustering: Clustering) -> Worst {
     let config = Config { births: clustering.into(), ..Config::default() };
-    slam.start(rig(), config).expect("the rig is a valid one");
+    slam.start_with_config(rig(), config).expect("the rig is a valid one");
     let mut worst = Worst::default();
     let mut home = Drive::new();
     let mut down_from = None;

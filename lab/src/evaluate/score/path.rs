@@ -43,7 +43,7 @@ pub fn align(pairs: &[(Pose2, Pose2)]) -> Pose2 {
     Pose2 { x_m: to[0] - x, y_m: to[1] - y, ..rotation }
 }
 
-/// Mean normalised estimation error squared of the pose in the start frame, over the steps that have a truth and a
+/// Mean normalised estimation error squared of the pose in the map frame, over the steps that have a truth and a
 /// covariance that can be inverted (at the start it is singular). Three for an honest filter.
 pub fn mean_nees(steps: &[Step]) -> Option<f64> {
     let values: Vec<f64> = steps.iter().filter_map(nees).collect();
