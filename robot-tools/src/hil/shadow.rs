@@ -2,7 +2,7 @@
 
 use hal_sim::{Face, SeenWall};
 use robot::rig::BuiltIn;
-use slam_core::{Config, RobotSlam};
+use slam_core::RobotSlam;
 use wire::{Estimate, Faults, Sample};
 
 use super::link::Answer;
