@@ -23,6 +23,7 @@ fn rig() -> Rig<4> {
     };
     let drive = DriveModel::Odometry {
         scale_sigma: 0.02,
+        veer_sigma: 0.02,
         noise_m2_per_m: 4e-4,
         noise_rad2_per_m: 1e-4,
         noise_rad2_per_rad: 1e-3,
