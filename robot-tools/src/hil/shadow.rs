@@ -85,7 +85,7 @@ mod tests {
     /// What a firmware that works says to two samples; `change` may falsify it.
     fn outcome(change: impl Fn(&mut Answer)) -> Outcome {
         let mut shadow = Shadow::new(BuiltIn::Sharp).unwrap();
-        let mut target = RobotSlam::with_config(default_rig(), Config::default()).unwrap();
+        let mut target = RobotSlam::new(default_rig()).unwrap();
         for step in 1..=2_u64 {
             let ranges = (0..8).map(|i| Range::Counts(1000 + 7 * i + step as u16)).collect();
             let sample = Sample { time_us: step * 40_000, ranges, ..Sample::default() };
