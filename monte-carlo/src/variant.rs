@@ -60,12 +60,13 @@ impl Variant {
         // The report's filter is a plain one.
         let slam = |walls: WallPolicy, calibrate: bool| {
             let linearisation = match walls {
-                WallPolicy::Grid | WallPolicy::NearGrid => Linearisation::FirstEstimates,
+                WallPolicy::Grid | WallPolicy::NearGrid | WallPolicy::LearnedGrid => Linearisation::FirstEstimates,
                 _ => Linearisation::Latest,
             };
             let mut config = Config { walls: walls.into(), ..Config::default() };
             config.measurement.linearisation = linearisation;
             config.sensing.calibrate_gains = calibrate;
+            config.sensing.calibrate_age = calibrate;
             config.motion.calibrate_scales = calibrate;
             config.motion.calibrate_track = calibrate;
             Method::Slam(config, Buffer::B128)

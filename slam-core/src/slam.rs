@@ -14,11 +14,12 @@ use crate::motion::drive::{Drive, DriveStates};
 use crate::motion::shortfall::Shortfall;
 use crate::motion::step::{Step, start_variance};
 use crate::report::{Counters, Outcome, Refusal, StepReport};
-use crate::rig::{DriveModel, MAX_SENSORS, RangeModel, Rig, RigError};
+use crate::rig::{DriveModel, MAX_SENSORS, Rig, RigError};
 use crate::sample::{Motion, RangeInput, Sample};
 use crate::sensing::correlation::SurfaceCorrelation;
-use crate::sensing::latency::{self, Latency, Timing};
+use crate::sensing::latency::{Latency, Timing};
 use crate::sensing::noise_level::NoiseLevels;
+use crate::sensing::output_noise::OutputNoise;
 use crate::walls::map::Map;
 use crate::walls::upkeep::upkeep;
 use crate::walls::wall::WallPolicy;
@@ -62,6 +63,7 @@ pub struct Slam<const S: usize, const W: usize, const B: usize, const ROWS: usiz
     pub(crate) sensors: [SensorState; S],
     pub(crate) latency: Latency,
     pub(crate) levels: NoiseLevels,
+    output_noise: OutputNoise,
     pub(crate) correlation: SurfaceCorrelation<S>,
     pub(crate) ekf: Ekf<ROWS>,
     pub(crate) first: FirstEstimates,
@@ -91,6 +93,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         sensors: [SensorState::NONE; S],
         latency: Latency::NONE,
         levels: NoiseLevels::STATED,
+        output_noise: OutputNoise::STATED,
         correlation: SurfaceCorrelation::NEW,
         ekf: Ekf::IDLE,
         first: FirstEstimates::START,
@@ -148,6 +151,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.sensors = [SensorState::NONE; S];
         self.latency = Latency::NONE;
         self.levels = NoiseLevels::STATED;
+        self.output_noise = OutputNoise::STATED;
         self.correlation = SurfaceCorrelation::NEW;
         self.first = FirstEstimates::START;
         self.shortfall = Shortfall::NONE;
@@ -183,8 +187,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         for (state, sensor) in sensors.iter_mut().zip(&rig.sensors) {
             *state = SensorState::new(sensor, allot(config.sensing.calibrate_gains, 1.0, sensor.gain_sigma));
         }
-        let reports_metres = rig.sensors.iter().any(|sensor| matches!(sensor.model, RangeModel::Metric { .. }));
-        latency.state = allot(config.sensing.calibrate_latency && reports_metres, 0.0, latency::PRIOR_SIGMA_S);
+        *latency = Latency::new(rig, &config.sensing, allot);
     }
 
     /// Predict, observe, extend the map (report section 3). Never fails: what cannot be used is refused and counted.
@@ -258,7 +261,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             if *input == RangeInput::Missing {
                 continue;
             }
-            let reading = state.front_end.read(limits, self.rig.adc.as_ref(), *input, dt_s, odometry.path_m);
+            let (adc, noise) = (self.rig.adc.as_ref(), &mut self.output_noise);
+            let reading = state.front_end.read(limits, adc, *input, dt_s, odometry.path_m, noise);
             let sensor = Sensor { index, limits, state };
             if let Ok(reading) = &reading {
                 report.range_m = Some(reading.range_m / state.gain(observer.ekf));

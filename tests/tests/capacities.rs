@@ -35,13 +35,13 @@ fn run<const W: usize, const B: usize, const ROWS: usize>(
 #[test]
 fn the_robot_s_estimator_fits_into_32_kib() {
     assert!(size_of::<RobotSlam>() <= 32 * 1024, "{} bytes", size_of::<RobotSlam>());
-    // Eight sensors with a gain each, wheels with a scale each and a track, a grid and a pose, and 64 grid walls.
+    // Eight sensors with a gain each and an age, wheels with a scale each and a track, a grid and a pose, and 64 grid walls.
     let mut rig: Rig<8> = narrowed_rig(&default_rig());
     if let DriveModel::Wheels { track_sigma, .. } = &mut rig.drive {
         *track_sigma = 0.01;
     }
     let empty = RobotSlam::with_config(rig, Config::default()).unwrap();
-    assert_eq!(empty.state_len() + 64, 79);
+    assert_eq!(empty.state_len() + 64, 80);
 }
 
 #[test]

@@ -16,7 +16,7 @@ pub struct Part {
 }
 
 /// Every part.
-pub const PARTS: [Part; 14] = [
+pub const PARTS: [Part; 15] = [
     Part::new("grid", "every wall has a direction of its own", |config| config.walls.policy = WallPolicy::Free),
     Part::new("gains", "the range sensors' gains are taken for exact", |config| config.sensing.calibrate_gains = false),
     Part::new("scales", "the drive's scales are taken for exact", |config| config.motion.calibrate_scales = false),
@@ -25,7 +25,7 @@ pub const PARTS: [Part; 14] = [
         config.measurement.linearisation = Linearisation::Latest;
     }),
     Part::new("deviation", "walls on the grid have exactly its direction", |config| {
-        if config.walls.policy == WallPolicy::NearGrid {
+        if matches!(config.walls.policy, WallPolicy::NearGrid | WallPolicy::LearnedGrid) {
             config.walls.policy = WallPolicy::Grid;
         }
     }),
@@ -37,6 +37,9 @@ pub const PARTS: [Part; 14] = [
     Part::new("clutter", "a reading inside a wall's gate is the wall's", |config| config.measurement.clutter = false),
     Part::new("latency", "readings that come in metres are of the moment", |config| {
         config.sensing.calibrate_latency = false
+    }),
+    Part::new("age", "analogue readings are as old as their data sheet says", |config| {
+        config.sensing.calibrate_age = false;
     }),
     Part::new("slip", "the rig states all the noise of motion", |config| config.motion.slip = false),
     Part::new("mean-travel", "scales multiply each step's odometry as it is", |config| {

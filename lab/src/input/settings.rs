@@ -47,6 +47,8 @@ pub enum Walls {
     Grid,
     /// The same, a grid wall up to half a degree or so off the grid.
     NearGrid,
+    /// The same, by as much as is learned of this home.
+    LearnedGrid,
     /// Lines with their own direction.
     Free,
     /// Lines whose direction is snapped to the grid.
@@ -81,6 +83,7 @@ impl Walls {
         match self {
             Self::Grid => WallPolicy::Grid,
             Self::NearGrid => WallPolicy::NearGrid,
+            Self::LearnedGrid => WallPolicy::LearnedGrid,
             Self::Free => WallPolicy::Free,
             Self::Snapped => WallPolicy::Snapped { theta_moves: false },
             Self::SnappedMoving => WallPolicy::Snapped { theta_moves: true },
@@ -140,6 +143,7 @@ impl VariantArgs {
         config.motion.calibrate_scales = calibrate;
         config.motion.calibrate_track = calibrate;
         config.sensing.calibrate_latency = calibrate && base.sensing.calibrate_latency;
+        config.sensing.calibrate_age = calibrate && base.sensing.calibrate_age;
         self.without.iter().fold(config, |config, part| part.off(config))
     }
 }

@@ -8,10 +8,9 @@ use crate::geometry::angle::wrap;
 use crate::walls::founding::{self};
 use crate::walls::manhattan::GridDirection;
 use crate::walls::wall::Direction;
-use crate::walls::wall::WallPolicy;
 
-/// Adds the states of a wall. None, and nothing changed, where the state is full.
-pub fn add_states(ekf: &mut EkfView, verdict: Verdict, line: &LocalLine) -> Option<(usize, Direction)> {
+/// Adds the states of a wall; one near the grid has that variance about it, rad^2. None, and nothing changed, where the state is full.
+pub fn add_states(ekf: &mut EkfView, verdict: Verdict, line: &LocalLine, deviation: f32) -> Option<(usize, Direction)> {
     match verdict {
         Verdict::Wait => None,
         Verdict::OnGrid(quarter) => add_grid(ekf, line, quarter),
@@ -19,7 +18,7 @@ pub fn add_states(ekf: &mut EkfView, verdict: Verdict, line: &LocalLine) -> Opti
             let (rho, theta) = add_line(ekf, line)?;
             let off = wrap(ekf.mean(theta) - GridDirection::of(ekf).beta(quarter));
             // Where that is numerically impossible it is a free wall.
-            let tied = founding::tie(ekf, theta, off, WallPolicy::NearGrid);
+            let tied = founding::tie(ekf, theta, off, deviation);
             Some((rho, if tied { Direction::NearGrid(theta, quarter) } else { Direction::Free(theta) }))
         }
         Verdict::Free => add_line(ekf, line).map(|(rho, theta)| (rho, Direction::Free(theta))),

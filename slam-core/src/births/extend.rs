@@ -18,7 +18,7 @@ use crate::walls::WallSettings;
 use crate::walls::anchor::Anchor;
 use crate::walls::manhattan::GridDirection;
 use crate::walls::map::MapView;
-use crate::walls::wall::{Wall, WallPolicy};
+use crate::walls::wall::Wall;
 
 /// A short line that was seen with such a gap is a row of things, metres: chairs' legs stand 0.4 m apart.
 const ROW_GAP_M: f32 = 0.15;
@@ -87,7 +87,7 @@ impl<const B: usize> Extension<'_, B> {
     /// heading; a wall near the grid turns nothing.
     fn is_row(&self, members: &Members<B>, line: &FittedLine) -> bool {
         let length_m = line.length_m();
-        if length_m > SHORT_M || !self.map.has_grid || self.walls.policy == WallPolicy::NearGrid {
+        if length_m > SHORT_M || !self.map.has_grid || self.map.deviation(self.walls.policy) > 0.0 {
             return false;
         }
         const BINS: u32 = 32;
@@ -124,17 +124,24 @@ impl<const B: usize> Extension<'_, B> {
         let origin = Origin { ekf: self.ekf, drive: self.drive, sensors: self.sensors, latency: self.latency };
         let mut local = LocalLine::new(&origin, line, points);
         let grid = self.map.grid(self.ekf);
-        let verdict = verdict::judge(self.ekf, self.walls.policy, grid.as_ref(), &local, &mut self.candidates.doubts);
+        let (policy, deviation) = (self.walls.policy, self.map.deviation(self.walls.policy));
+        let doubts = &mut self.candidates.doubts;
+        let verdict = match verdict::judge(self.ekf, policy, deviation, grid.as_ref(), &local, doubts) {
+            // Where there is no room for a direction of its own, it has the grid's.
+            Verdict::NearGrid(quarter) if self.ekf.len() + 2 > self.ekf.capacity() => Verdict::OnGrid(quarter),
+            verdict => verdict,
+        };
         if verdict == Verdict::Wait {
             return false;
         }
         local.add_relief(self.walls.relief_m);
         let path_m = self.drive.dead_reckoning.path_m;
-        let is_full = self.map.is_full() || self.ekf.len() + 2 > self.ekf.capacity();
+        let states = if matches!(verdict, Verdict::OnGrid(_)) { 1 } else { 2 };
+        let is_full = self.map.is_full() || self.ekf.len() + states > self.ekf.capacity();
         if is_full && self.map.evict(self.ekf, line.count, path_m) {
             changes.prunes = changes.prunes.saturating_add(1);
         }
-        let states = if self.map.is_full() { None } else { birth::add_states(self.ekf, verdict, &local) };
+        let states = if self.map.is_full() { None } else { birth::add_states(self.ekf, verdict, &local, deviation) };
         let Some((rho, direction)) = states else {
             changes.refused = changes.refused.saturating_add(1);
             return false;

@@ -96,16 +96,18 @@ impl Doubts {
     }
 }
 
-/// Maximum likelihood between the grid's directions and a free line (report 3.3).
+/// Maximum likelihood between the grid's directions, from which walls have this variance (rad^2), and a free line
+/// (report 3.3).
 pub fn judge(
     ekf: &EkfView,
     policy: WallPolicy,
+    deviation: f32,
     grid: Option<&GridDirection>,
     line: &LocalLine,
     doubts: &mut Doubts,
 ) -> Verdict {
     // A wall near the grid keeps a direction of its own: nothing is turned by taking one for it.
-    let is_exact = grid.is_some() && policy != WallPolicy::NearGrid;
+    let is_exact = grid.is_some() && deviation == 0.0;
     let shortest_m = if is_exact { ASKEW_LENGTH_M } else { FREE_LENGTH_M };
     let determined = line.direction_variance < DIRECTION_SIGMA * DIRECTION_SIGMA
         && line.length_m >= shortest_m
@@ -116,7 +118,7 @@ pub fn judge(
     let quarter = grid.quarter(theta);
     let off = wrap(theta - grid.beta(quarter));
     let relative = decision::relative_variance(ekf, THETA, ALPHA);
-    let variance = line.direction_variance + relative + decision::deviation(policy);
+    let variance = line.direction_variance + relative + deviation;
     let share = if is_exact && line.length_m < SHORT_M { SHORT_SHARE } else { GRID_SHARE };
     let lean =
         Lean { off_rad: off, variance: line.direction_variance, quarter, seen_m: line.seen_m, path_m: line.path_m };
@@ -125,7 +127,7 @@ pub fn judge(
     let on_grid = if is_agreed { Some(true) } else { decide(off, variance, share) };
     match (on_grid, policy) {
         (Some(true), WallPolicy::Snapped { .. }) => Verdict::Snapped,
-        (Some(true), WallPolicy::NearGrid) => Verdict::NearGrid(quarter),
+        (Some(true), _) if deviation > 0.0 => Verdict::NearGrid(quarter),
         (Some(true), _) => Verdict::OnGrid(quarter),
         (Some(false), _) => free,
         (None, _) => Verdict::Wait,

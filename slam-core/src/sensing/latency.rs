@@ -1,24 +1,31 @@
 //! When a reading was made: how the robot moved between then and now.
 //!
 //! An analogue sensor's reading is half a hold old when it comes out, and has been held for half a sampling period, or hold,
-//! on average. A time-of-flight sensor measures for a while and waits to be asked; a log's rows are stamped when they are
-//! written. The age of readings that come in metres is a state: what is older shows less of the robot's motion.
+//! on average; a board's filter adds to that. A time-of-flight sensor measures for a while and waits to be asked; a log's rows
+//! are stamped when they are written. So the age of readings is a state: what is older shows less of the robot's motion.
 
 use crate::filter::ekf::{EkfView, Jacobian};
 use crate::geometry::angle::sin_cos;
 use crate::geometry::pose::Pose;
 use crate::motion::mean_motion::MeanMotion;
 use crate::motion::step::Step;
-use crate::rig::RangeModel;
+use crate::rig::{RangeModel, Rig};
 use crate::sample::Increment;
+use crate::sensing::SensingSettings;
 use crate::sensing::range::SHARP_HOLD_S;
 
-/// How late a reading may be before any tells, 1-sigma, seconds: time-of-flight sensors measure for 20 to 100 ms, and wait
-/// to be asked.
-pub const PRIOR_SIGMA_S: f32 = 0.05;
+/// How late a reading in metres may be before any tells, 1-sigma, seconds: time-of-flight sensors measure for 20 to 100 ms,
+/// and wait to be asked.
+const METRIC_SIGMA_S: f32 = 0.05;
 
-/// What a late reading saw of the robot's motion is an average over this time, seconds: as long as readings may be late.
-const PACE_S: f32 = 0.2;
+/// Mean age of an analogue reading, and its 1-sigma, before any tells, seconds: uniform from 5 to 60 ms, which is a cycle of
+/// the data sheet's GP2Y0A21YK0F (19 to 57 ms), one of a faster unit, or one behind a board's filter.
+const ANALOGUE_S: (f32, f32) = (0.0325, 0.016);
+
+/// What a late reading saw of the robot's motion is an average over this time, seconds: as long as readings in metres may be
+/// late, and analogue ones are. The noise of encoders is too small to draw the age of those to zero.
+const METRIC_PACE_S: f32 = 0.2;
+const ANALOGUE_PACE_S: f32 = 0.04;
 
 /// Of the typical time between samples each new one is so much.
 const TYPICAL_SHARE: f32 = 1.0 / 32.0;
@@ -26,11 +33,12 @@ const TYPICAL_SHARE: f32 = 1.0 / 32.0;
 /// An age that is known better than this has been settled, seconds.
 const SETTLED_S: f32 = 1e-4;
 
-/// How late the readings of sensors that report metres are.
+/// How late readings are: of the sensors that report metres, where there are any, or of the analogue ones.
 #[derive(Clone, Copy, Debug)]
 pub struct Latency {
-    /// Index of the state that is their age, seconds; none where they are taken to be of the moment.
+    /// Index of the state that is their age, seconds; none where that is not estimated.
     pub state: Option<usize>,
+    of_metres: bool,
     /// Motion over the time that a reading may be late.
     pace: MeanMotion,
     /// Time between two samples, as a rule, seconds.
@@ -39,11 +47,26 @@ pub struct Latency {
 
 impl Latency {
     /// Of the moment.
-    pub const NONE: Self = Self { state: None, pace: MeanMotion::STILL, typical_dt_s: 0.0 };
+    pub const NONE: Self = Self { state: None, of_metres: false, pace: MeanMotion::STILL, typical_dt_s: 0.0 };
 
-    /// The state that is the age of this sensor's readings, if it reports metres and that is estimated.
+    /// Of this rig; `allot` adds the state, if it is wanted, with its mean and 1-sigma.
+    pub fn new<const S: usize>(
+        rig: &Rig<S>,
+        settings: &SensingSettings,
+        allot: impl FnOnce(bool, f32, f32) -> Option<usize>,
+    ) -> Self {
+        let of_metres = rig.sensors.iter().any(|sensor| matches!(sensor.model, RangeModel::Metric { .. }));
+        let (is_wanted, (mean_s, sigma_s)) = if of_metres {
+            (settings.calibrate_latency, (0.0, METRIC_SIGMA_S))
+        } else {
+            (settings.calibrate_age && !rig.sensors.is_empty(), ANALOGUE_S)
+        };
+        Self { state: allot(is_wanted, mean_s, sigma_s), of_metres, ..Self::NONE }
+    }
+
+    /// The state that is the age of this sensor's readings, if that is estimated.
     pub fn of(&self, model: &RangeModel) -> Option<usize> {
-        self.state.filter(|_| matches!(model, RangeModel::Metric { .. }))
+        self.state.filter(|_| matches!(model, RangeModel::Metric { .. }) == self.of_metres)
     }
 
     /// The motion that a late reading misses, per second of its age.
@@ -56,7 +79,7 @@ impl Latency {
         if self.state.is_none() {
             return;
         }
-        self.pace.follow(moved, dt_s, PACE_S);
+        self.pace.follow(moved, dt_s, if self.of_metres { METRIC_PACE_S } else { ANALOGUE_PACE_S });
         // A pause is no typical step.
         let is_known = self.typical_dt_s > 0.0;
         let dt_s = if is_known { dt_s.min(2.0 * self.typical_dt_s) } else { dt_s };
@@ -81,9 +104,9 @@ impl Latency {
 
     /// Readings that are surely younger than half a step are of the moment, once that is known to a quarter of it. Within a
     /// step nobody stamped them; and since readings are taken for a wall's by what the filter expects, a small age finds
-    /// readings that agree with it.
+    /// readings that agree with it. An analogue reading is never of the moment.
     pub fn settle(&self, ekf: &mut EkfView) {
-        let (Some(latency), half_step_s) = (self.state, 0.5 * self.typical_dt_s) else { return };
+        let (Some(latency), true, half_step_s) = (self.state, self.of_metres, 0.5 * self.typical_dt_s) else { return };
         let sigma_s = libm::sqrtf(ekf.covariance(latency, latency).max(0.0));
         let is_known = sigma_s < 0.25 * half_step_s && ekf.mean(latency).abs() + 2.0 * sigma_s < half_step_s;
         if !is_known || sigma_s < SETTLED_S {
@@ -105,7 +128,7 @@ pub struct Timing<'a> {
     pub dt_s: f32,
     /// What the robot did in it.
     pub step: &'a Step,
-    /// How late readings in metres are.
+    /// How late readings are.
     pub latency: &'a Latency,
 }
 

@@ -3,6 +3,7 @@
 pub mod correlation;
 pub mod latency;
 pub mod noise_level;
+pub mod output_noise;
 pub mod range;
 
 /// What is learned of the errors of readings.
@@ -13,6 +14,8 @@ pub struct SensingSettings {
     pub calibrate_gains: bool,
     /// Estimate how late the readings of sensors that report metres are.
     pub calibrate_latency: bool,
+    /// Estimate how late the readings of analogue sensors are, where none reports metres.
+    pub calibrate_age: bool,
     /// Learn from the innovations how large the noise is, where sensors report metres.
     pub learn_noise: bool,
     /// Readings of one stretch of wall repeat its surface's error, where the sensor reports metres.
@@ -20,8 +23,13 @@ pub struct SensingSettings {
 }
 
 impl SensingSettings {
-    pub(crate) const IDLE: Self =
-        Self { calibrate_gains: false, calibrate_latency: false, learn_noise: false, repeats: false };
+    pub(crate) const IDLE: Self = Self {
+        calibrate_gains: false,
+        calibrate_latency: false,
+        calibrate_age: false,
+        learn_noise: false,
+        repeats: false,
+    };
 
     /// For sensors whose readings are late, and rigs whose noise is a guess.
     pub fn real_rooms() -> Self {
@@ -31,6 +39,6 @@ impl SensingSettings {
 
 impl Default for SensingSettings {
     fn default() -> Self {
-        Self { calibrate_gains: true, calibrate_latency: false, learn_noise: false, repeats: true }
+        Self { calibrate_gains: true, calibrate_latency: false, calibrate_age: true, learn_noise: false, repeats: true }
     }
 }

@@ -3,11 +3,19 @@
 use crate::report::Refusal;
 use crate::rig::{Adc, RangeModel, RangeSensor};
 use crate::sample::RangeInput;
+use crate::sensing::output_noise::{OutputNoise, Outputs};
 
 /// A Sharp sensor makes a new reading every 38.3 +- 9.6 ms (GP2Y0A21YK0F data sheet, timing chart) and holds it.
 pub const SHARP_HOLD_S: f32 = 0.0383;
 /// Longest time for which it may hold one, from the same chart.
 pub const SHARP_HOLD_MAX_S: f32 = 0.0479;
+
+/// An output that steps by more than this share of itself, and by more than its noise, went from one surface to another:
+/// light of both is in it, and what the board's filter kept of the first.
+const SURFACE_STEP: f32 = 0.25;
+
+/// And noise makes such a step of so many standard deviations.
+const STEP_SIGMAS: f32 = 4.0;
 
 /// A wall's surface and a sensor's mount are true to this, metres (1-sigma): plaster, wallpaper, screws. It keeps a
 /// sensor that is precise at close range from knowing more than there is to know.
@@ -101,11 +109,13 @@ pub struct FrontEnd {
     last_m: Option<(f32, f32)>,
     /// Path length at which the output was seen to fold back, metres.
     folded_at_m: Option<f32>,
+    outputs: Outputs,
 }
 
 impl FrontEnd {
     /// Nothing read yet.
-    pub const NEW: Self = Self { last_counts: None, age_s: 0.0, last_m: None, folded_at_m: None };
+    pub const NEW: Self =
+        Self { last_counts: None, age_s: 0.0, last_m: None, folded_at_m: None, outputs: Outputs::NONE };
 
     /// Checks one input and converts it.
     ///
@@ -120,10 +130,17 @@ impl FrontEnd {
         input: RangeInput,
         dt_s: f32,
         path_m: f32,
+        noise: &mut OutputNoise,
     ) -> Result<Reading, Refusal> {
         match (input, &sensor.model, adc) {
             (RangeInput::Counts(counts), &RangeModel::Sharp { scale_m, exponent, noise_v }, Some(adc)) => {
-                self.read_counts(sensor, adc, counts, dt_s, path_m, (scale_m, exponent, noise_v))
+                let volts = self.new_output(adc, counts, dt_s)?;
+                let range_m = scale_m * libm::powf(volts, exponent);
+                let variance_v2 = self.output_variance(sensor, adc, volts, range_m, noise_v, noise)?;
+                let reading = Reading { range_m, noise: Noise::Volts { variance_v2, volts, exponent } };
+                self.check_fold(sensor, &reading, path_m)?;
+                self.last_m = Some((range_m, path_m));
+                Ok(reading)
             }
             (RangeInput::Metres(range_m), &RangeModel::Metric { noise_m, noise_rel }, _) => {
                 if !range_m.is_finite() || range_m < 0.0 {
@@ -136,17 +153,9 @@ impl FrontEnd {
         }
     }
 
-    fn read_counts(
-        &mut self,
-        sensor: &RangeSensor,
-        adc: &Adc,
-        counts: u16,
-        dt_s: f32,
-        path_m: f32,
-        (scale_m, exponent, noise_v): (f32, f32, f32),
-    ) -> Result<Reading, Refusal> {
-        let full_scale = adc.full_scale();
-        if u32::from(counts) > full_scale {
+    /// The output of a sensor that holds its readings, volts, where it is a new one.
+    fn new_output(&mut self, adc: &Adc, counts: u16, dt_s: f32) -> Result<f32, Refusal> {
+        if u32::from(counts) > adc.full_scale() {
             return Err(Refusal::Invalid);
         }
         // One count of converter noise on a held output is still the same reading.
@@ -157,23 +166,36 @@ impl FrontEnd {
         }
         self.last_counts = Some(counts);
         self.age_s = 0.0;
-        if counts == 0 {
-            return Err(Refusal::Floor);
-        }
-        let lsb_v = adc.vref_v / full_scale as f32;
-        let volts = f32::from(counts) * lsb_v;
-        let range_m = scale_m * libm::powf(volts, exponent);
+        if counts == 0 { Err(Refusal::Floor) } else { Ok(f32::from(counts) * adc.lsb_v()) }
+    }
+
+    /// Variance of an output, V^2, where it is one of a surface within the sensor's limits.
+    fn output_variance(
+        &mut self,
+        sensor: &RangeSensor,
+        adc: &Adc,
+        volts: f32,
+        range_m: f32,
+        noise_v: f32,
+        noise: &mut OutputNoise,
+    ) -> Result<f32, Refusal> {
         // An output under that of twice the maximum range carries no range at all.
-        if range_m > 2.0 * sensor.max_m {
-            return Err(Refusal::Floor);
+        let is_floor = range_m > 2.0 * sensor.max_m;
+        if let Err(refusal) = if is_floor { Err(Refusal::Floor) } else { in_limits(sensor, range_m) } {
+            self.outputs = Outputs::NONE;
+            return Err(refusal);
         }
-        in_limits(sensor, range_m)?;
         // A quantisation step adds a uniform error.
-        let variance_v2 = noise_v * noise_v + lsb_v * lsb_v * (1.0 / 12.0);
-        let reading = Reading { range_m, noise: Noise::Volts { variance_v2, volts, exponent } };
-        self.check_fold(sensor, &reading, path_m)?;
-        self.last_m = Some((range_m, path_m));
-        Ok(reading)
+        let stated_v2 = noise_v * noise_v + adc.lsb_v() * adc.lsb_v() * (1.0 / 12.0);
+        let largest_v = STEP_SIGMAS * libm::sqrtf(2.0 * noise.factor() * stated_v2) + SURFACE_STEP * volts;
+        if self.outputs.step_to(volts).is_some_and(|step_v| step_v.abs() > largest_v) {
+            self.outputs = Outputs::starting_at(volts);
+            return Err(Refusal::Ambiguous);
+        }
+        if let Some(bend_v) = self.outputs.push(volts) {
+            noise.note(bend_v, stated_v2);
+        }
+        Ok(noise.factor() * stated_v2)
     }
 
     /// Under its minimum range the output falls again and reads like a longer range. One sample cannot tell: the way
@@ -214,5 +236,10 @@ impl Adc {
     /// Counts at the reference voltage.
     pub fn full_scale(&self) -> u32 {
         (1u32 << self.bits.min(16)) - 1
+    }
+
+    /// Volts of one count.
+    fn lsb_v(&self) -> f32 {
+        self.vref_v / self.full_scale() as f32
     }
 }

@@ -131,3 +131,38 @@ fn built_walls_keep_a_deviation_of_their_own() {
     }
     assert!(matches!(map.walls()[3].direction, Direction::Free(_)));
 }
+
+#[test]
+fn walls_of_an_exact_home_give_up_their_directions() {
+    let (mut ekf, mut map) = home(&[10.0, 100.0, -80.0, -170.0, 10.0, 100.0, -80.0, -170.0]);
+    let states = ekf.len();
+    for turn in 0..20 {
+        upkeep(&mut map, &mut ekf, WallPolicy::LearnedGrid, turn);
+    }
+    let is_near = |map: &Map<8>| map.walls().iter().all(|w| matches!(w.direction, Direction::NearGrid(..)));
+    assert!(map.has_grid && is_near(&map) && ekf.len() == states);
+    // Readings tell each direction to a milliradian.
+    for i in 0..map.walls().len() {
+        let Direction::NearGrid(theta, _) = map.walls()[i].direction else { panic!("{i}") };
+        let mut jacobian = Jacobian::new();
+        let _ = jacobian.push((theta, 1.0));
+        ekf.update(0.0, &jacobian, 1e-7).unwrap();
+    }
+    for turn in 0..200 {
+        upkeep(&mut map, &mut ekf, WallPolicy::LearnedGrid, turn);
+    }
+    assert!(map.squareness.is_exact());
+    assert!(map.walls().iter().all(|w| matches!(w.direction, Direction::Grid(_))));
+    assert_eq!(ekf.len(), states - map.walls().len());
+}
+
+#[test]
+fn walls_that_stand_off_keep_their_directions() {
+    // Off by a degree or so: the grid is not exact, and is not taken for it.
+    let (mut ekf, mut map) = home(&[10.0, 101.0, -81.2, -169.0, 9.0, 100.9, -79.1, -171.1]);
+    for turn in 0..200 {
+        upkeep(&mut map, &mut ekf, WallPolicy::LearnedGrid, turn);
+    }
+    assert!(!map.squareness.is_exact());
+    assert!(map.walls().iter().all(|w| !matches!(w.direction, Direction::Grid(_))));
+}

@@ -20,6 +20,7 @@ mod numeric;
 mod odometries;
 mod oracle;
 mod outliers;
+mod output_noises;
 mod paces;
 mod random;
 mod ranges;

@@ -6,6 +6,7 @@ use crate::births::local_line::LocalLine;
 use crate::births::verdict::{Doubts, Verdict, judge};
 use crate::filter::ekf::{Ekf, Jacobian, storage};
 use crate::filter::layout::THETA;
+use crate::walls::decision::deviation;
 use crate::walls::manhattan::GridDirection;
 use crate::walls::wall::WallPolicy;
 
@@ -40,7 +41,7 @@ impl Case {
             by_calibration: heapless::Vec::new(),
         };
         let grid = GridDirection::of(&self.ekf);
-        judge(&self.ekf, self.policy, Some(&grid), &line, &mut self.doubts)
+        judge(&self.ekf, self.policy, deviation(self.policy), Some(&grid), &line, &mut self.doubts)
     }
 }
 

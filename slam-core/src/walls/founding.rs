@@ -7,9 +7,10 @@
 use crate::filter::ekf::{EkfView, Jacobian};
 use crate::filter::layout::ALPHA;
 use crate::geometry::angle::wrap;
-use crate::walls::decision::{GRID_SHARE, GRID_TOLERANCE, decide, deviation, relative_variance};
+use crate::walls::decision::{GRID_SHARE, GRID_TOLERANCE, decide, relative_variance};
 use crate::walls::manhattan::GridDirection;
 use crate::walls::map::MapView;
+use crate::walls::squareness;
 use crate::walls::wall::WallPolicy;
 use crate::walls::wall::{Direction, Wall};
 use core::f32::consts::FRAC_PI_2;
@@ -26,18 +27,22 @@ pub fn upkeep(map: &mut MapView, ekf: &mut EkfView, policy: WallPolicy, turn: us
         return;
     }
     if !map.has_grid {
-        let Some(theta) = founder(map.walls(), ekf, policy) else { return };
+        let Some(theta) = founder(map.walls(), ekf, map.deviation(policy)) else { return };
         let mut jacobian = Jacobian::new();
         let _ = jacobian.push((theta, 1.0));
         let direction = ekf.mean(theta);
         let quarters = libm::roundf(direction * (1.0 / FRAC_PI_2));
-        ekf.initialise(ALPHA, direction - quarters * FRAC_PI_2, &jacobian, deviation(policy));
+        ekf.initialise(ALPHA, direction - quarters * FRAC_PI_2, &jacobian, map.deviation(policy));
         map.has_grid = true;
         for index in (0..map.walls().len()).rev() {
             take_in(map, ekf, policy, index);
         }
     } else {
-        take_in(map, ekf, policy, turn % map.walls().len());
+        let index = turn % map.walls().len();
+        take_in(map, ekf, policy, index);
+        if policy == WallPolicy::LearnedGrid {
+            squareness::upkeep(map, ekf, index);
+        }
     }
 }
 
@@ -48,7 +53,7 @@ fn off_quarter(a: f32, b: f32) -> f32 {
 }
 
 /// The direction state of the free wall with which the most length of wall agrees, where that is enough and a majority.
-fn founder(walls: &[Wall], ekf: &EkfView, policy: WallPolicy) -> Option<usize> {
+fn founder(walls: &[Wall], ekf: &EkfView, deviation: f32) -> Option<usize> {
     let mut best: Option<(f32, usize)> = None;
     let mut total_m = 0.0;
     for (i, wall) in walls.iter().enumerate() {
@@ -63,7 +68,7 @@ fn founder(walls: &[Wall], ekf: &EkfView, policy: WallPolicy) -> Option<usize> {
             }
             let variance = relative_variance(ekf, theta, other_theta);
             let off = off_quarter(ekf.mean(theta), ekf.mean(other_theta));
-            let agrees = decide(off, variance + deviation(policy), GRID_SHARE) == Some(true);
+            let agrees = decide(off, variance + deviation, GRID_SHARE) == Some(true);
             if variance < FOUNDING_SIGMA * FOUNDING_SIGMA && agrees {
                 support_m += other.length_m();
                 others += 1;
@@ -83,15 +88,17 @@ fn take_in(map: &mut MapView, ekf: &mut EkfView, policy: WallPolicy, index: usiz
     let quarter = grid.quarter(ekf.mean(theta));
     let off = wrap(ekf.mean(theta) - grid.beta(quarter));
     let variance = relative_variance(ekf, theta, ALPHA);
-    let on_grid = decide(off, variance + deviation(policy), GRID_SHARE);
+    let deviation = map.deviation(policy);
+    let on_grid = decide(off, variance + deviation, GRID_SHARE);
     if variance > FOUNDING_SIGMA * FOUNDING_SIGMA || on_grid != Some(true) {
         return;
     }
     // A tie that is numerically impossible leaves the wall free.
-    if tie(ekf, theta, off, policy) {
+    if tie(ekf, theta, off, deviation) {
+        map.tie(index, map.squareness);
         match policy {
-            WallPolicy::NearGrid => map.set_direction(index, Direction::NearGrid(theta, quarter)),
             WallPolicy::Snapped { .. } => map.set_direction(index, Direction::Snapped(theta)),
+            _ if deviation > 0.0 => map.set_direction(index, Direction::NearGrid(theta, quarter)),
             _ => {
                 map.set_direction(index, Direction::Grid(quarter));
                 map.remove_state(ekf, theta);
@@ -100,11 +107,11 @@ fn take_in(map: &mut MapView, ekf: &mut EkfView, policy: WallPolicy, index: usiz
     }
 }
 
-/// The scalar measurement that a wall's direction, `off_rad` from one of the grid's, is that one. False where it is
-/// numerically impossible.
-pub fn tie(ekf: &mut EkfView, theta: usize, off_rad: f32, policy: WallPolicy) -> bool {
+/// The scalar measurement that a wall's direction, `off_rad` from one of the grid's, is that one but for this variance.
+/// False where it is numerically impossible.
+pub fn tie(ekf: &mut EkfView, theta: usize, off_rad: f32, deviation: f32) -> bool {
     let mut jacobian = Jacobian::new();
     let _ = jacobian.push((theta, 1.0));
     let _ = jacobian.push((ALPHA, -1.0));
-    ekf.update(-off_rad, &jacobian, GRID_TOLERANCE * GRID_TOLERANCE + deviation(policy)).is_ok()
+    ekf.update(-off_rad, &jacobian, GRID_TOLERANCE * GRID_TOLERANCE + deviation).is_ok()
 }

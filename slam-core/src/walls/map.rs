@@ -8,6 +8,7 @@ use crate::walls::anchor::Anchor;
 use crate::walls::decision::relative_variance;
 use crate::walls::manhattan::GridDirection;
 use crate::walls::map_frame::MapFrame;
+use crate::walls::squareness::Squareness;
 use crate::walls::wall::{Direction, Wall};
 use core::ops::{Deref, DerefMut};
 use heapless::{Vec, VecView};
@@ -37,6 +38,8 @@ pub struct MapInner<V: ?Sized> {
     next_id: u16,
     /// The grid was founded.
     pub has_grid: bool,
+    /// How closely the home's walls stand on its grid, where that is learned.
+    pub squareness: Squareness,
     /// What holds the map frame.
     pub frame: MapFrame,
     /// Where the robot started, in the map frame.
@@ -57,6 +60,7 @@ impl<const W: usize> Map<W> {
     pub const EMPTY: Self = Self {
         next_id: 0,
         has_grid: false,
+        squareness: Squareness::UNKNOWN,
         frame: MapFrame::Start,
         start: Pose::ORIGIN,
         anchor: None,
@@ -82,6 +86,7 @@ impl MapView {
     pub fn clear(&mut self, frame: MapFrame) {
         self.next_id = 0;
         self.has_grid = false;
+        self.squareness = Squareness::UNKNOWN;
         self.frame = frame;
         self.start = Pose::ORIGIN;
         self.anchor = None;
@@ -119,7 +124,8 @@ impl MapView {
     pub fn add(&mut self, rho: usize, direction: Direction, (lo_m, hi_m): (f32, f32), updates: u32, path_m: f32) {
         let id = self.next_id;
         self.next_id = self.next_id.wrapping_add(1);
-        let wall = Wall { id, rho, direction, lo_m, hi_m, updates, score: BIRTH_SCORE, seen_at_m: path_m, drawn: None };
+        let (score, squareness) = (BIRTH_SCORE, self.squareness);
+        let wall = Wall { id, rho, direction, lo_m, hi_m, updates, score, seen_at_m: path_m, squareness, drawn: None };
         let _ = self.walls.push(wall);
     }
 
@@ -208,6 +214,13 @@ impl MapView {
         let moved = ekf.remove(state);
         for wall in &mut self.walls {
             wall.follow(moved, state);
+        }
+    }
+
+    /// A wall was tied to the grid so closely.
+    pub fn tie(&mut self, index: usize, squareness: Squareness) {
+        if let Some(wall) = self.walls.get_mut(index) {
+            wall.squareness = squareness;
         }
     }
 

@@ -7,6 +7,7 @@ pub mod manhattan;
 pub mod map;
 pub mod map_frame;
 pub mod merge;
+pub mod squareness;
 pub mod upkeep;
 pub mod wall;
 

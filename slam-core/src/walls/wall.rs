@@ -4,6 +4,7 @@ use crate::filter::ekf::EkfView;
 use crate::geometry::angle::sin_cos;
 use crate::geometry::line::Line;
 use crate::walls::manhattan::GridDirection;
+use crate::walls::squareness::Squareness;
 
 /// Which kinds of wall the map may have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -22,6 +23,9 @@ pub enum WallPolicy {
     Grid,
     /// The same, but a wall on the grid may stand off its direction by half a degree, as built walls do: (rho, theta).
     NearGrid,
+    /// The same, but how far this home's walls stand off its grid is learned: until it proves exact, a wall on the grid has
+    /// (rho, theta) where there is room.
+    LearnedGrid,
 }
 
 /// Points this far apart along a line are of one wall: the gap is too narrow for a door, metres. Doors start at 0.6 m.
@@ -91,6 +95,8 @@ pub struct Wall {
     pub score: i8,
     /// Path length at which it was last seen, metres.
     pub seen_at_m: f32,
+    /// How closely it was tied to the grid.
+    pub squareness: Squareness,
     /// Its line in the map frame when it was first drawn, where walls hold that frame.
     pub drawn: Option<Line>,
 }
@@ -106,6 +112,7 @@ impl Wall {
         updates: 0,
         score: 0,
         seen_at_m: 0.0,
+        squareness: Squareness::UNKNOWN,
         drawn: None,
     };
 
