@@ -62,6 +62,12 @@ impl Anchor {
                 sum[j][i] += turn.shrink * (by_i * across[j] + by_j * across[i]);
             }
         }
+        // The two halves are rounded apart.
+        for i in 0..3 {
+            for j in 0..i {
+                sum[i][j] = sum[j][i];
+            }
+        }
         Self { pose: self.pose.compose(pose), covariance: sum }
     }
 }
