@@ -1,5 +1,11 @@
 //! Time between samples.
 
+/// Nothing samples a robot more often: two rows of a log that are a microsecond apart say nothing of its speed, seconds.
+const SHORTEST_S: f32 = 1e-3;
+
+/// After a minute without samples nothing is left that a longer pause would change, seconds.
+const LONGEST_S: f32 = 60.0;
+
 /// The time of the last sample, microseconds; none before the first.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock(Option<u64>);
@@ -25,6 +31,7 @@ impl Clock {
         };
         let elapsed_us = time_us.checked_sub(last_us).filter(|elapsed| *elapsed > 0)?;
         self.0 = Some(time_us);
-        Some(Tick { dt_s: elapsed_us as f32 * 1e-6, is_first: false })
+        let dt_s = (elapsed_us as f32 * 1e-6).clamp(SHORTEST_S, LONGEST_S);
+        Some(Tick { dt_s, is_first: false })
     }
 }

@@ -3,7 +3,7 @@
 use crate::births::BirthSettings;
 use crate::measurement::MeasurementSettings;
 use crate::motion::MotionSettings;
-use crate::rig::{RangeModel, Rig};
+use crate::rig::{RangeModel, Rig, RigError};
 use crate::sensing::SensingSettings;
 use crate::walls::WallSettings;
 
@@ -42,6 +42,21 @@ impl Config {
             measurement: MeasurementSettings::real_rooms(),
             births: BirthSettings::default(),
         }
+    }
+
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// The first that cannot be.
+    pub fn validate(&self) -> Result<(), RigError> {
+        let error = |key, allowed| Err(RigError { sensor: None, key, allowed });
+        if !(1.0..=100.0).contains(&self.measurement.gate) {
+            return error("gate", "a squared innovation of 1 to 100 times its variance");
+        }
+        if !(0.0..=0.5).contains(&self.walls.relief_m) {
+            return error("relief_m", "a number from 0 to 0.5");
+        }
+        Ok(())
     }
 
     /// What suits the sensors: those that report metres see how walls stand off the grid, which the noise of an analogue

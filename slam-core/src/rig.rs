@@ -115,36 +115,57 @@ pub struct Rig<const S: usize> {
     pub sensors: Vec<RangeSensor, S>,
 }
 
-/// A value of a [`Rig`] that cannot be.
+/// A value of a [`Rig`], or of a [`Config`](crate::Config), that cannot be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RigError {
     /// Index into [`Rig::sensors`] where a sensor is at fault.
     pub sensor: Option<u8>,
-    /// The key, as it is called in a rig file.
+    /// The key, as it is called in a rig file or in the settings.
     pub key: &'static str,
     /// What is allowed.
     pub allowed: &'static str,
 }
 
-fn positive(value: f32) -> bool {
-    value.is_finite() && value > 0.0
+/// What a value may be, both ends included.
+struct Limits {
+    from: f32,
+    to: f32,
+    words: &'static str,
 }
 
-fn not_negative(value: f32) -> bool {
-    value.is_finite() && value >= 0.0
-}
+impl Limits {
+    const fn new(from: f32, to: f32, words: &'static str) -> Self {
+        Self { from, to, words }
+    }
 
-/// A relative 1-sigma: an error of a half is no calibration error any more.
-fn relative(value: f32) -> bool {
-    (0.0..0.5).contains(&value)
+    /// The check of one value; what is not a number fails it.
+    fn check(&self, value: f32, key: &'static str) -> Check {
+        ((self.from..=self.to).contains(&value), key, self.words)
+    }
 }
 
 type Check = (bool, &'static str, &'static str);
 
-const POSITIVE: &str = "a number greater than 0";
-const NOT_NEGATIVE: &str = "a number of at least 0";
-const RELATIVE: &str = "a number of at least 0 and less than 0.5";
+/// The limits are those of anything that drives through rooms, a decade and more beyond each: what is outside is another unit
+/// or a slip of the pen, and ends in numbers that f32 cannot hold.
+const TRACK_M: Limits = Limits::new(0.01, 10.0, "a number from 0.01 to 10");
+const TICK_M: Limits = Limits::new(1e-7, 0.1, "a number from 1e-7 to 0.1");
+const NOISE_PER_M: Limits = Limits::new(0.0, 1.0, "a number from 0 to 1");
+const VEER_PER_M: Limits = Limits::new(0.0, 6.2832, "a number from 0 to 360");
+const VREF_V: Limits = Limits::new(0.1, 50.0, "a number from 0.1 to 50");
+const MOUNT_M: Limits = Limits::new(-10.0, 10.0, "a number from -10 to 10");
+const BEARING_RAD: Limits = Limits::new(-6.2832, 6.2832, "a number from -360 to 360");
+const MIN_M: Limits = Limits::new(1e-3, 100.0, "a number from 0.001 to 100");
+const SCALE_M: Limits = Limits::new(1e-3, 100.0, "a number from 0.001 to 100");
+const NOISE_V: Limits = Limits::new(1e-5, 10.0, "a number from 1e-5 to 10");
+const NOISE_M: Limits = Limits::new(0.0, 10.0, "a number from 0 to 10");
+const NOISE_REL: Limits = Limits::new(0.0, 1.0, "a number from 0 to 1");
+
+/// A relative 1-sigma: an error of a half is no calibration error any more.
+fn relative(value: f32, key: &'static str) -> Check {
+    ((0.0..0.5).contains(&value), key, "a number of at least 0 and less than 0.5")
+}
 
 impl<const S: usize> Rig<S> {
     /// Checks every value.
@@ -156,7 +177,7 @@ impl<const S: usize> Rig<S> {
         if let Some(adc) = &self.adc {
             let checks = [
                 ((1..=16).contains(&adc.bits), "bits", "a whole number from 1 to 16"),
-                (positive(adc.vref_v), "vref_v", POSITIVE),
+                VREF_V.check(adc.vref_v, "vref_v"),
             ];
             first_failure(None, &checks)?;
         }
@@ -180,18 +201,18 @@ impl DriveModel {
     fn checks(&self) -> [Check; 5] {
         match *self {
             Self::Wheels { track_m, track_sigma, metres_per_tick, scale_sigma, noise_m2_per_m } => [
-                (positive(track_m), "track_m", POSITIVE),
-                (relative(track_sigma), "track_sigma", RELATIVE),
-                (positive(metres_per_tick), "metres_per_tick", POSITIVE),
-                (relative(scale_sigma), "scale_sigma", RELATIVE),
-                (not_negative(noise_m2_per_m), "noise_m2_per_m", NOT_NEGATIVE),
+                TRACK_M.check(track_m, "track_m"),
+                relative(track_sigma, "track_sigma"),
+                TICK_M.check(metres_per_tick, "metres_per_tick"),
+                relative(scale_sigma, "scale_sigma"),
+                NOISE_PER_M.check(noise_m2_per_m, "noise_m2_per_m"),
             ],
             Self::Odometry { scale_sigma, noise_m2_per_m, noise_rad2_per_m, noise_rad2_per_rad, veer_sigma } => [
-                (relative(scale_sigma), "scale_sigma", RELATIVE),
-                (not_negative(noise_m2_per_m), "noise_m2_per_m", NOT_NEGATIVE),
-                (not_negative(noise_rad2_per_m), "noise_rad2_per_m", NOT_NEGATIVE),
-                (not_negative(noise_rad2_per_rad), "noise_rad2_per_rad", NOT_NEGATIVE),
-                (not_negative(veer_sigma), "drift_sigma_deg_per_m", NOT_NEGATIVE),
+                relative(scale_sigma, "scale_sigma"),
+                NOISE_PER_M.check(noise_m2_per_m, "noise_m2_per_m"),
+                NOISE_PER_M.check(noise_rad2_per_m, "noise_rad2_per_m"),
+                NOISE_PER_M.check(noise_rad2_per_rad, "noise_rad2_per_rad"),
+                VEER_PER_M.check(veer_sigma, "drift_sigma_deg_per_m"),
             ],
         }
     }
@@ -201,27 +222,27 @@ impl RangeSensor {
     fn checks(&self) -> [Check; 8] {
         let model = match self.model {
             RangeModel::Sharp { scale_m, exponent, noise_v } => [
-                (positive(scale_m), "scale_m", POSITIVE),
-                (exponent.is_finite() && (-4.0..0.0).contains(&exponent), "exponent", "a number from -4 to below 0"),
-                (positive(noise_v), "noise_v", POSITIVE),
+                SCALE_M.check(scale_m, "scale_m"),
+                ((-4.0..=-0.25).contains(&exponent), "exponent", "a number from -4 to -0.25"),
+                NOISE_V.check(noise_v, "noise_v"),
             ],
             RangeModel::Metric { noise_m, noise_rel } => [
-                (not_negative(noise_m), "noise_m", NOT_NEGATIVE),
-                (not_negative(noise_rel), "noise_rel", NOT_NEGATIVE),
+                NOISE_M.check(noise_m, "noise_m"),
+                NOISE_REL.check(noise_rel, "noise_rel"),
                 (noise_m + noise_rel > 0.0, "noise_m", "greater than 0 where noise_rel is 0"),
             ],
         };
         let right_angle = core::f32::consts::FRAC_PI_2;
         let incidence = self.max_incidence_rad > 0.0 && self.max_incidence_rad < right_angle;
-        let bearing = self.mount.bearing_rad.is_finite() && self.mount.bearing_rad.abs() < 8.0;
+        let max_m = self.max_m > self.min_m && self.max_m <= MIN_M.to;
         [
-            (self.mount.x_m.is_finite(), "x_m", "a number"),
-            (self.mount.y_m.is_finite(), "y_m", "a number"),
-            (bearing, "bearing_deg", "a number from -360 to 360"),
-            (positive(self.min_m), "min_m", POSITIVE),
-            (self.max_m.is_finite() && self.max_m > self.min_m, "max_m", "a number greater than min_m"),
+            MOUNT_M.check(self.mount.x_m, "x_m"),
+            MOUNT_M.check(self.mount.y_m, "y_m"),
+            BEARING_RAD.check(self.mount.bearing_rad, "bearing_deg"),
+            MIN_M.check(self.min_m, "min_m"),
+            (max_m, "max_m", "a number greater than min_m, at most 100"),
             (incidence, "max_incidence_deg", "a number between 0 and 90"),
-            (relative(self.gain_sigma), "gain_sigma", RELATIVE),
+            relative(self.gain_sigma, "gain_sigma"),
             model.into_iter().find(|(passed, ..)| !passed).unwrap_or((true, "", "")),
         ]
     }

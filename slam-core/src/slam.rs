@@ -143,6 +143,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             assert!(4 + 3 + S < Ekf::<ROWS>::CAPACITY, "room for the calibration");
         };
         rig.validate()?;
+        config.validate()?;
         self.ekf.clear();
         self.rig = rig;
         self.config = config;

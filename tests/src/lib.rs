@@ -2,6 +2,8 @@
 
 pub mod browser;
 pub mod frames;
+pub mod fuzzing;
+pub mod positivity;
 pub mod real_logs;
 pub mod sample_recording;
 pub mod sanity;

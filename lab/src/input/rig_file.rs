@@ -18,7 +18,7 @@ const DEFAULT_MAX_INCIDENCE_DEG: f32 = 70.0;
 const WIDEST_INCIDENCE_DEG: f32 = 89.9;
 
 /// Shortest range that the estimator takes, metres: a rig file's 0 means no limit.
-const SHORTEST_M: f32 = 1e-6;
+const SHORTEST_M: f32 = 1e-3;
 
 /// A robot as its rig file describes it.
 #[derive(Clone, Debug, PartialEq)]

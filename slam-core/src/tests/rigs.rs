@@ -72,15 +72,15 @@ fn good_rigs_are_good() {
 
 #[test]
 fn each_value_of_the_drive_is_named() {
-    let not_positive = and_no_numbers(&[0.0, -0.1]);
-    let negative = and_no_numbers(&[-1e-9]);
+    let no_length = and_no_numbers(&[0.0, -0.1, 11.0]);
+    let no_noise = and_no_numbers(&[-1e-9, 1.1]);
     let not_relative = and_no_numbers(&[-0.01, 0.5, 3.0]);
     let of_wheels = [
-        ("track_m", &not_positive),
+        ("track_m", &no_length),
         ("track_sigma", &not_relative),
-        ("metres_per_tick", &not_positive),
+        ("metres_per_tick", &no_length),
         ("scale_sigma", &not_relative),
-        ("noise_m2_per_m", &negative),
+        ("noise_m2_per_m", &no_noise),
     ];
     for (i, (key, values)) in of_wheels.into_iter().enumerate() {
         for value in values {
@@ -91,9 +91,9 @@ fn each_value_of_the_drive_is_named() {
     }
     let of_odometry = [
         ("scale_sigma", &not_relative),
-        ("noise_m2_per_m", &negative),
-        ("noise_rad2_per_m", &negative),
-        ("noise_rad2_per_rad", &negative),
+        ("noise_m2_per_m", &no_noise),
+        ("noise_rad2_per_m", &no_noise),
+        ("noise_rad2_per_rad", &no_noise),
     ];
     for (i, (key, values)) in of_odometry.into_iter().enumerate() {
         for value in values {
@@ -109,7 +109,7 @@ fn the_converter_is_named() {
     for bits in [0, 17, 255] {
         assert_eq!(error(|rig| rig.adc = Some(Adc { bits, vref_v: 3.3 })), Some((None, "bits")), "{bits}");
     }
-    for vref_v in and_no_numbers(&[0.0, -3.3]) {
+    for vref_v in and_no_numbers(&[0.0, -3.3, 3300.0]) {
         assert_eq!(error(|rig| rig.adc = Some(Adc { bits: 12, vref_v })), Some((None, "vref_v")), "{vref_v}");
     }
     assert_eq!(error(|rig| rig.adc = None), Some((Some(1), "adc")), "the analogue sensor is the second");
@@ -119,11 +119,11 @@ fn the_converter_is_named() {
 fn each_value_of_a_sensor_is_named_and_so_is_the_sensor() {
     type Spoil = fn(&mut RangeSensor, f32);
     let cases: [(&str, Spoil, Vec<f32>); 7] = [
-        ("x_m", |s, v| s.mount.x_m = v, NO_NUMBERS.into()),
-        ("y_m", |s, v| s.mount.y_m = v, NO_NUMBERS.into()),
-        ("bearing_deg", |s, v| s.mount.bearing_rad = v, and_no_numbers(&[8.0, -90.0])),
-        ("min_m", |s, v| s.min_m = v, and_no_numbers(&[0.0, -0.2])),
-        ("max_m", |s, v| s.max_m = v, and_no_numbers(&[0.2, 0.1, -1.0])),
+        ("x_m", |s, v| s.mount.x_m = v, and_no_numbers(&[-60.0, 60.0])),
+        ("y_m", |s, v| s.mount.y_m = v, and_no_numbers(&[-60.0, 60.0])),
+        ("bearing_deg", |s, v| s.mount.bearing_rad = v, and_no_numbers(&[6.3, -90.0])),
+        ("min_m", |s, v| s.min_m = v, and_no_numbers(&[0.0, -0.2, 200.0])),
+        ("max_m", |s, v| s.max_m = v, and_no_numbers(&[0.2, 0.1, -1.0, 1500.0])),
         ("max_incidence_deg", |s, v| s.max_incidence_rad = v, and_no_numbers(&[0.0, -0.3, 1.58])),
         ("gain_sigma", |s, v| s.gain_sigma = v, and_no_numbers(&[-0.01, 0.5])),
     ];
@@ -145,17 +145,35 @@ fn each_value_of_a_range_model_is_named() {
         let [scale_m, exponent, noise_v] = values;
         error(|rig| rig.sensors[1].model = RangeModel::Sharp { scale_m, exponent, noise_v })
     };
-    for value in and_no_numbers(&[0.0, -1.0]) {
+    for value in and_no_numbers(&[0.0, -1.0, 600.0]) {
         assert_eq!(sharp(0, value), Some((Some(1), "scale_m")), "{value}");
         assert_eq!(sharp(2, value), Some((Some(1), "noise_v")), "{value}");
     }
-    for value in and_no_numbers(&[0.0, 1.16, -4.1]) {
+    for value in and_no_numbers(&[0.0, 1.16, -0.01, -4.1]) {
         assert_eq!(sharp(1, value), Some((Some(1), "exponent")), "{value}");
     }
     let metric = |noise_m, noise_rel| error(|rig| rig.sensors[0].model = RangeModel::Metric { noise_m, noise_rel });
-    for value in and_no_numbers(&[-0.01]) {
+    for value in and_no_numbers(&[-0.01, 20.0]) {
         assert_eq!(metric(value, 0.02), Some((Some(0), "noise_m")), "{value}");
         assert_eq!(metric(0.01, value), Some((Some(0), "noise_rel")), "{value}");
     }
     assert_eq!(metric(0.0, 0.0), Some((Some(0), "noise_m")));
+}
+
+#[test]
+fn each_setting_that_is_a_number_is_named() {
+    let error =
+        |config: Config| Slam::<4, 4, 16, { crate::ekf::storage(24) }>::with_config(rig(), config).err().map(|e| e.key);
+    assert_eq!(error(Config::default()), None);
+    assert_eq!(error(Config::real_rooms()), None);
+    for gate in and_no_numbers(&[0.0, -1.0, 1e6]) {
+        let mut config = Config::default();
+        config.measurement.gate = gate;
+        assert_eq!(error(config), Some("gate"), "{gate}");
+    }
+    for relief_m in and_no_numbers(&[-0.01, 1.0]) {
+        let mut config = Config::default();
+        config.walls.relief_m = relief_m;
+        assert_eq!(error(config), Some("relief_m"), "{relief_m}");
+    }
 }
