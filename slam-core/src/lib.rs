@@ -13,21 +13,21 @@
 //! | [`sample`], [`rig`] | what was sensed, and what by |
 //! | `geometry` | angles, poses, lines |
 //! | `filter` | the state: predict, update, add, remove ([`ekf`], [`covariance`]); which state stands where |
-//! | `motion` | checked travel, and the step that it makes, with its noise (report 3.1) |
+//! | `motion` | checked travel, and the step that it makes, with its noise (Rousse & Qiu 3.1) |
 //! | `sensing` | checked readings, and what is known of their errors; what cannot be is refused here and counted |
-//! | `walls` | the walls, the grid that they stand on, the map frame that they hold (report 3.2) |
-//! | `measurement` | which wall a reading came from, and what it should have been (report eqs. 1, 3, 5) |
-//! | `births` | new walls from the readings that fit none (report 3.3) |
+//! | `walls` | the walls, the grid that they stand on, the map frame that they hold (Rousse & Qiu 3.2) |
+//! | `measurement` | which wall a reading came from, and what it should have been (Rousse & Qiu eqs. 1, 3, 5) |
+//! | `births` | new walls from the readings that fit none (Rousse & Qiu 3.3) |
 //! | [`report`], [`WallView`] | what became of each reading, and what is known |
 //!
 //! One rule: the crate is pure. Time and samples are arguments; there is no clock, no randomness, no hardware, no heap and
 //! no panic.
 //!
-//! "The report" in the comments is P. Rousse and J. Qiu, *Simultaneous Localization And Mapping in a domestic
-//! environment*; `docs/explanation/estimator.md` says where this estimator goes beyond it.
+//! Rousse & Qiu is P. Rousse and J. Qiu, *Simultaneous Localization And Mapping in a domestic environment*;
+//! `docs/explanation/estimator.md` says where this estimator goes beyond it.
 //!
 //! Frames: *map* is the robot's start pose (origin at the wheel axle's centre, x forward, y left, theta
-//! counter-clockwise); *robot* is the same, moving with the robot. Units are metres, radians, seconds and volts.
+//! counter-clockwise), until walls hold it ([`MapFrame`]); *robot* is the same, moving with the robot. Units are metres, radians, seconds and volts.
 #![no_std]
 
 #[cfg(test)]
@@ -69,6 +69,6 @@ pub use sensing::range::SURFACE_M;
 pub use slam::{HostSlam, RobotSlam, Slam, states};
 pub use view::{Estimate, Parameter, WallView};
 pub use walls::decision::BUILT_TOLERANCE;
-pub use walls::map_frame::MapFrame;
+pub use walls::map::MapFrame;
 pub use walls::wall::{WallKind, WallPolicy};
 pub use walls::{BUILT_RELIEF_M, WallSettings};

@@ -1,4 +1,4 @@
-//! The whole pipeline, in the order of the report's section 3: predict, observe, extend the map.
+//! The whole pipeline, in the order of section 3 of Rousse & Qiu: predict, observe, extend the map.
 
 use crate::births::candidates::{Candidates, Kept, Unexplained};
 use crate::births::extend::Extension;
@@ -191,7 +191,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         *latency = Latency::new(rig, &config.sensing, allot);
     }
 
-    /// Predict, observe, extend the map (report section 3). Never fails: what cannot be used is refused and counted.
+    /// Predict, observe, extend the map (Rousse & Qiu section 3). Never fails: what cannot be used is refused and counted.
     pub fn step(&mut self, sample: &Sample<S>) -> StepReport<S> {
         let mut report = StepReport::NOTHING;
         self.counters.add_step();
@@ -212,7 +212,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         report
     }
 
-    /// Moves the pose by the motion input (report 3.1).
+    /// Moves the pose by the motion input (Rousse & Qiu 3.1).
     fn predict(&mut self, motion: &Motion, tick: Tick) {
         let Self { rig, config, drive, ekf, .. } = self;
         let travel = drive.travel(&rig.drive, motion, tick.dt_s);
@@ -238,7 +238,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.latency.follow(step.increment, tick.dt_s);
     }
 
-    /// Updates with every reading that is a wall's, and keeps those that fit none (report eq. 3).
+    /// Updates with every reading that is a wall's, and keeps those that fit none (Rousse & Qiu eq. 3).
     fn observe(&mut self, inputs: &[RangeInput; S], dt_s: f32, report: &mut StepReport<S>) {
         let odometry = &self.drive.dead_reckoning;
         let timing = Timing { dt_s, step: &self.drive.step, latency: &self.latency };
@@ -287,7 +287,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         }
     }
 
-    /// Finds new walls among the outliers (report 3.3), and keeps the map tidy.
+    /// Finds new walls among the outliers (Rousse & Qiu 3.3), and keeps the map tidy.
     fn extend_map(&mut self, dt_s: f32, report: &mut StepReport<S>) {
         let born = Extension {
             settings: &self.config.births,

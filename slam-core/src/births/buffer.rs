@@ -1,4 +1,4 @@
-//! The ring buffer of readings that fit no wall (report 3.3).
+//! The ring buffer of readings that fit no wall (Rousse & Qiu 3.3).
 
 use crate::motion::dead_reckoning::ByFactor;
 use heapless::Deque;

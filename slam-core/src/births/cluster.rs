@@ -1,4 +1,4 @@
-//! From the outlier buffer to at most one new line: clustering, splitting at corners, noise or line (report 3.3, fig. 2).
+//! From the outlier buffer to at most one new line: clustering, splitting at corners, noise or line (Rousse & Qiu 3.3, fig. 2).
 //!
 //! Both clusterings are asked for the cluster of one sensor's newest point, every time one is added: other clusters had
 //! their turn when their own newest point came. The points of the cluster are taken from that one backwards for as long

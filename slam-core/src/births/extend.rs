@@ -1,4 +1,4 @@
-//! Extending the map: from the outlier buffer to new walls (report 3.3).
+//! Extending the map: from the outlier buffer to new walls (Rousse & Qiu 3.3).
 
 use crate::births::BirthSettings;
 use crate::births::birth;

@@ -70,7 +70,7 @@ impl Moments {
     }
 }
 
-/// Noise or line (report 3.3): the scatter across is what the measurement noise makes of a straight line, to 2 sigma of
+/// Noise or line (Rousse & Qiu 3.3): the scatter across is what the measurement noise makes of a straight line, to 2 sigma of
 /// its chi-square distribution.
 fn is_noise_of_line(chi_square: f32, count: u32) -> bool {
     let freedom = count.saturating_sub(2) as f32;

@@ -1,4 +1,4 @@
-//! New walls from the readings that fit none (report 3.3).
+//! New walls from the readings that fit none (Rousse & Qiu 3.3).
 
 pub mod birth;
 pub mod buffer;

@@ -1,4 +1,4 @@
-//! What a line is: on the grid, off it, or not clear yet (report 3.3).
+//! What a line is: on the grid, off it, or not clear yet (Rousse & Qiu 3.3).
 
 use crate::births::local_line::LocalLine;
 use crate::filter::ekf::EkfView;
@@ -47,7 +47,7 @@ pub enum Verdict {
     NearGrid(u8),
     /// Off the grid, or there is none in this policy.
     Free,
-    /// The report's snapped wall.
+    /// The snapped wall of Rousse & Qiu.
     Snapped,
 }
 
@@ -97,7 +97,7 @@ impl Doubts {
 }
 
 /// Maximum likelihood between the grid's directions, from which walls have this variance (rad^2), and a free line
-/// (report 3.3).
+/// (Rousse & Qiu 3.3).
 pub fn judge(
     ekf: &EkfView,
     policy: WallPolicy,
@@ -122,7 +122,7 @@ pub fn judge(
     let share = if is_exact && line.length_m < SHORT_M { SHORT_SHARE } else { GRID_SHARE };
     let lean =
         Lean { off_rad: off, variance: line.direction_variance, quarter, seen_m: line.seen_m, path_m: line.path_m };
-    // The report's method is left as it is.
+    // The method of Rousse & Qiu is left as it is.
     let is_agreed = !matches!(policy, WallPolicy::Snapped { .. }) && doubts.agree(lean, relative);
     let on_grid = if is_agreed { Some(true) } else { decide(off, variance, share) };
     match (on_grid, policy) {

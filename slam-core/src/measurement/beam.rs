@@ -1,6 +1,6 @@
 //! The measurement model: what a beam should read on a wall, with exact derivatives.
 //!
-//! The report's eq. 1 with its sign put right and the sensor anywhere on the robot:
+//! Eq. 1 of Rousse & Qiu with its sign put right and the sensor anywhere on the robot:
 //! `h = g (rho - o . n) / cos(beta - phi)` for a beam from o in direction phi, and a sensor of gain g.
 
 use crate::geometry::angle::sin_cos;

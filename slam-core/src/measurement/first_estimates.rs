@@ -19,7 +19,7 @@ use crate::walls::wall::{Direction, Wall};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Linearisation {
-    /// The latest ones: the plain extended Kalman filter, as in the report.
+    /// The latest ones: the plain extended Kalman filter, as in Rousse & Qiu.
     Latest,
     /// The pose as each step predicted it and the grid's direction as it was founded (Huang, Mourikis and Roumeliotis
     /// 2010).

@@ -1,4 +1,4 @@
-//! What a reading says: which wall a beam met, what it should have read there, and the update (report eqs. 1, 3 and 5).
+//! What a reading says: which wall a beam met, what it should have read there, and the update (Rousse & Qiu eqs. 1, 3 and 5).
 
 pub mod beam;
 pub mod data_association;

@@ -1,4 +1,4 @@
-//! One scalar update for every reading: association, gate, Jacobian (report 3.1 and 3.2).
+//! One scalar update for every reading: association, gate, Jacobian (Rousse & Qiu 3.1 and 3.2).
 
 use crate::filter::ekf::{EkfView, Jacobian};
 use crate::filter::layout::{ALPHA, THETA, X, Y};
@@ -150,7 +150,7 @@ struct Sight<'a> {
 }
 
 impl Observer<'_> {
-    /// Finds the wall that the beam met and updates with the reading (report eq. 3).
+    /// Finds the wall that the beam met and updates with the reading (Rousse & Qiu eq. 3).
     ///
     /// # Errors
     /// Why the reading is neither used nor an outlier.

@@ -1,4 +1,4 @@
-//! From ticks or dead-reckoned increments to the predicted pose (report 3.1).
+//! From ticks or dead-reckoned increments to the predicted pose (Rousse & Qiu 3.1).
 
 pub mod dead_reckoning;
 pub mod drive;

@@ -1,4 +1,4 @@
-//! The measurement model of one beam: its derivatives, and the report's eq. 1 beside it.
+//! The measurement model of one beam: its derivatives, and eq. 1 of Rousse & Qiu beside it.
 
 use super::numeric::{beam, derivative, ray_to_line};
 use super::random::Random;
@@ -85,8 +85,8 @@ fn a_lagging_mount_is_the_mount_of_the_pose_then() {
     }
 }
 
-/// Eq. 1 of the report as printed: a sensor at `d` along the robot's long axis, looking under `psi`.
-fn report_eq_1([x, y, theta]: [f64; 3], rho: f64, theta_i: f64, d: f64, psi: f64) -> f64 {
+/// Eq. 1 of Rousse & Qiu as printed: a sensor at `d` along the robot's long axis, looking under `psi`.
+fn printed_eq_1([x, y, theta]: [f64; 3], rho: f64, theta_i: f64, d: f64, psi: f64) -> f64 {
     (x * theta_i.cos() + y * theta_i.sin() - rho + d * (theta - theta_i).cos()) / (theta_i - theta - psi).cos()
 }
 
@@ -96,9 +96,9 @@ fn ours(pose: [f64; 3], rho: f64, beta: f64, mount: [f64; 3]) -> f64 {
 }
 
 #[test]
-fn the_report_s_equation_1_is_the_negated_range() {
+fn equation_1_of_rousse_and_qiu_is_the_negated_range() {
     // In front of a wall at x = 2, with a sensor 0.1 m ahead of the axle: 1.9 m.
-    let printed = report_eq_1([0.0; 3], 2.0, 0.0, 0.1, 0.0);
+    let printed = printed_eq_1([0.0; 3], 2.0, 0.0, 0.1, 0.0);
     assert!((printed + 1.9).abs() < 1e-12);
     assert!((ours([0.0; 3], 2.0, 0.0, [0.1, 0.0, 0.0]) - 1.9).abs() < 1e-6);
     // And so from any pose, for a sensor on the long axis.
@@ -111,15 +111,15 @@ fn the_report_s_equation_1_is_the_negated_range() {
             continue;
         }
         let range = ray_to_line(origin, phi, rho, beta);
-        assert!((report_eq_1(pose, rho, beta, d, psi) + range).abs() < 1e-9);
+        assert!((printed_eq_1(pose, rho, beta, d, psi) + range).abs() < 1e-9);
         assert!((ours(pose, rho, beta, mount) - range).abs() < 2e-5);
     }
 }
 
 #[test]
-fn the_report_s_equation_1_holds_on_the_long_axis_only() {
-    // A sensor 0.1 m to the left, looking left at a wall 2 m to the left: 1.9 m. The report has only d to put it in.
+fn equation_1_of_rousse_and_qiu_holds_on_the_long_axis_only() {
+    // A sensor 0.1 m to the left, looking left at a wall 2 m to the left: 1.9 m. They have only d to put it in.
     let beta = core::f64::consts::FRAC_PI_2;
     assert!((ours([0.0; 3], 2.0, beta, [0.0, 0.1, beta]) - 1.9).abs() < 1e-6);
-    assert!((report_eq_1([0.0; 3], 2.0, beta, 0.1, beta) + 2.0).abs() < 1e-12);
+    assert!((printed_eq_1([0.0; 3], 2.0, beta, 0.1, beta) + 2.0).abs() < 1e-12);
 }

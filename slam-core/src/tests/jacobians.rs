@@ -48,7 +48,7 @@ impl Kind {
         }
     }
 
-    /// Eq. 4 of the report: beta is alpha minus the whole quarter turns that bring it nearest to theta_i.
+    /// Eq. 4 of Rousse & Qiu: beta is alpha minus the whole quarter turns that bring it nearest to theta_i.
     fn beta(self, alpha: f64, theta_i: f64) -> f64 {
         let quarter = core::f64::consts::FRAC_PI_2;
         match self {

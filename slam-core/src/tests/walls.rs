@@ -60,7 +60,7 @@ fn a_grid_direction_is_the_nearest_and_has_its_own_normal() {
         let theta = random.uniform(-3.1, 3.1) as f32;
         let beta = grid.beta(grid.quarter(theta));
         assert!(wrap(theta - beta).abs() <= 0.5 * FRAC_PI_2 + 1e-5, "{theta} {beta}");
-        // Eq. 4 of the report: beta = alpha - k pi/2 with k = floor((alpha - theta) 2/pi + 1/2).
+        // Eq. 4 of Rousse & Qiu: beta = alpha - k pi/2 with k = floor((alpha - theta) 2/pi + 1/2).
         let (alpha, theta) = (f64::from(alpha_rad), f64::from(theta));
         let quarter = core::f64::consts::FRAC_PI_2;
         let printed = alpha - ((alpha - theta) / quarter + 0.5).floor() * quarter;

@@ -1,4 +1,4 @@
-//! The Manhattan frame: the one direction that a home's walls are parallel or orthogonal to (report 3.2, eq. 4).
+//! The Manhattan frame: the one direction that a home's walls are parallel or orthogonal to (Rousse & Qiu 3.2, eq. 4).
 
 use crate::filter::ekf::EkfView;
 use crate::filter::layout::ALPHA;
@@ -32,7 +32,7 @@ impl GridDirection {
         }
     }
 
-    /// The number of quarter turns, 0 to 3, of the grid direction nearest to an angle (report eq. 4, counted
+    /// The number of quarter turns, 0 to 3, of the grid direction nearest to an angle (Rousse & Qiu eq. 4, counted
     /// counter-clockwise).
     pub fn quarter(&self, theta_rad: f32) -> u8 {
         let quarters = libm::floorf((theta_rad - self.alpha_rad) * (1.0 / FRAC_PI_2) + 0.5);

@@ -7,7 +7,6 @@ use crate::geometry::pose::Pose;
 use crate::walls::anchor::Anchor;
 use crate::walls::decision::relative_variance;
 use crate::walls::manhattan::GridDirection;
-use crate::walls::map_frame::MapFrame;
 use crate::walls::squareness::Squareness;
 use crate::walls::wall::{Direction, Wall};
 use core::ops::{Deref, DerefMut};
@@ -31,6 +30,17 @@ const FORGET_AFTER_M: f32 = 3.0;
 
 /// A newborn's points were picked, a known wall's readings were not: how many of these one of those outweighs.
 const WORTH: u32 = 4;
+
+/// What holds the map frame once the robot has left its start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum MapFrame {
+    /// The start pose. What is learned of the first turns moves the map.
+    #[default]
+    Start,
+    /// The walls. What is learned of the first turns moves the start pose.
+    Walls,
+}
 
 /// The map: [`Map`] with its storage, [`MapView`] without its size.
 #[derive(Debug)]

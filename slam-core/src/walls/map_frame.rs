@@ -14,18 +14,7 @@ use crate::geometry::angle::{sin_cos, wrap};
 use crate::geometry::line::Line;
 use crate::geometry::pose::Pose;
 use crate::walls::manhattan::GridDirection;
-use crate::walls::map::MapView;
-
-/// What holds the map frame once the robot has left its start.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum MapFrame {
-    /// The start pose. What is learned of the first turns moves the map.
-    #[default]
-    Start,
-    /// The walls. What is learned of the first turns moves the start pose.
-    Walls,
-}
+use crate::walls::map::{MapFrame, MapView};
 
 /// Walls that are off by less than this stay, metres; those that are off by more have the less weight for it.
 const STAY_M: f32 = 0.002;

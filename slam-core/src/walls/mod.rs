@@ -1,4 +1,4 @@
-//! The walls of the map, the grid that they stand on and the frame that they hold (report 3.2).
+//! The walls of the map, the grid that they stand on and the frame that they hold (Rousse & Qiu 3.2).
 
 pub mod anchor;
 pub mod decision;
@@ -11,7 +11,7 @@ pub mod squareness;
 pub mod upkeep;
 pub mod wall;
 
-use map_frame::MapFrame;
+use map::MapFrame;
 use wall::WallPolicy;
 
 /// The relief of built walls, metres: door frames, skirting boards, panels. In the Freiburg offices a laser's readings lie

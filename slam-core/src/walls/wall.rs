@@ -10,9 +10,9 @@ use crate::walls::squareness::Squareness;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum WallPolicy {
-    /// Every wall is a free line (rho, theta): the report's section 3.1.
+    /// Every wall is a free line (rho, theta): Rousse & Qiu 3.1.
     Free,
-    /// Every wall is a line (rho, theta) whose direction is snapped to the grid (report 3.2, eqs. 2-4).
+    /// Every wall is a line (rho, theta) whose direction is snapped to the grid (Rousse & Qiu 3.2, eqs. 2-4).
     Snapped {
         /// Also move theta_i with the innovation, dh/dtheta_i = dh/dalpha, as eq. 5 can be read; otherwise
         /// dh/dtheta_i = 0, which is what beta(alpha) in eq. 3 gives.
@@ -49,7 +49,7 @@ pub enum WallKind {
 pub enum Direction {
     /// The state with this index.
     Free(usize),
-    /// The grid direction nearest to the state with this index (report eq. 4).
+    /// The grid direction nearest to the state with this index (Rousse & Qiu eq. 4).
     Snapped(usize),
     /// alpha plus this many quarter turns, counter-clockwise, 0 to 3.
     Grid(u8),
