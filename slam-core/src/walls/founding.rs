@@ -8,9 +8,9 @@ use crate::filter::ekf::{EkfView, Jacobian};
 use crate::filter::layout::ALPHA;
 use crate::geometry::angle::wrap;
 use crate::walls::decision::{GRID_SHARE, GRID_TOLERANCE, decide, relative_variance};
+use crate::walls::learned_grid;
 use crate::walls::manhattan::GridDirection;
 use crate::walls::map::MapView;
-use crate::walls::squareness;
 use crate::walls::wall::WallPolicy;
 use crate::walls::wall::{Direction, Wall};
 use core::f32::consts::FRAC_PI_2;
@@ -41,7 +41,7 @@ pub fn upkeep(map: &mut MapView, ekf: &mut EkfView, policy: WallPolicy, turn: us
         let index = turn % map.walls().len();
         take_in(map, ekf, policy, index);
         if policy == WallPolicy::LearnedGrid {
-            squareness::upkeep(map, ekf, index);
+            learned_grid::upkeep(map, ekf, index);
         }
     }
 }

@@ -3,6 +3,7 @@
 pub mod anchor;
 pub mod decision;
 pub mod founding;
+pub mod learned_grid;
 pub mod manhattan;
 pub mod map;
 pub mod map_frame;
