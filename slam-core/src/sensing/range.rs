@@ -136,11 +136,11 @@ impl FrontEnd {
             (RangeInput::Counts(counts), &RangeModel::Sharp { scale_m, exponent, noise_v }, Some(adc)) => {
                 let volts = self.new_output(adc, counts, dt_s)?;
                 let range_m = scale_m * libm::powf(volts, exponent);
-                let variance_v2 = self.output_variance(sensor, adc, volts, range_m, noise_v, noise)?;
+                let (variance_v2, is_step) = self.output_variance(sensor, adc, volts, range_m, noise_v, noise)?;
                 let reading = Reading { range_m, noise: Noise::Volts { variance_v2, volts, exponent } };
                 self.check_fold(sensor, &reading, path_m)?;
                 self.last_m = Some((range_m, path_m));
-                Ok(reading)
+                if is_step { Err(Refusal::Ambiguous) } else { Ok(reading) }
             }
             (RangeInput::Metres(range_m), &RangeModel::Metric { noise_m, noise_rel }, _) => {
                 if !range_m.is_finite() || range_m < 0.0 {
@@ -169,7 +169,8 @@ impl FrontEnd {
         if counts == 0 { Err(Refusal::Floor) } else { Ok(f32::from(counts) * adc.lsb_v()) }
     }
 
-    /// Variance of an output, V^2, where it is one of a surface within the sensor's limits.
+    /// Variance of an output, V^2, where it is one of a surface within the sensor's limits, and whether that is another one
+    /// than the last output's.
     fn output_variance(
         &mut self,
         sensor: &RangeSensor,
@@ -178,7 +179,7 @@ impl FrontEnd {
         range_m: f32,
         noise_v: f32,
         noise: &mut OutputNoise,
-    ) -> Result<f32, Refusal> {
+    ) -> Result<(f32, bool), Refusal> {
         // An output under that of twice the maximum range carries no range at all.
         let is_floor = range_m > 2.0 * sensor.max_m;
         if let Err(refusal) = if is_floor { Err(Refusal::Floor) } else { in_limits(sensor, range_m) } {
@@ -188,14 +189,13 @@ impl FrontEnd {
         // A quantisation step adds a uniform error.
         let stated_v2 = noise_v * noise_v + adc.lsb_v() * adc.lsb_v() * (1.0 / 12.0);
         let largest_v = STEP_SIGMAS * libm::sqrtf(2.0 * noise.factor() * stated_v2) + SURFACE_STEP * volts;
-        if self.outputs.step_to(volts).is_some_and(|step_v| step_v.abs() > largest_v) {
+        let is_step = self.outputs.step_to(volts).is_some_and(|step_v| step_v.abs() > largest_v);
+        if is_step {
             self.outputs = Outputs::starting_at(volts);
-            return Err(Refusal::Ambiguous);
-        }
-        if let Some(bend_v) = self.outputs.push(volts) {
+        } else if let Some(bend_v) = self.outputs.push(volts) {
             noise.note(bend_v, stated_v2);
         }
-        Ok(noise.factor() * stated_v2)
+        Ok((noise.factor() * stated_v2, is_step))
     }
 
     /// Under its minimum range the output falls again and reads like a longer range. One sample cannot tell: the way
