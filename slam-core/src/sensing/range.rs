@@ -138,7 +138,11 @@ impl FrontEnd {
                 let range_m = scale_m * libm::powf(volts, exponent);
                 let (variance_v2, is_step) = self.output_variance(sensor, adc, volts, range_m, noise_v, noise)?;
                 let reading = Reading { range_m, noise: Noise::Volts { variance_v2, volts, exponent } };
-                self.check_fold(sensor, &reading, path_m)?;
+                if let Err(refusal) = self.check_fold(sensor, &reading, path_m) {
+                    // No surface is where that seems to be: nothing can have stepped from it.
+                    self.outputs = Outputs::NONE;
+                    return Err(refusal);
+                }
                 self.last_m = Some((range_m, path_m));
                 if is_step { Err(Refusal::Ambiguous) } else { Ok(reading) }
             }
