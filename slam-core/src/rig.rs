@@ -1,5 +1,6 @@
 //! What the robot is made of: its motion input and its range sensors, with their errors.
 
+use core::f32::consts::TAU;
 use heapless::Vec;
 
 /// Most range sensors that a rig of any capacity has.
@@ -152,10 +153,10 @@ type Check = (bool, &'static str, &'static str);
 const TRACK_M: Limits = Limits::new(0.01, 10.0, "a number from 0.01 to 10");
 const TICK_M: Limits = Limits::new(1e-7, 0.1, "a number from 1e-7 to 0.1");
 const NOISE_PER_M: Limits = Limits::new(0.0, 1.0, "a number from 0 to 1");
-const VEER_PER_M: Limits = Limits::new(0.0, 6.2832, "a number from 0 to 360");
+const VEER_PER_M: Limits = Limits::new(0.0, TAU, "a number from 0 to 360");
 const VREF_V: Limits = Limits::new(0.1, 50.0, "a number from 0.1 to 50");
 const MOUNT_M: Limits = Limits::new(-10.0, 10.0, "a number from -10 to 10");
-const BEARING_RAD: Limits = Limits::new(-6.2832, 6.2832, "a number from -360 to 360");
+const BEARING_RAD: Limits = Limits::new(-TAU, TAU, "a number from -360 to 360");
 const MIN_M: Limits = Limits::new(1e-3, 100.0, "a number from 0.001 to 100");
 const SCALE_M: Limits = Limits::new(1e-3, 100.0, "a number from 0.001 to 100");
 const NOISE_V: Limits = Limits::new(1e-5, 10.0, "a number from 1e-5 to 10");

@@ -63,12 +63,8 @@ impl Anchor {
             }
         }
         // The two halves are rounded apart.
-        for i in 0..3 {
-            for j in 0..i {
-                sum[i][j] = sum[j][i];
-            }
-        }
-        Self { pose: self.pose.compose(pose), covariance: sum }
+        let covariance = core::array::from_fn(|i| core::array::from_fn(|j| sum[i.min(j)][i.max(j)]));
+        Self { pose: self.pose.compose(pose), covariance }
     }
 }
 

@@ -83,7 +83,7 @@ fn check<const S: usize, const W: usize, const B: usize, const BLOCKS: usize>(
     for wall in slam.walls() {
         assert!(wall.rho_m.is_finite() && wall.beta_rad.is_finite() && wall.lo_m <= wall.hi_m, "step {step}: {wall:?}");
     }
-    if step % LOOK_EVERY == 0
+    if step.is_multiple_of(LOOK_EVERY)
         && let Some(flaw) = flaw(slam)
     {
         panic!("step {step}: {flaw}");
