@@ -42,6 +42,26 @@ impl Refusal {
     ];
 }
 
+/// How the estimator is.
+///
+/// All but [`Health::Well`] and [`Health::Unexplained`] have begun the map anew ([`Counters::restarts`]). They last until
+/// readings fit walls again.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Health {
+    /// Nothing speaks against the estimate.
+    #[default]
+    Well,
+    /// Over 20 m of path no reading of hundreds fitted a wall.
+    Unexplained,
+    /// Over metres of path most readings were not of the wall that they should have met.
+    Contradicted,
+    /// The heading against the map is not known to a radian.
+    Disoriented,
+    /// A variance was not a positive number.
+    Degenerate,
+}
+
 /// What became of one sensor's input in one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -96,6 +116,8 @@ pub struct StepReport<const S: usize> {
     pub merges: u8,
     /// Walls removed in this step.
     pub prunes: u8,
+    /// How the estimator is after it.
+    pub health: Health,
 }
 
 /// What a stage did to the map.
@@ -118,6 +140,7 @@ impl<const S: usize> StepReport<S> {
         births: 0,
         merges: 0,
         prunes: 0,
+        health: Health::Well,
     };
 
     /// Adds what a stage did.
@@ -136,6 +159,11 @@ impl Counters {
     /// Counts a step.
     pub(crate) fn add_step(&mut self) {
         count(&mut self.steps, 1u8);
+    }
+
+    /// Counts a map that was begun anew.
+    pub(crate) fn add_restart(&mut self) {
+        count(&mut self.restarts, 1u8);
     }
 
     /// Counts a sample whose motion, or time, cannot be, where this one's cannot.
@@ -186,6 +214,7 @@ impl Counters {
         merges: 0,
         prunes: 0,
         bad_motion: 0,
+        restarts: 0,
     };
 }
 
@@ -217,4 +246,6 @@ pub struct Counters {
     pub prunes: u32,
     /// Samples with a time that did not increase, or a motion that was not a number, of the wrong kind or impossible.
     pub bad_motion: u32,
+    /// Maps begun anew, with the calibration kept, because the estimator was unwell.
+    pub restarts: u32,
 }

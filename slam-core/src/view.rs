@@ -2,7 +2,7 @@
 
 use crate::filter::layout::{self, ALPHA};
 use crate::geometry::pose::Pose;
-use crate::report::Counters;
+use crate::report::{Counters, Health};
 use crate::rig::{DriveModel, Rig};
 use crate::slam::Slam;
 use crate::walls::manhattan::GridDirection;
@@ -137,6 +137,11 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     /// How late the readings that come in metres are, and its 1-sigma, seconds; none where it is not estimated.
     pub fn latency(&self) -> Option<(f32, f32)> {
         self.latency.state.map(|i| (self.ekf.mean(i), self.sigma(i)))
+    }
+
+    /// How the estimator is.
+    pub fn health(&self) -> Health {
+        self.monitor.health()
     }
 
     /// Counts of everything used and refused.

@@ -3,6 +3,7 @@
 pub mod browser;
 pub mod frames;
 pub mod fuzzing;
+pub mod long_drive;
 pub mod positivity;
 pub mod real_logs;
 pub mod sample_recording;

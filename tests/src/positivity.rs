@@ -22,13 +22,20 @@ pub fn flaw<const S: usize, const W: usize, const B: usize, const BLOCKS: usize>
             }
         }
     }
-    let correlation = |i: usize, j: usize| match covariance(i, i) * covariance(j, j) {
+    (least_correlation_pivot(slam) <= 0.0)
+        .then(|| format!("the correlation matrix of {n} states has an eigenvalue below -{JITTER}"))
+}
+
+/// Smallest pivot of the Cholesky factor of the state's correlation matrix with [`JITTER`] on the diagonal.
+pub fn least_correlation_pivot<const S: usize, const W: usize, const B: usize, const BLOCKS: usize>(
+    slam: &Slam<S, W, B, BLOCKS>,
+) -> f64 {
+    let covariance = |i, j| f64::from(slam.state_covariance(i, j));
+    least_pivot(slam.state_len(), |i, j| match covariance(i, i) * covariance(j, j) {
         _ if i == j => 1.0 + JITTER,
         product if product > 0.0 => covariance(i, j) / product.sqrt(),
         _ => 0.0,
-    };
-    let pivot = least_pivot(n, correlation);
-    (pivot <= 0.0).then(|| format!("the correlation matrix of {n} states has an eigenvalue below -{JITTER}"))
+    })
 }
 
 /// Smallest pivot of the Cholesky factorisation of a symmetric matrix; the first that is not positive ends it.

@@ -14,7 +14,7 @@ const LAYERS: &[&[&str]] = &[
     &["walls"],
     &["measurement"],
     &["births"],
-    &["config", "clock"],
+    &["config", "clock", "health"],
     &["slam"],
     &["view"],
 ];

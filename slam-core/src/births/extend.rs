@@ -107,12 +107,8 @@ impl<const B: usize> Extension<'_, B> {
 
     /// Begins anew where the robot is, if there is no wall yet and the start is known badly.
     fn drop_anchor(&mut self) {
-        if !self.map.walls().is_empty() {
-            return;
-        }
-        let before = self.map.anchor.unwrap_or(Anchor::START);
-        if let Some(anchor) = before.drop_at(self.ekf, self.start_variance) {
-            self.map.anchor = Some(anchor);
+        if self.map.walls().is_empty() && Anchor::is_due(self.ekf) {
+            self.map.drop_anchor(self.ekf, self.start_variance);
             *self.first = FirstEstimates::START;
         }
     }

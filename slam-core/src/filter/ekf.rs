@@ -214,6 +214,12 @@ impl EkfView {
         Ok(())
     }
 
+    /// Whether each of the first `count` estimates is a number, and its variance one that is not negative.
+    pub fn is_sound(&self, count: usize) -> bool {
+        (0..self.len.min(count))
+            .all(|i| self.mean(i).abs() <= f32::MAX && (0.0..=f32::MAX).contains(&self.covariance(i, i)))
+    }
+
     /// Adds to each variance of at least `least` the share of it that rounding may have taken from the covariance.
     pub fn restore_rounding(&mut self, least: f32) {
         let len = self.len;

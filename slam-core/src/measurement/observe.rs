@@ -163,6 +163,10 @@ impl Observer<'_> {
         let mut nearly = false;
         for _ in 0..MAX_CANDIDATES {
             let Some(met) = &self.hypothesis(&sight, beyond_m) else { break };
+            // Not a number is not a variance, either.
+            if !(met.variance_m2 > 0.0 && met.variance_m2 <= f32::MAX) {
+                return Err(Refusal::Degenerate);
+            }
             if beyond_m == 0.0 {
                 self.learn_noise(&sight, met);
             }

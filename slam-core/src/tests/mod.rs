@@ -12,6 +12,7 @@ mod covariances;
 mod filter;
 mod frames;
 mod grids;
+mod healths;
 mod jacobians;
 mod lines;
 mod motions;

@@ -26,7 +26,7 @@ const NOISE_REL: f64 = 0.01;
 /// Walls at x = 2.5, y = 2.2, x = -1.5 and y = -1.6.
 const ROOM: [f64; 4] = [2.5, 2.2, 1.5, 1.6];
 
-fn rig() -> Rig<8> {
+pub(super) fn rig() -> Rig<8> {
     let sensors = (0..8).map(|i| {
         let bearing_rad = core::f32::consts::FRAC_PI_4 * i as f32;
         RangeSensor {
@@ -53,8 +53,8 @@ fn mount(sensor: &RangeSensor) -> [f64; 3] {
 }
 
 /// The robot as it really is, driving figures of eight in its room.
-struct Truth {
-    pose: [f64; 3],
+pub(super) struct Truth {
+    pub(super) pose: [f64; 3],
     rolled_m: [f64; 2],
     scales: [f64; 2],
     gains: [f64; 8],
@@ -62,7 +62,7 @@ struct Truth {
 }
 
 impl Truth {
-    fn new(seed: u64) -> Self {
+    pub(super) fn new(seed: u64) -> Self {
         let mut random = Random::new(seed);
         let mut about_one = |sigma: f64| 1.0 + sigma * random.gaussian();
         let (scales, gains) = ([0; 2].map(|_| about_one(0.005)), [0; 8].map(|_| about_one(0.01)));
@@ -70,7 +70,7 @@ impl Truth {
     }
 
     /// 1 cm on, and what is sensed there.
-    fn step(&mut self, rig: &Rig<8>, number: u64) -> Sample<8> {
+    pub(super) fn step(&mut self, rig: &Rig<8>, number: u64) -> Sample<8> {
         let turn = if (number / 377).is_multiple_of(2) { 0.01 / 0.6 } else { -0.01 / 0.6 };
         let wheels = [0.01 - 0.5 * TRACK_M * turn, 0.01 + 0.5 * TRACK_M * turn];
         self.pose = arc(self.pose, wheels[0], wheels[1], TRACK_M);

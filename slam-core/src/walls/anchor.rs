@@ -15,6 +15,9 @@ use crate::geometry::pose::Pose;
 /// more than a centimetre in four metres.
 const UNKNOWN_RAD: f32 = 0.07;
 
+/// Variance of a pose of which nothing is known, (100 m)^2 and as good as every heading.
+const NOWHERE: f32 = 1e4;
+
 /// A pose with its covariance.
 #[derive(Clone, Copy, Debug)]
 pub struct Anchor {
@@ -28,19 +31,33 @@ impl Anchor {
     /// The start pose itself.
     pub const START: Self = Self { pose: Pose::ORIGIN, covariance: [[0.0; 3]; 3] };
 
-    /// Puts the filter's frame where the robot is, if there is no wall yet and the start is known so badly; `noise` is the
-    /// variance of (x, y, theta) that it starts with. None, and nothing changed, where the start is known.
-    pub fn drop_at(&self, ekf: &mut EkfView, noise: [f32; 3]) -> Option<Self> {
-        if ekf.covariance(THETA, THETA) < UNKNOWN_RAD * UNKNOWN_RAD {
-            return None;
-        }
+    /// Whether the start is known so badly that a filter without walls had better begin where it is.
+    pub fn is_due(ekf: &EkfView) -> bool {
+        ekf.covariance(THETA, THETA) >= UNKNOWN_RAD * UNKNOWN_RAD
+    }
+
+    /// Puts the filter's frame where the robot is; `noise` is the variance of (x, y, theta) that it starts with.
+    pub fn drop_at(&self, ekf: &mut EkfView, noise: [f32; 3]) -> Self {
         let anchor = self.compose(&layout::pose(ekf), &layout::pose_covariance(ekf));
         let mut start = [[0.0; 3]; 3];
         for (i, variance) in noise.into_iter().enumerate() {
             start[i][i] = variance;
         }
         ekf.predict([0.0; 3], &Default::default(), &start);
-        Some(anchor)
+        anchor
+    }
+
+    /// An anchor where a filter has the robot whose covariance is none: its variances count, where they are any.
+    pub fn beyond_doubt(&self, ekf: &EkfView) -> Self {
+        let pose = layout::pose(ekf);
+        let is_pose = [pose.x_m, pose.y_m, pose.theta_rad].iter().all(|value| value.is_finite());
+        let known = layout::pose_covariance(ekf);
+        let mut covariance = [[0.0; 3]; 3];
+        for (i, row) in covariance.iter_mut().enumerate() {
+            let variance = known[i][i];
+            row[i] = if is_pose && variance > 0.0 { variance.min(NOWHERE) } else { NOWHERE };
+        }
+        self.compose(if is_pose { &pose } else { &Pose::ORIGIN }, &covariance)
     }
 
     /// A pose of this frame, with its covariance there, in the frame of the start pose. The errors of both are taken for

@@ -1,6 +1,6 @@
 //! The list of walls: adding, removing, and what happens when it is full.
 
-use crate::filter::ekf::EkfView;
+use crate::filter::ekf::{EkfView, Jacobian};
 use crate::filter::layout::{ALPHA, THETA};
 use crate::geometry::line::Line;
 use crate::geometry::pose::Pose;
@@ -101,6 +101,21 @@ impl MapView {
         self.start = Pose::ORIGIN;
         self.anchor = None;
         self.walls.clear();
+    }
+
+    /// Forgets every wall and the grid, and their states, but neither frame nor names.
+    pub fn forget_walls(&mut self, ekf: &mut EkfView) {
+        while let Some(last) = self.walls.len().checked_sub(1) {
+            self.remove(ekf, last);
+        }
+        self.has_grid = false;
+        self.squareness = Squareness::UNKNOWN;
+        ekf.initialise(ALPHA, 0.0, &Jacobian::new(), 0.0);
+    }
+
+    /// Puts the filter's frame where the robot is, in the frame that it was in, with `noise` as variance of (x, y, theta) there.
+    pub fn drop_anchor(&mut self, ekf: &mut EkfView, noise: [f32; 3]) {
+        self.anchor = Some(self.anchor.unwrap_or(Anchor::START).drop_at(ekf, noise));
     }
 
     /// The grid's direction at the filter's present estimate, once it was founded.

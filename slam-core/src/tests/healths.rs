@@ -1,0 +1,154 @@
+//! What speaks against the estimate, and what becomes of the estimator then.
+
+use std::boxed::Box;
+use std::vec::Vec;
+
+use super::runs::{Truth, rig};
+use crate::health::HealthMonitor;
+use crate::{Health, Outcome, Refusal, RobotSlam};
+
+const FITS: Outcome = Outcome::Updated { wall: 1, innovation_m: 0.0, variance_m2: 1e-4 };
+const IS_OFF: Outcome = Outcome::Gated { wall: 1, innovation_m: 0.5, variance_m2: 1e-4 };
+
+/// A step each centimetre from one path length to another; the first cause for a new map, with the path then.
+fn drive(monitor: &mut HealthMonitor, path_cm: core::ops::Range<u32>, readings: &[Outcome]) -> Option<(u32, Health)> {
+    for cm in path_cm {
+        let path_m = cm as f32 * 0.01;
+        readings.iter().for_each(|outcome| monitor.note(outcome, path_m));
+        if let Some(cause) = monitor.judge(path_m, Some(1e-4), true) {
+            return Some((cm, cause));
+        }
+    }
+    None
+}
+
+#[test]
+fn readings_against_the_map_for_metres_are_no_chance() {
+    let mut monitor = HealthMonitor::NEW;
+    assert_eq!(drive(&mut monitor, 0..480, &[FITS, IS_OFF, IS_OFF]), None);
+    assert_eq!(monitor.health(), Health::Well);
+    let (cm, cause) = drive(&mut monitor, 480..1000, &[FITS, IS_OFF, IS_OFF]).expect("contradicted");
+    assert_eq!(cause, Health::Contradicted);
+    assert!((500..530).contains(&cm), "{cm} cm");
+    assert_eq!(monitor.health(), Health::Contradicted);
+    // Until readings fit walls again.
+    assert_eq!(drive(&mut monitor, cm..cm + 19, &[FITS]), None);
+    assert_eq!(monitor.health(), Health::Contradicted);
+    assert_eq!(drive(&mut monitor, cm + 19..cm + 30, &[FITS]), None);
+    assert_eq!(monitor.health(), Health::Well);
+}
+
+#[test]
+fn people_and_open_doors_are_no_reason() {
+    let mut monitor = HealthMonitor::NEW;
+    for metre in 0..1000 {
+        // A third of the way most readings are of something else.
+        let readings: &[Outcome] = if metre % 3 == 0 { &[FITS, IS_OFF, IS_OFF] } else { &[FITS, FITS, IS_OFF] };
+        assert_eq!(drive(&mut monitor, 100 * metre..100 * metre + 100, readings), None, "{metre} m");
+    }
+    assert_eq!(monitor.health(), Health::Well);
+}
+
+#[test]
+fn a_robot_that_finds_nothing_to_hold_on_to_says_so_and_keeps_its_map() {
+    let mut monitor = HealthMonitor::NEW;
+    assert_eq!(drive(&mut monitor, 0..2000, &[Outcome::Unexplained]), None);
+    assert_eq!(monitor.health(), Health::Well);
+    assert_eq!(drive(&mut monitor, 2000..2010, &[Outcome::Unexplained]), None);
+    assert_eq!(monitor.health(), Health::Unexplained);
+    assert_eq!(drive(&mut monitor, 2010..2040, &[FITS]), None);
+    assert_eq!(monitor.health(), Health::Well);
+    // In a hall there is nothing that could be explained.
+    assert_eq!(drive(&mut monitor, 2040..9000, &[Outcome::Refused(Refusal::TooFar)]), None);
+    assert_eq!(monitor.health(), Health::Well);
+}
+
+#[test]
+fn what_is_no_estimate_ends_at_once() {
+    let judged = |outcome: Outcome, heading_variance: Option<f32>, is_sound: bool| {
+        let mut monitor = HealthMonitor::NEW;
+        monitor.note(&outcome, 0.0);
+        monitor.judge(0.0, heading_variance, is_sound)
+    };
+    assert_eq!(judged(FITS, Some(0.9), true), None);
+    assert_eq!(judged(FITS, Some(1.1), true), Some(Health::Disoriented));
+    assert_eq!(
+        judged(FITS, None, true),
+        None,
+        "without walls there is nothing that the heading could be known against"
+    );
+    assert_eq!(judged(FITS, Some(0.1), false), Some(Health::Degenerate));
+    assert_eq!(judged(Outcome::Refused(Refusal::Degenerate), Some(0.1), true), Some(Health::Degenerate));
+    assert_eq!(judged(Outcome::Refused(Refusal::Invalid), Some(0.1), true), None);
+}
+
+/// A robot with walls and a calibration, and where it really is.
+fn mapped() -> (Box<RobotSlam>, Truth) {
+    let (rig, mut truth) = (rig(), Truth::new(3));
+    let mut slam = Box::new(RobotSlam::with_config(rig.clone(), crate::Config::default()).expect("a good rig"));
+    for number in 0..2000 {
+        slam.step(&truth.step(&rig, number));
+    }
+    assert!(slam.walls().count() >= 4);
+    (slam, truth)
+}
+
+fn off_m(slam: &RobotSlam, truth: &Truth) -> f32 {
+    let pose = slam.pose();
+    (pose.x_m - truth.pose[0] as f32).hypot(pose.y_m - truth.pose[1] as f32)
+}
+
+#[test]
+fn a_new_map_goes_on_where_the_robot_is_with_its_calibration() {
+    let (mut slam, mut truth) = mapped();
+    let (before, calibration) = (slam.estimate(), slam.calibration().collect::<Vec<_>>());
+    slam.restart_map();
+    let after = slam.estimate();
+    assert_eq!((slam.walls().count(), slam.alpha(), slam.counters().restarts), (0, None, 1));
+    assert!(before.pose.x_m == after.pose.x_m && before.pose.y_m == after.pose.y_m, "{before:?}, {after:?}");
+    assert!(
+        (after.covariance - before.covariance).abs().max() < 1e-3 * before.covariance.max(),
+        "{before:?} {after:?}"
+    );
+    assert_eq!(slam.calibration().collect::<Vec<_>>(), calibration);
+    let ids: Vec<u16> = slam.walls().map(|wall| wall.id).collect();
+    for number in 2000..4000 {
+        assert_eq!(slam.step(&truth.step(&rig(), number)).health, Health::Well);
+    }
+    assert!(slam.walls().count() >= 4 && slam.walls().all(|wall| !ids.contains(&wall.id)));
+    assert!(off_m(&slam, &truth) < 0.05, "{} m off", off_m(&slam, &truth));
+}
+
+#[test]
+fn a_covariance_that_is_none_is_left_behind() {
+    let (mut slam, mut truth) = mapped();
+    let calibration = slam.calibration().map(|(parameter, value, _)| (parameter, value)).collect::<Vec<_>>();
+    let variance = slam.ekf.covariance(0, 0);
+    slam.ekf.correlate(0, 0, -2.0 * variance);
+    let mut worst = Health::Well;
+    for number in 2000..4000 {
+        let health = slam.step(&truth.step(&rig(), number)).health;
+        worst = if health == Health::Well { worst } else { health };
+        if number == 2016 {
+            let kept = slam.calibration().map(|(parameter, value, _)| (parameter, value)).collect::<Vec<_>>();
+            assert_eq!(slam.counters().restarts, 1);
+            assert!(kept.iter().zip(&calibration).all(|(a, b)| (a.1 - b.1).abs() < 1e-2), "{kept:?}, {calibration:?}");
+        }
+    }
+    assert_eq!((worst, slam.health(), slam.counters().restarts), (Health::Degenerate, Health::Well, 1));
+    assert!(slam.walls().count() >= 4 && off_m(&slam, &truth) < 0.1, "{} m off", off_m(&slam, &truth));
+}
+
+#[test]
+fn what_is_no_number_is_not_kept() {
+    let (mut slam, truth) = mapped();
+    let place = off_m(&slam, &truth);
+    slam.ekf.set_mean(4, f32::NAN);
+    for number in 2000..2016 {
+        slam.step(&Truth::new(3).step(&rig(), number));
+    }
+    assert_eq!(slam.counters().restarts, 1);
+    assert!((0..slam.state_len()).all(|i| slam.state_mean(i).is_finite()));
+    let covariance = slam.estimate().covariance;
+    assert!(covariance.iter().all(|value| value.is_finite()) && place < 0.1);
+}
