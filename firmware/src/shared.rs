@@ -71,7 +71,7 @@ impl Shared {
     /// Nothing sent yet.
     pub const fn new() -> Self {
         let origin = Odometry { time_us: 0, ticks: Ticks { left: 0, right: 0 } };
-        let contacts = Contacts { bump_left: false, bump_right: false, cliff: false };
+        let contacts = Contacts { bump_left: false, bump_right: false, cliff: false, lifted: false };
         Self {
             ranges: Channel::new(),
             odometry: Signal::new(),

@@ -16,8 +16,9 @@ use robot::ContactPins;
 #[test]
 fn contact_cuts_the_motors_until_the_drive_task_has_answered_this_contact() {
     let shared = Shared::new();
-    let [left, right, cliff, enabled] = [false; 4].map(Cell::new);
-    let inputs = ContactPins { bump_left: Wire(&left), bump_right: Wire(&right), cliff: Wire(&cliff) };
+    let [left, right, cliff, lifted, enabled] = [false; 5].map(Cell::new);
+    let inputs =
+        ContactPins { bump_left: Wire(&left), bump_right: Wire(&right), cliff: Wire(&cliff), lifted: Wire(&lifted) };
     let mut enable = Wire(&enabled);
     let mut guard = pin!(tasks::guard(inputs, &mut enable, &shared));
     let mut context = Context::from_waker(Waker::noop());
@@ -29,7 +30,7 @@ fn contact_cuts_the_motors_until_the_drive_task_has_answered_this_contact() {
     drive();
     poll();
     assert!(enabled.get(), "nothing touched: motors may run");
-    for (input, stops) in [(&left, 1), (&right, 2), (&cliff, 3)] {
+    for (input, stops) in [(&left, 1), (&right, 2), (&cliff, 3), (&lifted, 4)] {
         input.set(true);
         poll();
         assert!(!enabled.get(), "off at once, without any time passing");
@@ -59,7 +60,7 @@ fn contact_cuts_the_motors_until_the_drive_task_has_answered_this_contact() {
     left.set(false);
     poll();
     assert!(!enabled.get() && shared.contacts().cliff, "nor does the bumper that is let go");
-    assert_eq!(shared.faults.get().contact_stops, 5, "to let go is no contact");
+    assert_eq!(shared.faults.get().contact_stops, 6, "to let go is no contact");
     shared.release.signal(stop().expect("the cliff stops the motors"));
     poll();
     assert!(enabled.get(), "the answer to the cliff does");

@@ -44,8 +44,9 @@ fn senses() -> Senses<SENSORS> {
 #[test]
 fn silence_stops_the_wheels() {
     let shared = Shared::new();
-    let [left, right, cliff, enabled] = [false; 4].map(Cell::new);
-    let inputs = ContactPins { bump_left: Wire(&left), bump_right: Wire(&right), cliff: Wire(&cliff) };
+    let [left, right, cliff, lifted, enabled] = [false; 5].map(Cell::new);
+    let inputs =
+        ContactPins { bump_left: Wire(&left), bump_right: Wire(&right), cliff: Wire(&cliff), lifted: Wire(&lifted) };
     let (mut enable, duty) = (Wire(&enabled), Cell::new(Duty::default()));
     let mut pilot = Pilot::new(PilotConfig::default(), &robot::rig::default_rig());
     let mut motors = Motors(&duty);

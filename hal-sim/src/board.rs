@@ -106,13 +106,14 @@ impl Board {
         self.shared.borrow_mut().cut = cables;
     }
 
-    /// Bumper and cliff inputs.
-    pub fn contacts(&self) -> ContactPins<SimInput, SimInput, SimInput> {
+    /// Bumper, cliff and wheel-drop inputs.
+    pub fn contacts(&self) -> ContactPins<SimInput, SimInput, SimInput, SimInput> {
         let input = |read| SimInput { board: self.clone(), read };
         ContactPins {
             bump_left: input(|c| c.bump_left),
             bump_right: input(|c| c.bump_right),
             cliff: input(|c| c.cliff),
+            lifted: input(|c| c.lifted),
         }
     }
 

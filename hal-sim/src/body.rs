@@ -65,6 +65,8 @@ impl Wheels {
 pub(crate) struct Body {
     pub pose: Pose2,
     pub contacts: Contacts,
+    /// Its wheels turn and do not move it.
+    pub is_held: bool,
     wheels: Wheels,
     truth: TrueDrive,
     speed_mps: [f64; 2],
@@ -84,6 +86,7 @@ impl Body {
         Self {
             pose,
             contacts: Contacts::default(),
+            is_held: false,
             wheels,
             truth,
             speed_mps: [0.0; 2],
@@ -121,8 +124,24 @@ impl Body {
             let rolled_m = turned_m * factors[wheel] + noise_m;
             travel_m[wheel] = rolled_m - self.slipped(wheel, turned_m, options);
         }
+        if self.is_held {
+            return;
+        }
         self.roll(travel_m);
-        self.collide(travel_m, world, options);
+        self.free_travel_m -= 0.5 * (travel_m[0] + travel_m[1]).abs();
+        self.collide(world, options);
+    }
+
+    /// Puts the body down elsewhere.
+    pub(crate) fn put(&mut self, pose: Pose2) {
+        self.pose = pose;
+        self.free_travel_m = 0.0;
+    }
+
+    /// Pushes the body by so much; what it runs into stops it.
+    pub(crate) fn slide(&mut self, by_m: [f64; 2], world: &World, options: &SimOptions) {
+        self.put(Pose2 { x_m: self.pose.x_m + by_m[0], y_m: self.pose.y_m + by_m[1], ..self.pose });
+        self.collide(world, options);
     }
 
     /// The part of this travel that a slipping wheel loses.
@@ -151,9 +170,8 @@ impl Body {
     }
 
     /// Pushes the body out of what it ran into (the wheels go on turning: they slip) and sets the bumper.
-    fn collide(&mut self, travel_m: [f64; 2], world: &World, options: &SimOptions) {
+    fn collide(&mut self, world: &World, options: &SimOptions) {
         let felt_m = options.body_radius_m + BUMPER_TRAVEL_M;
-        self.free_travel_m -= 0.5 * (travel_m[0] + travel_m[1]).abs();
         if world.is_static() && self.free_travel_m > 0.0 {
             return;
         }

@@ -22,6 +22,8 @@ pub struct Frame {
     pub sample: Sample<MAX_SENSORS>,
     /// The true pose in the start frame.
     pub truth: Pose2,
+    /// The wheel-drop switches say that it is off the floor.
+    pub lifted: bool,
 }
 
 /// A robot that drives through its home by what an estimator tells its pilot.
@@ -52,7 +54,7 @@ impl ClosedLoop {
         let Estimate { pose, ranges_m } = estimator(&sample);
         let contacts = self.simulation.contacts();
         self.command = Some(self.pilot.step(&Senses { time_us: sample.time_us, pose, ranges_m, contacts }));
-        Frame { sample, truth: self.simulation.pose() }
+        Frame { sample, truth: self.simulation.pose(), lifted: contacts.lifted }
     }
 
     /// Drives for a time (seconds) and records every frame.

@@ -1,5 +1,6 @@
 //! A floor plan: what stands where in a simulated home.
 
+use crate::mishap::Mishaps;
 use crate::pose::Pose2;
 
 /// A flat piece of wall or furniture, seen from its left side (looking from `from_m` to `to_m`).
@@ -132,6 +133,8 @@ pub struct Plan {
     pub people: Vec<Person>,
     /// Places without a floor.
     pub cliffs: Vec<Cliff>,
+    /// What befalls the robot.
+    pub mishaps: Mishaps,
 }
 
 impl Plan {

@@ -1,6 +1,7 @@
 //! Floor plans as TOML: the built-in ones and the user's own. The format is described in `docs/reference/plans.md`.
 
 mod keys;
+mod mishaps;
 
 use std::path::Path;
 
@@ -64,6 +65,7 @@ pub fn parse(file: &str, name: &str, text: &str) -> Result<Plan, FileError> {
         doors: Vec::new(),
         people: Vec::new(),
         cliffs: Vec::new(),
+        mishaps: mishaps::mishaps(&toml, &keys)?,
     };
     add_areas(&toml, &keys, &mut plan)?;
     add_moving(&toml, &keys, &mut plan)?;
@@ -237,6 +239,16 @@ mod tests {
             ),
             (START.into(), "home.toml:1: outline: is missing; a plan needs at least one"),
             ("[start\n".into(), "home.toml:1: is not valid TOML"),
+            (format!("{START}[[kidnap]]\nat_s = 1.0"), "home.toml:4: kidnap[0].to_m: is missing; only where"),
+            (
+                format!("{START}[[kidnap]]\nat_s = 1.0\nheading_deg = 9"),
+                "home.toml:6: kidnap[0].heading_deg: has a meaning with to_m only",
+            ),
+            (
+                format!("{START}[[kick]]\nat_s = 1.0\nslide_m = 11.0"),
+                "kick[0].slide_m: is 11.0; it must be metres from",
+            ),
+            (format!("{START}[[hold]]\nat_s = -1.0"), "hold[0].at_s: is -1.0; it must be seconds from 0"),
         ];
         for (text, expected) in cases {
             let message = error(&text);

@@ -1,13 +1,12 @@
 //! The simulated robot in its home: commands in, what its sensors and encoders show out, and the truth beside it.
 
-use core::fmt;
-
 use robot::{Contacts, Duty, WheelControl, WheelControlConfig, WheelCounter, WheelSpeeds};
 use slam_core::{Adc, Motion, RangeInput, RangeModel, RangeSensor, Rig, Sample, Ticks};
 
 use crate::body::{Body, TrueDrive, Wheels};
 use crate::coverage::Coverage;
 use crate::history::History;
+use crate::mishap::Fate;
 use crate::odometer::Odometer;
 use crate::options::SimOptions;
 use crate::plan::{Cliff, Plan};
@@ -15,6 +14,7 @@ use crate::pose::Pose2;
 use crate::rng::Rng;
 use crate::sensor::{Analogue, Output, SimSensor};
 use crate::sharp::{CycleEvent, counts};
+use crate::sim_error::SimError;
 use crate::world::{Hit, World};
 
 /// Most range sensors of a simulated robot.
@@ -22,37 +22,6 @@ pub const MAX_SENSORS: usize = 16;
 
 /// Period of the wheel-speed controller, seconds.
 const CONTROL_S: f64 = 0.02;
-
-/// Why a simulation cannot start.
-#[derive(Clone, Debug, PartialEq)]
-pub enum SimError {
-    /// The rig has an analogue sensor (its index) and no converter.
-    NeedsAdc(usize),
-    /// The sample rate is not in 1 to 100 Hz.
-    Rate(f64),
-    /// The robot would start inside something: nearest thing and body radius, metres.
-    StartBlocked(f64, f64),
-}
-
-impl fmt::Display for SimError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NeedsAdc(sensor) => {
-                write!(
-                    f,
-                    "rig: range_sensor {sensor} is analogue (scale_m, exponent, noise_v): an [adc] section is needed"
-                )
-            }
-            Self::Rate(rate_hz) => write!(f, "sample rate {rate_hz} Hz: 1 to 100 is allowed"),
-            Self::StartBlocked(clearance_m, radius_m) => write!(
-                f,
-                "plan: [start] is {clearance_m:.2} m from the nearest wall or thing; the robot's radius is {radius_m:.2} m"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for SimError {}
 
 /// What the robot's calibration really is, as against what its rig says: factors, 1 where exact.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,6 +51,7 @@ pub struct Simulation {
     stamps: Rng,
     last_stamp_us: Option<u64>,
     sensors: Vec<SimSensor>,
+    fate: Fate,
     coverage: Coverage,
     calibration: TrueCalibration,
     counter_offset: [u16; 2],
@@ -108,9 +78,14 @@ impl Simulation {
             return Err(SimError::NeedsAdc(index));
         }
         let world = World::new(plan);
-        let clearance_m = world.clearance_m([plan.start.x_m, plan.start.y_m]);
-        if clearance_m < options.body_radius_m {
-            return Err(SimError::StartBlocked(clearance_m, options.body_radius_m));
+        let clearance_m = |pose: &Pose2| world.clearance_m([pose.x_m, pose.y_m]);
+        if clearance_m(&plan.start) < options.body_radius_m {
+            return Err(SimError::StartBlocked(clearance_m(&plan.start), options.body_radius_m));
+        }
+        for (i, to) in plan.mishaps.kidnaps.iter().enumerate().filter_map(|(i, kidnap)| Some((i, kidnap.to?))) {
+            if clearance_m(&to) < options.body_radius_m {
+                return Err(SimError::PlaceBlocked(i, clearance_m(&to), options.body_radius_m));
+            }
         }
         let sensors: Vec<_> =
             rig.sensors.iter().enumerate().map(|(i, sensor)| SimSensor::new(sensor, i, &options, seed)).collect();
@@ -122,6 +97,7 @@ impl Simulation {
         let counter_offset = [offsets.next_u64() as u16, offsets.next_u64() as u16];
         let mut simulation = Self {
             coverage: Coverage::new(&plan.faces),
+            fate: Fate::new(&plan.mishaps, &plan.rooms, seed),
             world,
             cliffs: plan.cliffs.clone(),
             start: plan.start,
@@ -166,6 +142,9 @@ impl Simulation {
 
     /// What a sensor's light meets from this pose of the robot; none where nothing comes back.
     fn look(&mut self, sensor: usize, pose: &Pose2) -> Option<Hit> {
+        if self.body.contacts.lifted {
+            return None;
+        }
         let SimSensor { sensor, cos_lost, .. } = &self.sensors[sensor];
         let mount = sensor.mount;
         let origin_m = pose.transform([mount.x_m.into(), mount.y_m.into()]);
@@ -192,7 +171,7 @@ impl Simulation {
                 let allowed = self.contacts().guard(command);
                 let counts = self.ticks();
                 self.duty = self.control.update(allowed, counts, (control_ticks.min(ticks) as f64 * tick_s) as f32);
-            } else if self.contacts().any() && command.is_forward() {
+            } else if self.contacts().guard(command) != command {
                 self.duty = Duty::default();
             }
             self.tick(tick_s);
@@ -218,7 +197,11 @@ impl Simulation {
         self.last_pose = self.body.pose;
         let (begin_s, end_s) = (self.time_s, self.time_s + period_s);
         self.world.set_time(end_s);
+        self.fate.hold(&mut self.body, end_s);
         self.body.advance(self.duty, period_s, &self.world, &self.options);
+        if !self.fate.is_kind() {
+            self.fate.befall(&mut self.body, &self.last_pose, (begin_s, end_s), &self.world, &self.options);
+        }
         self.time_s = end_s;
         self.history.push(end_s, self.body.pose);
         if let Some(odometer) = &mut self.odometer {
@@ -349,7 +332,7 @@ impl Simulation {
         Ticks { left: self.counters[0].update(left), right: self.counters[1].update(right) }
     }
 
-    /// Bumper and cliff inputs.
+    /// Bumper, cliff and wheel-drop inputs.
     pub fn contacts(&self) -> Contacts {
         self.body.contacts
     }

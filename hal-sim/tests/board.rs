@@ -114,6 +114,7 @@ fn a_cut_cable_reads_as_touched() {
         Contacts { bump_left: true, ..Contacts::default() },
         Contacts { bump_right: true, ..Contacts::default() },
         Contacts { cliff: true, ..Contacts::default() },
+        Contacts { lifted: true, ..Contacts::default() },
     ] {
         board.cut(cables);
         assert_eq!(contacts.read(), cables);

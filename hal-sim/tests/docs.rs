@@ -10,6 +10,13 @@ fn the_example_in_the_plan_format_is_a_plan() {
     let counts = [plan.faces.len(), plan.rounds.len(), plan.rooms.len(), plan.doors.len(), plan.people.len()];
     assert_eq!(counts, [9, 1, 1, 1, 1]);
     assert_eq!(plan.cliffs.len(), 1);
+    let mishaps = &plan.mishaps;
+    let counts = [mishaps.kidnaps.len(), mishaps.kicks.len(), mishaps.rugs.len(), mishaps.holds.len()];
+    assert_eq!(counts, [1; 4]);
+    let bare = example.lines().filter(|line| !line.contains("optional")).collect::<Vec<_>>().join("\n");
+    let defaults = plan_file::parse("bare", "bare", &bare).unwrap_or_else(|e| panic!("{e}")).mishaps;
+    assert_eq!((&defaults.kicks, &defaults.rugs), (&mishaps.kicks, &mishaps.rugs), "the example shows the defaults");
+    assert!(defaults.kidnaps[0].to.is_none() && defaults.kidnaps[0].carried_s == mishaps.kidnaps[0].carried_s);
     for (name, _) in plan_file::BUILT_IN {
         assert!(text.contains(&format!("`{name}`")), "{name}");
     }

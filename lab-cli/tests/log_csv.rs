@@ -32,6 +32,18 @@ fn rows_of(rig: &str, log: &str) -> (Vec<lab::input::log::Row>, Option<String>) 
 }
 
 #[test]
+fn wheel_drop_switches_are_read_where_there_are_any() {
+    let log =
+        |cell: &str| format!("t_s,left_ticks,right_ticks,range_0_m,range_1_m,lifted\n0,0,0,1,1,0\n1,0,0,1,1,{cell}\n");
+    for (cell, expected) in [("0", false), ("1", true), ("", false), ("nan", false)] {
+        let (rows, error) = rows_of(WHEELED_RIG, &log(cell));
+        assert_eq!((rows.iter().map(|row| row.lifted).collect(), error), (vec![false, expected], None));
+    }
+    let error = rows_of(WHEELED_RIG, &log("2")).1.expect("an error");
+    assert!(error.contains("log.csv:3: lifted: is \"2\"; it must be 0 on the floor or 1 off it"), "{error}");
+}
+
+#[test]
 fn a_replay_writes_every_output() {
     let place = place_with(WHEELED_RIG, wheeled_log(100));
     place.replay("log.csv").assert().success().stdout(contains("100 rows"));

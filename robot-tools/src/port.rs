@@ -65,8 +65,9 @@ pub fn row(sample: &Sample, robot: &Robot, truth: Option<Pose2>) -> Result<Row, 
         }
         *wide = range;
     }
+    let lifted = sample.contacts.lifted;
     let sample = slam_core::Sample { time_us: few.time_us, motion: few.motion, ranges };
-    Ok(Row { t_text: shortest(t_s), t_s, sample, odometry: None, truth })
+    Ok(Row { t_text: shortest(t_s), t_s, sample, odometry: None, truth, lifted })
 }
 
 /// What was heard of a robot.

@@ -1,4 +1,4 @@
-//! Bumper and cliff: inputs that stop the wheels without waiting for the estimator.
+//! Bumper, cliff and wheel drop: inputs that stop the wheels without waiting for the estimator.
 
 use embedded_hal::digital::InputPin;
 
@@ -14,12 +14,14 @@ pub struct Contacts {
     pub bump_right: bool,
     /// There is no floor under the front.
     pub cliff: bool,
+    /// A wheel hangs: the robot is off the floor.
+    pub lifted: bool,
 }
 
 impl Contacts {
     /// Whether driving on is forbidden.
     pub fn any(&self) -> bool {
-        self.bump_left || self.bump_right || self.cliff
+        self.bump_left || self.bump_right || self.cliff || self.lifted
     }
 
     /// Whether something is touched that was not touched before.
@@ -28,33 +30,39 @@ impl Contacts {
         new(self.bump_left, before.bump_left)
             || new(self.bump_right, before.bump_right)
             || new(self.cliff, before.cliff)
+            || new(self.lifted, before.lifted)
     }
 
-    /// The command that may be carried out: while anything is touched the robot may turn or back off, not advance.
+    /// The command that may be carried out: while anything is touched the robot may turn or back off, not advance; off the
+    /// floor its wheels stand.
     pub fn guard(&self, command: WheelSpeeds) -> WheelSpeeds {
-        if self.any() && command.is_forward() { WheelSpeeds::STOP } else { command }
+        if self.lifted || (self.any() && command.is_forward()) { WheelSpeeds::STOP } else { command }
     }
 }
 
-/// Bumper switches and cliff sensor on digital inputs with pull-up resistors: a switch that is not pressed and a sensor
-/// that sees the floor hold their input low. An input is high when touched, and just so when its cable is cut.
+/// Bumper switches, cliff sensor and wheel-drop switches on digital inputs with pull-up resistors: a switch that is not
+/// pressed, a sensor that sees the floor and a wheel that carries hold their input low. An input is high when touched, and
+/// just so when its cable is cut.
 #[derive(Debug)]
-pub struct ContactPins<L, R, C> {
+pub struct ContactPins<L, R, C, D> {
     /// Left half of the bumper.
     pub bump_left: L,
     /// Right half of the bumper.
     pub bump_right: R,
     /// Cliff sensor.
     pub cliff: C,
+    /// Wheel-drop switches, all in series.
+    pub lifted: D,
 }
 
-impl<L: InputPin, R: InputPin, C: InputPin> ContactPins<L, R, C> {
-    /// The state of all three. An input that cannot be read counts as touched: the robot stands rather than falls.
+impl<L: InputPin, R: InputPin, C: InputPin, D: InputPin> ContactPins<L, R, C, D> {
+    /// The state of all four. An input that cannot be read counts as touched: the robot stands rather than falls.
     pub fn read(&mut self) -> Contacts {
         Contacts {
             bump_left: self.bump_left.is_high().unwrap_or(true),
             bump_right: self.bump_right.is_high().unwrap_or(true),
             cliff: self.cliff.is_high().unwrap_or(true),
+            lifted: self.lifted.is_high().unwrap_or(true),
         }
     }
 }
@@ -85,8 +93,8 @@ mod tests {
                 Err(embedded_hal::digital::ErrorKind::Other)
             }
         }
-        let mut pins = ContactPins { bump_left: Broken, bump_right: Broken, cliff: Broken };
-        assert_eq!(pins.read(), Contacts { bump_left: true, bump_right: true, cliff: true });
+        let mut pins = ContactPins { bump_left: Broken, bump_right: Broken, cliff: Broken, lifted: Broken };
+        assert_eq!(pins.read(), Contacts { bump_left: true, bump_right: true, cliff: true, lifted: true });
     }
 
     #[test]
@@ -99,5 +107,7 @@ mod tests {
         assert_eq!(touched.guard(back), back);
         assert_eq!(touched.guard(turn), turn);
         assert_eq!(Contacts::default().guard(on), on);
+        let lifted = Contacts { lifted: true, ..Contacts::default() };
+        assert_eq!([back, turn, on].map(|command| lifted.guard(command)), [WheelSpeeds::STOP; 3]);
     }
 }

@@ -5,7 +5,7 @@ use crc::{Crc, NoTable};
 use heapless::Vec;
 
 /// First byte of every frame. Another number is another format.
-pub const VERSION: u8 = 2;
+pub const VERSION: u8 = 3;
 /// Longest frame on the line, bytes, the closing zero included.
 pub const FRAME_CAPACITY: usize = 192;
 
@@ -118,21 +118,21 @@ mod tests {
 
     #[test]
     fn the_format_is_pinned() {
-        // version 2, Command = 6, Stop = 1, CRC-32, in COBS.
+        // version 3, Command = 6, Stop = 1, CRC-32, in COBS.
         let bytes = encode(&Frame::Command(Command::Stop)).unwrap();
-        let checksum = CRC.checksum(&[2, 6, 1]).to_le_bytes();
-        assert_eq!(bytes.as_slice(), [8, 2, 6, 1, checksum[0], checksum[1], checksum[2], checksum[3], 0]);
+        let checksum = CRC.checksum(&[3, 6, 1]).to_le_bytes();
+        assert_eq!(bytes.as_slice(), [8, 3, 6, 1, checksum[0], checksum[1], checksum[2], checksum[3], 0]);
         assert_eq!(CRC.checksum(b"123456789"), 0xcbf4_3926);
     }
 
     #[test]
     fn another_version_is_named() {
-        let mut body = [3, 6, 1, 0, 0, 0, 0];
+        let mut body = [2, 6, 1, 0, 0, 0, 0];
         let checksum = CRC.checksum(&body[..3]).to_le_bytes();
         body[3..].copy_from_slice(&checksum);
         let mut bytes = [0; 16];
         let length = cobs::encode(&body, &mut bytes);
-        assert_eq!(decode_all(&bytes[..=length]).as_slice(), [Err(DecodeError::Version(3))]);
+        assert_eq!(decode_all(&bytes[..=length]).as_slice(), [Err(DecodeError::Version(2))]);
     }
 
     #[test]

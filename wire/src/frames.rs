@@ -39,7 +39,7 @@ pub struct Sample {
     pub right_ticks: i32,
     /// Each range sensor's reading, in the rig's order.
     pub ranges: Vec<Range, SENSORS>,
-    /// Bumper and cliff inputs.
+    /// Bumper, cliff and wheel-drop inputs.
     pub contacts: Contacts,
 }
 
@@ -64,6 +64,8 @@ pub struct Contacts {
     pub bump_right: bool,
     /// There is no floor under the front.
     pub cliff: bool,
+    /// A wheel hangs: the robot is off the floor.
+    pub lifted: bool,
 }
 
 /// The estimate after one sample; floats travel with all their bits.

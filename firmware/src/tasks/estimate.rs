@@ -58,12 +58,12 @@ fn tell(slam: &RobotSlam, sample: Sample, steps: u32, shared: &Shared) {
 /// Ranges and encoder counts as they were, without any reduction.
 fn raw_sample(ranges: &Ranges, shared: &Shared) -> Sample {
     let ticks = shared.latest_odometry.lock(Cell::get).ticks;
-    let touched = shared.contacts();
+    let robot::Contacts { bump_left, bump_right, cliff, lifted } = shared.contacts();
     Sample {
         time_us: ranges.time_us,
         left_ticks: ticks.left,
         right_ticks: ticks.right,
         ranges: ranges.ranges.iter().map(|range| (*range).into()).collect(),
-        contacts: wire::Contacts { bump_left: touched.bump_left, bump_right: touched.bump_right, cliff: touched.cliff },
+        contacts: wire::Contacts { bump_left, bump_right, cliff, lifted },
     }
 }

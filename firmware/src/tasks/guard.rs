@@ -1,4 +1,4 @@
-//! Bumper, cliff and the drive task's silence: the motors are off at the first sign, whatever the estimator and the pilot do.
+//! Bumper, cliff, wheel drop and the drive task's silence: the motors are off at the first sign, whatever the estimator and the pilot do.
 //!
 //! This task runs at interrupt level. It owns the motor driver's standby input, which cuts both motors. They run while no
 //! stop by contact is unanswered (the drive task answers once the wheels are told something that the contact allows) and
@@ -7,7 +7,7 @@
 use crate::faults::Task;
 use crate::shared::{Shared, Touch};
 use core::cell::Cell;
-use embassy_futures::select::{Either, select, select4};
+use embassy_futures::select::{Either3, select3, select4};
 use embassy_time::{Duration, Instant, Timer};
 use embedded_hal::digital::{InputPin, OutputPin};
 use embedded_hal_async::digital::Wait;
@@ -18,12 +18,13 @@ const LOOK: Duration = Duration::from_millis(10);
 /// The motors are off at the latest this long after the drive task told them something.
 const DEAD_MAN: Duration = Duration::from_millis(100);
 
-/// Watches bumper, cliff and drive task; `enable` is high while the motors may run.
-pub async fn guard<L, R, C>(mut inputs: ContactPins<L, R, C>, enable: &mut impl OutputPin, shared: &Shared) -> !
+/// Watches bumper, cliff, wheel drop and drive task; `enable` is high while the motors may run.
+pub async fn guard<L, R, C, D>(mut inputs: ContactPins<L, R, C, D>, enable: &mut impl OutputPin, shared: &Shared) -> !
 where
     L: InputPin + Wait,
     R: InputPin + Wait,
     C: InputPin + Wait,
+    D: InputPin + Wait,
 {
     let mut before = Touch::default();
     let mut stops = 0_u32;
@@ -52,11 +53,11 @@ where
             inputs.bump_left.wait_for_any_edge(),
             inputs.bump_right.wait_for_any_edge(),
             inputs.cliff.wait_for_any_edge(),
-            Timer::after(LOOK),
+            inputs.lifted.wait_for_any_edge(),
         );
-        released = match select(edges, shared.release.wait()).await {
-            Either::First(_) => None,
-            Either::Second(stop) => Some(stop),
+        released = match select3(edges, Timer::after(LOOK), shared.release.wait()).await {
+            Either3::First(_) | Either3::Second(()) => None,
+            Either3::Third(stop) => Some(stop),
         };
     }
 }

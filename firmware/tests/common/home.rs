@@ -152,6 +152,7 @@ impl Home {
             bump_left: Input(pins.bump_left),
             bump_right: Input(pins.bump_right),
             cliff: Input(pins.cliff),
+            lifted: Input(pins.lifted),
         };
         let (mut enable, mut platform) = (Wire(&self.enabled), Fed(&self.fed));
         let (mut transmitter, mut receiver) = (Line(&self.up), Line(&self.down));

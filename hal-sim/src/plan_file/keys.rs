@@ -27,6 +27,14 @@ pub(super) struct File {
     pub person: Vec<Walker>,
     #[serde(default)]
     pub cliff: Vec<Hole>,
+    #[serde(default)]
+    pub kidnap: Vec<Carry>,
+    #[serde(default)]
+    pub kick: Vec<Push>,
+    #[serde(default)]
+    pub rug: Vec<Carpet>,
+    #[serde(default)]
+    pub hold: Vec<Grip>,
 }
 
 #[derive(Deserialize)]
@@ -96,6 +104,52 @@ pub(super) struct Walker {
 pub(super) struct Hole {
     pub min_m: Point,
     pub max_m: Point,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct Carry {
+    pub at_s: Number<Time>,
+    pub carried_s: Option<Number<Size>>,
+    pub to_m: Option<Point>,
+    pub heading_deg: Option<Number<Finite>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct Push {
+    pub at_s: Number<Time>,
+    pub slide_m: Option<Number<Slide>>,
+    pub turn_deg: Option<Number<Finite>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct Carpet {
+    pub min_m: Point,
+    pub max_m: Point,
+    pub turn_deg: Option<Number<Finite>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct Grip {
+    pub at_s: Number<Time>,
+    pub held_s: Number<Size>,
+}
+
+/// A moment, seconds since the start.
+pub(super) struct Time;
+
+impl Limits for Time {
+    const ALLOWED: Allowed = Allowed::within(0.0, 1e6, "seconds from 0 to 1000000");
+}
+
+/// How far a kick moves the robot, metres.
+pub(super) struct Slide;
+
+impl Limits for Slide {
+    const ALLOWED: Allowed = Allowed::within(0.0, 10.0, "metres from 0 to 10");
 }
 
 /// A coordinate in the plan's frame, metres.

@@ -45,7 +45,7 @@ impl Drive {
         // Microseconds have six decimals: the text reads back as the same ones.
         let t_text = shortest((t_s * 1e6).round() / 1e6);
         let odometry = self.robot.simulation.odometry();
-        let row = Row { t_text, t_s, sample: frame.sample, odometry, truth: Some(frame.truth) };
+        let row = Row { t_text, t_s, sample: frame.sample, odometry, truth: Some(frame.truth), lifted: frame.lifted };
         if let Some(report) = report {
             session.record(&row, &report);
         }

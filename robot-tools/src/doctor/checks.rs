@@ -29,10 +29,10 @@ pub struct Contact {
     pressed: Contacts,
 }
 
-const NONE: Contacts = Contacts { bump_left: false, bump_right: false, cliff: false };
+const NONE: Contacts = Contacts { bump_left: false, bump_right: false, cliff: false, lifted: false };
 
 /// Every contact input.
-pub const CONTACTS: [Contact; 3] = [
+pub const CONTACTS: [Contact; 4] = [
     Contact {
         name: "left bumper",
         what: "Press the left half of the bumper",
@@ -48,6 +48,7 @@ pub const CONTACTS: [Contact; 3] = [
         what: "Hold the robot's front over an edge",
         pressed: Contacts { cliff: true, ..NONE },
     },
+    Contact { name: "wheel drop", what: "Let go of a wheel-drop switch", pressed: Contacts { lifted: true, ..NONE } },
 ];
 
 /// A board at `held_m` in front of sensor `index`: does this one answer, and with about that range?

@@ -92,13 +92,13 @@ impl Hil {
 fn sense(simulation: &mut Simulation, time_us: u64) -> Sample {
     let ticks = simulation.ticks();
     let ranges = simulation.read_ranges();
-    let contacts = simulation.contacts();
+    let robot::Contacts { bump_left, bump_right, cliff, lifted } = simulation.contacts();
     Sample {
         time_us,
         left_ticks: ticks.left,
         right_ticks: ticks.right,
         ranges: ranges.into_iter().take(wire::SENSORS).map(Range::from).collect(),
-        contacts: Contacts { bump_left: contacts.bump_left, bump_right: contacts.bump_right, cliff: contacts.cliff },
+        contacts: Contacts { bump_left, bump_right, cliff, lifted },
     }
 }
 

@@ -97,7 +97,12 @@ impl View {
             }
         }
         let touched = sample.contacts;
-        let names = [(touched.bump_left, "left"), (touched.bump_right, "right"), (touched.cliff, "cliff")];
+        let names = [
+            (touched.bump_left, "left"),
+            (touched.bump_right, "right"),
+            (touched.cliff, "cliff"),
+            (touched.lifted, "lifted"),
+        ];
         let touched: Vec<&str> = names.iter().filter(|(on, _)| *on).map(|(_, name)| *name).collect();
         writeln!(f, "\nticks     {} {}   touched: {}", sample.left_ticks, sample.right_ticks, touched.join(" "))
     }

@@ -30,7 +30,7 @@ fn pilot() -> Pilot<8> {
 fn a_bump_leads_to_backing_off_and_turning_away_from_it() {
     for (bump_left, sign) in [(true, -1.0), (false, 1.0)] {
         let mut pilot = pilot();
-        let bump = Contacts { bump_left, bump_right: !bump_left, cliff: false };
+        let bump = Contacts { bump_left, bump_right: !bump_left, ..Contacts::default() };
         let back = pilot.step(&senses(0, Pose::default(), [None; 8], bump));
         assert_eq!(pilot.activity(), Activity::BackingOff);
         assert!(back.left_mps < 0.0 && back.right_mps < 0.0);
@@ -72,7 +72,7 @@ fn whatever_it_is_told_the_speeds_are_finite_and_limited() {
         };
         let pose = Pose { x_m: value(), y_m: value(), theta_rad: value() };
         let ranges_m = [(); 8].map(|()| Some(value()));
-        let contacts = Contacts { bump_left: random() % 9 == 0, bump_right: random() % 9 == 0, cliff: false };
+        let contacts = Contacts { bump_left: random() % 9 == 0, bump_right: random() % 9 == 0, ..Contacts::default() };
         let speeds = pilot.step(&senses(u64::from(random()), pose, ranges_m, contacts));
         for speed_mps in [speeds.left_mps, speeds.right_mps] {
             assert!(speed_mps.abs() <= 0.25 + 0.5 * 0.235 * 0.8 + 1e-6, "{speeds:?}");

@@ -27,7 +27,7 @@ struct Inputs {
 static INPUTS: Mutex<Raw, Cell<Inputs>> = Mutex::new(Cell::new(Inputs {
     ranges: [RangeInput::Missing; SENSORS],
     ticks: Ticks { left: 0, right: 0 },
-    contacts: Contacts { bump_left: false, bump_right: false, cliff: false },
+    contacts: Contacts { bump_left: false, bump_right: false, cliff: false, lifted: false },
 }));
 static DUTY: Mutex<Raw, Cell<Duty>> = Mutex::new(Cell::new(Duty { left: 0.0, right: 0.0 }));
 static ENABLED: Mutex<Raw, Cell<bool>> = Mutex::new(Cell::new(false));
@@ -38,8 +38,8 @@ static HEARD: Pipe<Raw, 256> = Pipe::new();
 pub fn set_inputs(sample: &Sample) {
     let slam_core::Sample { ranges, .. } = sample.to_slam();
     let ticks = Ticks { left: sample.left_ticks, right: sample.right_ticks };
-    let wire::Contacts { bump_left, bump_right, cliff } = sample.contacts;
-    let contacts = Contacts { bump_left, bump_right, cliff };
+    let wire::Contacts { bump_left, bump_right, cliff, lifted } = sample.contacts;
+    let contacts = Contacts { bump_left, bump_right, cliff, lifted };
     INPUTS.lock(|inputs| inputs.set(Inputs { ranges, ticks, contacts }));
 }
 

@@ -86,6 +86,7 @@ async fn guard() -> ! {
         bump_left: Input(|contacts| contacts.bump_left),
         bump_right: Input(|contacts| contacts.bump_right),
         cliff: Input(|contacts| contacts.cliff),
+        lifted: Input(|contacts| contacts.lifted),
     };
     tasks::guard(inputs, &mut Enable, &SHARED).await
 }

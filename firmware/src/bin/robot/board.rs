@@ -11,6 +11,7 @@
 //! | PC8 | motor driver enable (standby when low) | |
 //! | PB0, PB1 | bumper left, right: closed to ground until pressed | EXTI0, EXTI1 |
 //! | PC4 | cliff sensor: low while it sees the floor | EXTI4 |
+//! | PC5 | wheel-drop switches, in series: closed to ground while both wheels carry | EXTI5 |
 //! | PA2, PA3 | serial line out, in, 115200 baud | USART2 |
 //! | PA13, PA14 | debug probe (SWDIO, SWCLK) | |
 
@@ -40,6 +41,7 @@ bind_interrupts!(struct Interrupts {
     EXTI0 => exti::InterruptHandler<interrupt::typelevel::EXTI0>;
     EXTI1 => exti::InterruptHandler<interrupt::typelevel::EXTI1>;
     EXTI4 => exti::InterruptHandler<interrupt::typelevel::EXTI4>;
+    EXTI9_5 => exti::InterruptHandler<interrupt::typelevel::EXTI9_5>;
     USART2 => usart::InterruptHandler<USART2>;
     DMA1_STREAM5 => dma::InterruptHandler<DMA1_CH5>;
     DMA1_STREAM6 => dma::InterruptHandler<DMA1_CH6>;
@@ -50,8 +52,11 @@ static RECEIVED: ConstStaticCell<[u8; 256]> = ConstStaticCell::new([0; 256]);
 /// One motor on its H-bridge.
 pub type Motor = HBridge<SimplePwmChannel<'static, TIM1>, Output<'static>, Output<'static>>;
 
-/// Bumper and cliff.
-pub type Contacts = ContactPins<ExtiInput<'static, Async>, ExtiInput<'static, Async>, ExtiInput<'static, Async>>;
+/// One of the inputs that stop the wheels.
+type Contact = ExtiInput<'static, Async>;
+
+/// Bumper, cliff and wheel drop.
+pub type Contacts = ContactPins<Contact, Contact, Contact, Contact>;
 
 /// The robot's parts.
 pub struct Board {
@@ -63,7 +68,7 @@ pub struct Board {
     pub motors: MotorPair<Motor, Motor>,
     /// Motor driver's enable input.
     pub enable: Output<'static>,
-    /// Bumper and cliff.
+    /// Bumper, cliff and wheel drop.
     pub contacts: Contacts,
     /// Serial line, outgoing.
     pub transmitter: UartTx<'static, Async>,
@@ -102,6 +107,7 @@ impl Board {
             bump_left: ExtiInput::new(p.PB0, p.EXTI0, Pull::Up, Interrupts),
             bump_right: ExtiInput::new(p.PB1, p.EXTI1, Pull::Up, Interrupts),
             cliff: ExtiInput::new(p.PC4, p.EXTI4, Pull::Up, Interrupts),
+            lifted: ExtiInput::new(p.PC5, p.EXTI5, Pull::Up, Interrupts),
         };
         let sensors = [
             p.PA0.degrade_adc(),

@@ -76,7 +76,14 @@ impl Reader {
         }
         let motion = Motion::Increment(self.differencer.step(scan.odometry));
         let sample = Sample { time_us, motion, ranges };
-        Ok(Some(Row { t_text: scan.t_text.to_owned(), t_s: scan.t_s, sample, odometry: None, truth: None }))
+        Ok(Some(Row {
+            t_text: scan.t_text.to_owned(),
+            t_s: scan.t_s,
+            sample,
+            odometry: None,
+            truth: None,
+            lifted: false,
+        }))
     }
 }
 

@@ -11,6 +11,7 @@ use input_file::FileError;
 
 const TICKS: [&str; 2] = ["left_ticks", "right_ticks"];
 const POSE: [&str; 3] = ["odom_x_m", "odom_y_m", "odom_theta_rad"];
+const LIFTED: &str = "lifted";
 const TRUTH: [&str; 3] = ["true_x_m", "true_y_m", "true_theta_rad"];
 
 /// A column of the log.
@@ -35,6 +36,7 @@ struct Columns {
     /// One per sensor, and whether it holds counts.
     ranges: Vec<(Column, bool)>,
     truth: Option<[Column; 3]>,
+    lifted: Option<Column>,
     ignored: Vec<String>,
 }
 
@@ -89,7 +91,8 @@ impl Reader {
             _ => None,
         };
         let (t_text, sample) = (cells[columns.time.index].to_owned(), Sample { time_us, motion, ranges });
-        Ok(Row { t_text, t_s, sample, odometry, truth })
+        let lifted = columns.lifted.as_ref().map_or(Ok(false), |column| switch(&cells, column))?;
+        Ok(Row { t_text, t_s, sample, odometry, truth, lifted })
     }
 }
 
@@ -166,13 +169,14 @@ impl Columns {
         } else {
             None
         };
+        let lifted = names.contains(&LIFTED).then(|| find(LIFTED, "it was there")).transpose()?;
         if let Some(extra) = unused.iter().find(|name| is_range_column(name)) {
             let what = format!("has no place; the rig file has {} range sensors", ranges.len());
             return Err(((*extra).to_owned(), what));
         }
         unused.retain(|name| !TICKS.contains(name) && !POSE.contains(name));
         let ignored = unused.into_iter().map(str::to_owned).collect();
-        Ok(Self { count: names.len(), time, motion, ranges, truth, ignored })
+        Ok(Self { count: names.len(), time, motion, ranges, truth, lifted, ignored })
     }
 }
 
@@ -205,6 +209,15 @@ fn pose_of(cells: &[&str], columns: &[Column; 3]) -> Result<Pose2, Fault> {
 fn count(cells: &[&str], column: &Column) -> Result<i32, Fault> {
     let count = cells[column.index].parse::<i64>().map_err(|_| bad(cells, column, "a whole number of ticks"))?;
     Ok(count as i32)
+}
+
+fn switch(cells: &[&str], column: &Column) -> Result<bool, Fault> {
+    match cells[column.index] {
+        "0" => Ok(false),
+        "1" => Ok(true),
+        cell if is_missing(cell) => Ok(false),
+        _ => Err(bad(cells, column, "0 on the floor or 1 off it, or empty where it is not known")),
+    }
 }
 
 fn reading(cells: &[&str], column: &Column, is_counts: bool) -> Result<RangeInput, Fault> {

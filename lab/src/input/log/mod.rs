@@ -29,6 +29,8 @@ pub struct Row {
     pub odometry: Option<Pose2>,
     /// The true pose, in the log's own frame, where the row carries one.
     pub truth: Option<Pose2>,
+    /// The wheel-drop switches say that the robot is off the floor.
+    pub lifted: bool,
 }
 
 /// The rows of a log, in order. After an error there are none.

@@ -1,0 +1,52 @@
+//! What befalls the robot, from a floor plan's keys.
+
+use input_file::{FileError, Number, TomlFile};
+
+use super::keys::File;
+use super::{metres, rectangle};
+use crate::mishap::{Hold, Kick, Kidnap, Mishaps, Rug};
+use crate::pose::Pose2;
+
+/// How long a kidnapped robot is off the floor where the file does not say, seconds.
+const CARRIED_S: f64 = 5.0;
+
+/// A kick where the file does not say: metres and degrees.
+const KICK: (f64, f64) = (0.10, 15.0);
+
+/// How far a rug turns the robot where the file does not say, degrees.
+const RUG_DEG: f64 = 9.0;
+
+pub(super) fn mishaps(toml: &TomlFile<'_>, file: &File) -> Result<Mishaps, FileError> {
+    let mut mishaps = Mishaps::default();
+    for (i, carry) in file.kidnap.iter().enumerate() {
+        let to = carry.to_m.as_ref().map(|to| {
+            let [x_m, y_m] = metres(to);
+            Pose2::new(x_m, y_m, carry.heading_deg.as_ref().map_or(0.0, Number::get).to_radians())
+        });
+        if to.is_none() && carry.heading_deg.is_some() {
+            return Err(toml.error(&format!("kidnap[{i}].heading_deg"), "has a meaning with to_m only; name that, too"));
+        }
+        if to.is_none() && file.room.is_empty() {
+            let what = "is missing; only where the plan has a [[room]] can the place be drawn";
+            return Err(toml.error(&format!("kidnap[{i}].to_m"), what));
+        }
+        let carried_s = carry.carried_s.as_ref().map_or(CARRIED_S, Number::get);
+        mishaps.kidnaps.push(Kidnap { at_s: carry.at_s.get(), carried_s, to });
+    }
+    mishaps.kicks = file
+        .kick
+        .iter()
+        .map(|push| Kick {
+            at_s: push.at_s.get(),
+            slide_m: push.slide_m.as_ref().map_or(KICK.0, Number::get),
+            turn_rad: push.turn_deg.as_ref().map_or(KICK.1, Number::get).to_radians(),
+        })
+        .collect();
+    for (i, carpet) in file.rug.iter().enumerate() {
+        let [min_m, max_m] = rectangle(toml, &format!("rug[{i}]"), &carpet.min_m, &carpet.max_m)?;
+        let turn_rad = carpet.turn_deg.as_ref().map_or(RUG_DEG, Number::get).to_radians();
+        mishaps.rugs.push(Rug { min_m, max_m, turn_rad });
+    }
+    mishaps.holds = file.hold.iter().map(|grip| Hold { at_s: grip.at_s.get(), held_s: grip.held_s.get() }).collect();
+    Ok(mishaps)
+}

@@ -1,0 +1,110 @@
+//! What befalls the robot, and that its encoders do not tell.
+
+use hal_sim::{Pose2, SimOptions, Simulation, default_rig, plan_file};
+use robot::WheelSpeeds;
+
+const HALL: &str = "[start]\nx_m = 1.0\ny_m = 2.0\n\
+    [[outline]]\npoints_m = [[0.0, 0.0], [6.0, 0.0], [6.0, 4.0], [0.0, 4.0]]\n\
+    [[room]]\nname = \"hall\"\nmin_m = [0.0, 0.0]\nmax_m = [6.0, 4.0]\n";
+
+const AHEAD: WheelSpeeds = WheelSpeeds { left_mps: 0.2, right_mps: 0.2 };
+
+fn hall(mishaps: &str, seed: u64) -> Simulation {
+    let plan = plan_file::parse("test", "test", &format!("{HALL}{mishaps}")).expect("a plan");
+    Simulation::new(&plan, &default_rig(), SimOptions::default(), seed).expect("a simulation")
+}
+
+/// The pose after a drive straight ahead, with and without the mishaps.
+fn after(mishaps: &str, seed: u64, seconds: f64) -> [Pose2; 2] {
+    ["", mishaps].map(|mishaps| {
+        let mut simulation = hall(mishaps, seed);
+        for _ in 0..(25.0 * seconds) as usize {
+            simulation.step(AHEAD);
+        }
+        simulation.pose_in_plan()
+    })
+}
+
+#[test]
+fn a_lifted_robot_says_so_stands_sees_nothing_and_is_put_down_elsewhere() {
+    let mut simulation = hall("[[kidnap]]\nat_s = 2.0\ncarried_s = 3.0\nto_m = [4.0, 1.0]\nheading_deg = 90.0\n", 1);
+    let (mut lifted_samples, mut ticks) = (0, None);
+    for _ in 0..150 {
+        let sample = simulation.step(AHEAD);
+        if simulation.contacts().lifted {
+            lifted_samples += 1;
+            if simulation.time_s() > 3.0 {
+                assert_eq!(*ticks.get_or_insert(sample.motion), sample.motion, "the wheels stand");
+            }
+        }
+    }
+    assert!((75..=76).contains(&lifted_samples), "three seconds at 25 Hz: {lifted_samples}");
+    let pose = simulation.pose_in_plan();
+    assert!((pose.x_m - 4.0).abs() < 0.02 && pose.y_m > 1.0 && pose.y_m < 1.3, "{pose:?}");
+}
+
+#[test]
+fn a_place_that_is_not_named_is_drawn_from_the_seed_and_free() {
+    let places = [1, 1, 2, 3].map(|seed| {
+        let mut simulation = hall("[[kidnap]]\nat_s = 1.0\ncarried_s = 1.0\n", seed);
+        for _ in 0..50 {
+            simulation.step(WheelSpeeds::STOP);
+        }
+        simulation.pose_in_plan()
+    });
+    assert_eq!(places[0], places[1]);
+    assert!(places[1] != places[2] && places[2] != places[3]);
+    for Pose2 { x_m, y_m, .. } in places {
+        assert!((0.17..=5.83).contains(&x_m) && (0.17..=3.83).contains(&y_m));
+    }
+}
+
+#[test]
+fn a_kick_moves_and_turns_the_robot_and_its_encoders_do_not_tell() {
+    let [without, with] = after("[[kick]]\nat_s = 1.98\n", 5, 2.0);
+    let moved = without.relative(&with);
+    let (slide_m, turn_deg) = (libm::hypot(moved.x_m, moved.y_m), moved.theta_rad.to_degrees());
+    assert!((slide_m - 0.10).abs() < 2e-3 && (turn_deg.abs() - 15.0).abs() < 1e-6, "{moved:?}");
+    let counts = ["", "[[kick]]\nat_s = 1.0\n"].map(|mishaps| {
+        let mut simulation = hall(mishaps, 5);
+        for _ in 0..50 {
+            simulation.step(AHEAD);
+        }
+        simulation.ticks()
+    });
+    assert_eq!(counts[0], counts[1]);
+}
+
+#[test]
+fn a_wall_stops_a_kick() {
+    for seed in 0..20 {
+        let [_, with] = after("[[kick]]\nat_s = 1.0\nslide_m = 9.0\n", seed, 1.1);
+        assert!((0.16..=5.84).contains(&with.x_m) && (0.16..=3.84).contains(&with.y_m), "{with:?}");
+    }
+}
+
+#[test]
+fn a_rug_turns_the_robot_once_each_time_it_comes_onto_it() {
+    let rug = "[[rug]]\nmin_m = [1.5, 0.0]\nmax_m = [3.0, 4.0]\n";
+    let turned = [1, 2, 3, 4, 5, 6].map(|seed| {
+        let [without, with] = after(rug, seed, 6.0);
+        without.relative(&with).theta_rad.to_degrees()
+    });
+    assert!(turned.iter().all(|turn| (turn.abs() - 9.0).abs() < 1e-6), "{turned:?}");
+    assert!(turned.iter().any(|turn| *turn > 0.0) && turned.iter().any(|turn| *turn < 0.0), "to either side");
+}
+
+#[test]
+fn a_held_robot_counts_travel_that_is_none() {
+    let [without, with] = after("[[hold]]\nat_s = 2.0\nheld_s = 1.5\n", 7, 5.0);
+    let short_m = without.x_m - with.x_m;
+    assert!((short_m - 0.3).abs() < 0.01, "{short_m}");
+}
+
+#[test]
+fn a_place_inside_something_is_refused() {
+    let plan = plan_file::parse("test", "test", &format!("{HALL}[[kidnap]]\nat_s = 1.0\nto_m = [5.9, 2.0]\n"))
+        .expect("a plan");
+    let error = Simulation::new(&plan, &default_rig(), SimOptions::default(), 1).unwrap_err().to_string();
+    assert!(error.contains("kidnap[0].to_m is 0.10 m from"), "{error}");
+}
