@@ -1,5 +1,6 @@
 //! The robot that this project builds, as its estimator knows it, with either kind of range sensor.
 
+use core::f32::consts::FRAC_1_SQRT_2;
 use heapless::Vec;
 use slam_core::{Adc, DriveModel, Mount, RangeModel, RangeSensor, Rig};
 
@@ -46,6 +47,25 @@ const WHEELS: DriveModel = DriveModel::Wheels {
     noise_m2_per_m: 1e-5,
 };
 
+/// Cosine and sine of the eight multiples of 45 degrees, as rounded to f32: a table, since `libm` computes them in f64,
+/// which the Cortex-M4F has only in software, 8 KB of it.
+const EIGHTH_TURNS: [[f32; 2]; 8] = [
+    [1.0, 0.0],
+    [FRAC_1_SQRT_2, FRAC_1_SQRT_2],
+    [-4.371_139e-8, 1.0],
+    [-FRAC_1_SQRT_2, FRAC_1_SQRT_2],
+    [-1.0, -8.742_278e-8],
+    [-FRAC_1_SQRT_2, -FRAC_1_SQRT_2],
+    [-4.371_139e-8, -1.0],
+    [FRAC_1_SQRT_2, -FRAC_1_SQRT_2],
+];
+
+/// A sensor that looks outward from a ring about the robot's centre, its bearing a multiple of 45 degrees.
+fn on_ring(radius_m: f32, bearing_deg: f32) -> Mount {
+    let [cos, sin] = EIGHTH_TURNS[(bearing_deg / 45.0) as i32 as usize % 8];
+    Mount { x_m: radius_m * cos, y_m: radius_m * sin, bearing_rad: bearing_deg.to_radians() }
+}
+
 /// A round cleaning robot (radius 0.17 m) with eight Sharp infrared sensors on a ring of 6 cm on its top deck.
 ///
 /// Eighth turns: beside a wall, three sensors (45, 90 and 135 degrees from the heading) see it at once, far enough apart
@@ -57,8 +77,7 @@ const WHEELS: DriveModel = DriveModel::Wheels {
 pub fn default_rig<const S: usize>() -> Rig<S> {
     let mut sensors = Vec::new();
     for bearing_deg in BEARINGS_DEG.into_iter().take(S) {
-        let bearing_rad = bearing_deg.to_radians();
-        let mount = Mount { x_m: 0.06 * libm::cosf(bearing_rad), y_m: 0.06 * libm::sinf(bearing_rad), bearing_rad };
+        let mount = on_ring(0.06, bearing_deg);
         let sensor = RangeSensor {
             mount,
             min_m: 0.155,
@@ -83,8 +102,7 @@ pub const FOUR_BEARINGS_DEG: [f32; 4] = [0.0, 90.0, 180.0, -90.0];
 pub fn time_of_flight_rig<const S: usize>() -> Rig<S> {
     let mut sensors = Vec::new();
     for bearing_deg in FOUR_BEARINGS_DEG.into_iter().take(S) {
-        let bearing_rad = bearing_deg.to_radians();
-        let mount = Mount { x_m: 0.1 * libm::cosf(bearing_rad), y_m: 0.1 * libm::sinf(bearing_rad), bearing_rad };
+        let mount = on_ring(0.1, bearing_deg);
         let sensor = RangeSensor {
             mount,
             min_m: 0.04,
@@ -97,4 +115,21 @@ pub fn time_of_flight_rig<const S: usize>() -> Rig<S> {
         let _ = sensors.push(sensor);
     }
     Rig { drive: WHEELS, adc: None, sensors }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sensors_look_outward_from_their_ring() {
+        let rigs = [(0.06, default_rig::<8>()), (0.1, time_of_flight_rig::<8>())];
+        for (radius_m, rig) in rigs {
+            for mount in rig.sensors.iter().map(|sensor| sensor.mount) {
+                let expected =
+                    [libm::cosf(mount.bearing_rad), libm::sinf(mount.bearing_rad)].map(|part| radius_m * part);
+                assert_eq!([mount.x_m, mount.y_m], expected, "{} rad", mount.bearing_rad);
+            }
+        }
+    }
 }

@@ -1,6 +1,7 @@
 //! A range sensor as the filter knows it.
 
 use crate::filter::ekf::EkfView;
+use crate::geometry::angle::sin_cos;
 use crate::measurement::beam::FixedMount;
 use crate::rig::{RangeModel, RangeSensor};
 use crate::sensing::latency::Timing;
@@ -26,7 +27,7 @@ impl SensorState {
     pub fn new(sensor: &RangeSensor, gain: Option<usize>) -> Self {
         Self {
             mount: FixedMount::new(&sensor.mount),
-            min_cos: libm::cosf(sensor.max_incidence_rad),
+            min_cos: sin_cos(sensor.max_incidence_rad).1,
             gain,
             front_end: FrontEnd::NEW,
         }
