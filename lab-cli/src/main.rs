@@ -207,10 +207,10 @@ fn print(text: &str) {
     let _ = write!(std::io::stdout(), "{text}");
 }
 
-/// The closing table; an error where the estimate is no number.
+/// The closing table; an error where the estimate is no number, or ended unwell.
 fn say(recording: &Recording, out: &Path) -> Result<(), Box<dyn Error>> {
     print(&format!("{}  results in {}\n", closing::table(recording), out.display()));
-    recording.fault().map_or(Ok(()), |fault| Err(fault.into()))
+    recording.complaint().map_or(Ok(()), |fault| Err(fault.into()))
 }
 
 /// The progress on the bar.

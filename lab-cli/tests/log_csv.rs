@@ -302,3 +302,22 @@ fn a_line_without_an_end_is_an_error_that_takes_no_memory() {
     let error = error.expect("no sample has a line of three million digits");
     assert!(error.contains("log.csv:3: is longer than 1048576 bytes; a log has one sample a line"), "{error}");
 }
+
+#[test]
+fn an_estimator_that_ends_unwell_is_a_failure() {
+    let mut log = String::from("t_s,left_ticks,right_ticks,range_0_m,range_1_m\n");
+    for i in 0..1000_u64 {
+        // Multiples of the golden ratio: no two readings in a row are of one surface.
+        let range_m = 0.2 + 1.6 * (i as f64 * 0.618_034).fract();
+        log += &format!("{:.1},{},{},{range_m:.3},\n", i as f64 * 0.1, 25 * i, 25 * i);
+    }
+    let place = place_with(WHEELED_RIG, log);
+    place.replay("log.csv").assert().code(1).stderr(contains("the estimator is not well (unexplained)"));
+    let summary = place.summary("out");
+    assert_eq!(summary["finished"], true);
+    assert_eq!(summary["health"]["at_end"], "unexplained");
+    assert!(summary["health"]["unwell"][0]["begin_s"].as_f64().is_some_and(|begin_s| begin_s > 79.0), "{summary:#}");
+    place.put("log.csv", wheeled_log(1000));
+    place.replay("log.csv").assert().success();
+    assert_eq!(place.summary("out")["health"], serde_json::json!({"at_end": "well", "unwell": []}));
+}

@@ -1,6 +1,8 @@
 //! Between frames and the estimator's types.
 
-use crate::frames::{Calibration, Estimate, Factor, Parameter, Range, SENSORS, Sample, SlamFaults, Wall, WallKind};
+use crate::frames::{
+    Calibration, Estimate, Factor, Health, Parameter, Range, SENSORS, Sample, SlamFaults, Wall, WallKind,
+};
 use slam_core::{Counters, Motion, RangeInput, Slam, Ticks, WallView};
 
 impl Sample {
@@ -47,6 +49,7 @@ impl Estimate {
             alpha: slam.alpha().map(|(alpha_rad, sigma_rad)| [alpha_rad, sigma_rad]),
             dead_reckoning: [dead_reckoning.x_m, dead_reckoning.y_m, dead_reckoning.theta_rad],
             walls: u8::try_from(slam.walls().count()).unwrap_or(u8::MAX),
+            health: slam.health().into(),
         }
     }
 
@@ -56,7 +59,7 @@ impl Estimate {
             |e: &Self| (e.pose.map(f32::to_bits), e.covariance.map(f32::to_bits), e.dead_reckoning.map(f32::to_bits));
         let alpha = |e: &Self| e.alpha.map(|alpha| alpha.map(f32::to_bits));
         self.time_us == other.time_us
-            && self.walls == other.walls
+            && (self.walls, self.health) == (other.walls, other.health)
             && bits(self) == bits(other)
             && alpha(self) == alpha(other)
     }
@@ -113,6 +116,18 @@ impl From<slam_core::Parameter> for Parameter {
     }
 }
 
+impl From<slam_core::Health> for Health {
+    fn from(health: slam_core::Health) -> Self {
+        match health {
+            slam_core::Health::Well => Self::Well,
+            slam_core::Health::Unexplained => Self::Unexplained,
+            slam_core::Health::Contradicted => Self::Contradicted,
+            slam_core::Health::Disoriented => Self::Disoriented,
+            slam_core::Health::Degenerate => Self::Degenerate,
+        }
+    }
+}
+
 impl From<&Counters> for SlamFaults {
     fn from(counters: &Counters) -> Self {
         Self {
@@ -126,6 +141,7 @@ impl From<&Counters> for SlamFaults {
             merges: counters.merges,
             prunes: counters.prunes,
             bad_motion: counters.bad_motion,
+            restarts: counters.restarts,
         }
     }
 }

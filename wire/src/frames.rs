@@ -83,6 +83,20 @@ pub struct Estimate {
     pub dead_reckoning: [f32; 3],
     /// Walls in the map.
     pub walls: u8,
+    /// How the estimator is.
+    pub health: Health,
+}
+
+/// How the estimator is, as `slam_core::Health` describes it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "the variants are those of slam_core::Health")]
+pub enum Health {
+    #[default]
+    Well,
+    Unexplained,
+    Contradicted,
+    Disoriented,
+    Degenerate,
 }
 
 /// One wall: the points p with p . (cos beta, sin beta) = rho, from lo to hi along (-sin beta, cos beta).
@@ -181,6 +195,7 @@ pub struct SlamFaults {
     pub merges: u32,
     pub prunes: u32,
     pub bad_motion: u32,
+    pub restarts: u32,
 }
 
 /// Counts of the firmware's tasks and channels.

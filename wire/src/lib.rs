@@ -17,8 +17,8 @@ mod frames;
 
 pub use codec::{DecodeError, Decoder, EncodeError, FRAME_CAPACITY, VERSION, encode};
 pub use frames::{
-    BoardFaults, Calibration, Command, Contacts, Estimate, Factor, Faults, Frame, Motors, Parameter, Range, SENSORS,
-    Sample, SlamFaults, Wall, WallKind,
+    BoardFaults, Calibration, Command, Contacts, Estimate, Factor, Faults, Frame, Health, Motors, Parameter, Range,
+    SENSORS, Sample, SlamFaults, Wall, WallKind,
 };
 
 /// The examples of the README, compiled and run.

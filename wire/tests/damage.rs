@@ -3,8 +3,8 @@
 use proptest::prelude::*;
 use slam_core::RangeInput;
 use wire::{
-    BoardFaults, Calibration, Command, Contacts, Decoder, Estimate, Factor, Faults, Frame, Motors, Parameter, Range,
-    Sample, SlamFaults, Wall, WallKind, encode,
+    BoardFaults, Calibration, Command, Contacts, Decoder, Estimate, Factor, Faults, Frame, Health, Motors, Parameter,
+    Range, Sample, SlamFaults, Wall, WallKind, encode,
 };
 
 fn sample() -> impl Strategy<Value = Frame> {
@@ -24,16 +24,20 @@ fn sample() -> impl Strategy<Value = Frame> {
 }
 
 fn estimate() -> impl Strategy<Value = Frame> {
-    (any::<u64>(), any::<[f32; 12]>(), any::<Option<[f32; 2]>>(), any::<u8>()).prop_map(|(time_us, f, alpha, walls)| {
-        Frame::Estimate(Estimate {
-            time_us,
-            pose: [f[0], f[1], f[2]],
-            covariance: [f[3], f[4], f[5], f[6], f[7], f[8]],
-            alpha,
-            dead_reckoning: [f[9], f[10], f[11]],
-            walls,
-        })
-    })
+    let health = prop::sample::select(vec![Health::Well, Health::Unexplained, Health::Degenerate]);
+    (any::<u64>(), any::<[f32; 12]>(), any::<Option<[f32; 2]>>(), any::<u8>(), health).prop_map(
+        |(time_us, f, alpha, walls, health)| {
+            Frame::Estimate(Estimate {
+                time_us,
+                pose: [f[0], f[1], f[2]],
+                covariance: [f[3], f[4], f[5], f[6], f[7], f[8]],
+                alpha,
+                dead_reckoning: [f[9], f[10], f[11]],
+                walls,
+                health,
+            })
+        },
+    )
 }
 
 fn wall() -> impl Strategy<Value = Frame> {
@@ -142,6 +146,7 @@ fn the_longest_frames_fit() {
         merges: u32::MAX,
         prunes: u32::MAX,
         bad_motion: u32::MAX,
+        restarts: u32::MAX,
     };
     let board = BoardFaults {
         ranges_failed: u32::MAX,

@@ -4,8 +4,9 @@
 //! seconds. The true path and plan are moved so that the first true pose is the map frame's origin.
 
 mod figures;
+pub mod health;
 
-use slam_core::{Counters, Outcome, ReadingReport, WallView};
+use slam_core::{Counters, Health, Outcome, ReadingReport, WallView};
 
 pub use hal_sim::pose::{Pose2, wrap};
 
@@ -82,6 +83,8 @@ pub struct Step {
     pub merges: u8,
     /// Walls removed in this step.
     pub prunes: u8,
+    /// How the estimator was after it.
+    pub health: Health,
 }
 
 impl Step {

@@ -73,6 +73,7 @@ impl Session {
             births: report.births,
             merges: report.merges,
             prunes: report.prunes,
+            health: report.health,
         };
         self.recording.readings.extend_from_slice(&report.readings[..self.recording.sensors.len()]);
         let changed = step.births > 0 || step.merges > 0 || step.prunes > 0;

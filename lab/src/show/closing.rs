@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use crate::recording::health::{self, Illness};
 use crate::recording::{Consistency, PathScore, Recording};
 
 /// The table, for people.
@@ -50,6 +51,10 @@ fn write_filter(text: &mut String, recording: &Recording) -> std::fmt::Result {
             write!(text, "; {associated:.2} before the gate, {:.1} % outside it", 100.0 * share)?;
         }
         writeln!(text)?;
+    }
+    for Illness { health, begin_s, end_s } in recording.illnesses() {
+        let end = end_s.map_or("the end".to_owned(), |end_s| format!("{end_s:.1} s"));
+        writeln!(text, "  {:<34}{:>12}   from {begin_s:.1} s to {end}", "estimator not well", health::name(health))?;
     }
     writeln!(text, "  {:<34}{:>12}", "walls in the map", figures.walls)?;
     if let Some(map) = &figures.map {

@@ -78,6 +78,8 @@ impl fmt::Display for View {
             }
             None => writeln!(f, "grid      none yet")?,
         }
+        let restarts = self.faults.map_or(0, |faults| faults.slam.restarts);
+        writeln!(f, "health    {}, {restarts} maps begun anew", format!("{:?}", estimate.health).to_lowercase())?;
         self.write_sample(f)?;
         self.write_faults(f)?;
         self.write_calibration(f)?;

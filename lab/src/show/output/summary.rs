@@ -1,9 +1,10 @@
 //! `summary.json`: the figures of a run, and what is needed to repeat it.
 
 use serde_json::{Map, Value, json};
-use slam_core::{Clustering, Config, Linearisation, Refusal, WallPolicy};
+use slam_core::{Clustering, Config, Health, Linearisation, Refusal, WallPolicy};
 
 use crate::input::part::{PARTS, Part};
+use crate::recording::health::{self, Illness};
 use crate::recording::{Consistency, MapScore, PathScore, Recording, SeenWall, SurfelScore};
 
 /// What was run, for `summary.json`.
@@ -37,6 +38,7 @@ pub fn summary(recording: &Recording, origin: &Origin) -> Value {
     put("estimator_s", json!(figures.estimator_s));
     put("walls", json!(figures.walls));
     let start = recording.start();
+    put("health", health(recording));
     put("start", json!([start.x_m, start.y_m, start.theta_rad]));
     put("updates", json!(figures.updates));
     put("latency_s", json!(figures.latency_s.map(|(value, sigma)| [value, sigma])));
@@ -73,6 +75,13 @@ pub fn summary(recording: &Recording, origin: &Origin) -> Value {
     put("seed", json!(recording.seed));
     put("configuration", configuration(origin));
     Value::Object(summary)
+}
+
+fn health(recording: &Recording) -> Value {
+    let illness = |illness: Illness| json!({"what": health::name(illness.health), "begin_s": illness.begin_s, "end_s": illness.end_s});
+    let illnesses: Vec<Value> = recording.illnesses().into_iter().map(illness).collect();
+    let at_end = recording.steps.last().map_or(Health::Well, |step| step.health);
+    json!({"at_end": health::name(at_end), "unwell": illnesses})
 }
 
 fn path(score: &PathScore) -> [(&'static str, Value); 4] {
@@ -177,6 +186,7 @@ fn counters(recording: &Recording) -> Value {
         "merges": counters.merges,
         "prunes": counters.prunes,
         "bad_motion": counters.bad_motion,
+        "restarts": counters.restarts,
     })
 }
 
