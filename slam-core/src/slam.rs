@@ -47,10 +47,10 @@ macro_rules! slam_type {
     };
 }
 
-/// Most states that so many range sensors and walls have: pose and grid, calibration of the drive, gains, latency, and two
-/// a wall.
+/// Most states that so many range sensors and walls have: pose and grid, calibration of the drive, gains, latency and a
+/// row's offset from it, and two a wall.
 pub const fn states(sensors: usize, walls: usize) -> usize {
-    4 + 3 + sensors + 1 + 2 * walls
+    4 + 3 + sensors + 2 + 2 * walls
 }
 
 /// The estimator as it runs on the robot: 8 range sensors, 64 walls, 128 buffered outliers, 80 states.
@@ -250,6 +250,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
 
     /// Updates with every reading that is a wall's, and keeps those that fit none (Rousse & Qiu eq. 3).
     fn observe(&mut self, inputs: &[RangeInput; S], dt_s: f32, report: &mut StepReport<S>) {
+        self.latency.stamps.begin_row(&mut self.ekf);
         let odometry = &self.drive.dead_reckoning;
         let timing = Timing { dt_s, step: &self.drive.step, latency: &self.latency };
         let mut observer = Observer {
@@ -296,6 +297,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
                 }
             }
         }
+        self.latency.stamps.end_row(&self.ekf);
     }
 
     /// Finds new walls among the outliers (Rousse & Qiu 3.3), and keeps the map tidy.

@@ -144,6 +144,12 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.monitor.health()
     }
 
+    /// 1-sigma of how far the moment of a row's readings is from that of its motion, beside the latency, seconds; none where
+    /// it is not estimated.
+    pub fn stamp_sigma(&self) -> Option<f32> {
+        self.latency.stamps.sigma_s()
+    }
+
     /// Counts of everything used and refused.
     pub fn counters(&self) -> &Counters {
         &self.counters

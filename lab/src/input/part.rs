@@ -16,7 +16,7 @@ pub struct Part {
 }
 
 /// Every part.
-pub const PARTS: [Part; 15] = [
+pub const PARTS: [Part; 16] = [
     Part::new("grid", "every wall has a direction of its own", |config| config.walls.policy = WallPolicy::Free),
     Part::new("gains", "the range sensors' gains are taken for exact", |config| config.sensing.calibrate_gains = false),
     Part::new("scales", "the drive's scales are taken for exact", |config| config.motion.calibrate_scales = false),
@@ -38,6 +38,7 @@ pub const PARTS: [Part; 15] = [
     Part::new("latency", "readings that come in metres are of the moment", |config| {
         config.sensing.calibrate_latency = false
     }),
+    Part::new("stamps", "all rows of readings in metres are equally late", |config| config.sensing.stamps = false),
     Part::new("age", "analogue readings are as old as their data sheet says", |config| {
         config.sensing.calibrate_age = false;
     }),

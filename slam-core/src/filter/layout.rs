@@ -1,6 +1,6 @@
 //! Which state stands where: names for the indices.
 //!
-//! `[x, y, theta, alpha, motion calibration (0 to 3), gains (0 to S), latency (0 or 1), walls ...]`
+//! `[x, y, theta, alpha, motion calibration (0 to 3), gains (0 to S), latency (0 or 1), offset of the row (0 or 1), walls ...]`
 
 use crate::filter::ekf::EkfView;
 use crate::geometry::pose::Pose;

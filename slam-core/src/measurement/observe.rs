@@ -232,7 +232,11 @@ impl Observer<'_> {
         let mut jacobian = self.jacobian(sensor, gain, wall, &derivatives);
         if let Some(age) = self.timing.latency.of(&limits.model) {
             // What is older shows less of the change. The capacity is more than twice what a measurement has.
-            let _ = jacobian.push((age, -gain * change_m(&prediction, *heading, self.timing.latency.rate())));
+            let by_age = -gain * change_m(&prediction, *heading, self.timing.latency.rate());
+            let _ = jacobian.push((age, by_age));
+            if let Some(offset) = self.timing.latency.stamps.state {
+                let _ = jacobian.push((offset, by_age));
+            }
         }
         // What stands out of a wall's plane is met so much earlier along a slanting beam.
         let relief_m = self.relief_m / candidate.cos_incidence;
@@ -330,7 +334,7 @@ impl Observer<'_> {
         spread_m * spread_m
     }
 
-    /// Row of the measurement Jacobian, at most seven entries.
+    /// Row of the measurement Jacobian without the age, at most seven entries.
     fn jacobian(&self, sensor: &Sensor, gain: f32, wall: &Wall, prediction: &Prediction) -> Jacobian {
         let mut row = Jacobian::new();
         let mut push = |i: usize, derivative: f32| {

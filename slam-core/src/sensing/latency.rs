@@ -13,6 +13,7 @@ use crate::rig::{RangeModel, Rig};
 use crate::sample::Increment;
 use crate::sensing::SensingSettings;
 use crate::sensing::range::SHARP_HOLD_S;
+use crate::sensing::stamps::Stamps;
 
 /// How late a reading in metres may be before any tells, 1-sigma, seconds: time-of-flight sensors measure for 20 to 100 ms,
 /// and wait to be asked.
@@ -38,6 +39,8 @@ const SETTLED_S: f32 = 1e-4;
 pub struct Latency {
     /// Index of the state that is their age, seconds; none where that is not estimated.
     pub state: Option<usize>,
+    /// How far each row is from that age.
+    pub stamps: Stamps,
     of_metres: bool,
     /// Motion over the time that a reading may be late.
     pace: MeanMotion,
@@ -47,13 +50,19 @@ pub struct Latency {
 
 impl Latency {
     /// Of the moment.
-    pub const NONE: Self = Self { state: None, of_metres: false, pace: MeanMotion::STILL, typical_dt_s: 0.0 };
+    pub const NONE: Self = Self {
+        state: None,
+        stamps: Stamps::EXACT,
+        of_metres: false,
+        pace: MeanMotion::STILL,
+        typical_dt_s: 0.0,
+    };
 
-    /// Of this rig; `allot` adds the state, if it is wanted, with its mean and 1-sigma.
+    /// Of this rig; `allot` adds a state, if it is wanted, with its mean and 1-sigma.
     pub fn new<const S: usize>(
         rig: &Rig<S>,
         settings: &SensingSettings,
-        allot: impl FnOnce(bool, f32, f32) -> Option<usize>,
+        mut allot: impl FnMut(bool, f32, f32) -> Option<usize>,
     ) -> Self {
         let of_metres = rig.sensors.iter().any(|sensor| matches!(sensor.model, RangeModel::Metric { .. }));
         let (is_wanted, (mean_s, sigma_s)) = if of_metres {
@@ -61,7 +70,9 @@ impl Latency {
         } else {
             (settings.calibrate_age && !rig.sensors.is_empty(), ANALOGUE_S)
         };
-        Self { state: allot(is_wanted, mean_s, sigma_s), of_metres, ..Self::NONE }
+        let state = allot(is_wanted, mean_s, sigma_s);
+        let stamps = Stamps::new(of_metres && settings.stamps && state.is_some(), allot);
+        Self { state, stamps, of_metres, ..Self::NONE }
     }
 
     /// The state that is the age of this sensor's readings, if that is estimated.
@@ -141,7 +152,7 @@ impl Timing<'_> {
     /// The motion since a sensor's reading was made, in the robot's present frame; none where it is of the moment.
     pub fn motion_since(&self, model: &RangeModel, ekf: &EkfView) -> Option<Increment> {
         if let Some(age) = self.latency.of(model) {
-            return Some(self.latency.pace.over(ekf.mean(age)));
+            return Some(self.latency.pace.over(ekf.mean(age) + self.latency.stamps.offset_s(ekf)));
         }
         if !self.holds(model) {
             return None;

@@ -5,6 +5,7 @@ pub mod latency;
 pub mod noise_level;
 pub mod output_noise;
 pub mod range;
+pub mod stamps;
 
 /// What is learned of the errors of readings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,6 +15,8 @@ pub struct SensingSettings {
     pub calibrate_gains: bool,
     /// Estimate how late the readings of sensors that report metres are.
     pub calibrate_latency: bool,
+    /// Estimate how far each row's readings in metres are from the moment of its motion, and how far they are as a rule.
+    pub stamps: bool,
     /// Estimate how late the readings of analogue sensors are, where none reports metres.
     pub calibrate_age: bool,
     /// Learn from the innovations how large the noise is, where sensors report metres.
@@ -26,6 +29,7 @@ impl SensingSettings {
     pub(crate) const IDLE: Self = Self {
         calibrate_gains: false,
         calibrate_latency: false,
+        stamps: false,
         calibrate_age: false,
         learn_noise: false,
         repeats: false,
@@ -33,12 +37,19 @@ impl SensingSettings {
 
     /// For sensors whose readings are late, and rigs whose noise is a guess.
     pub fn real_rooms() -> Self {
-        Self { calibrate_latency: true, learn_noise: true, ..Self::default() }
+        Self { calibrate_latency: true, stamps: true, learn_noise: true, ..Self::default() }
     }
 }
 
 impl Default for SensingSettings {
     fn default() -> Self {
-        Self { calibrate_gains: true, calibrate_latency: false, calibrate_age: true, learn_noise: false, repeats: true }
+        Self {
+            calibrate_gains: true,
+            calibrate_latency: false,
+            stamps: false,
+            calibrate_age: true,
+            learn_noise: false,
+            repeats: true,
+        }
     }
 }

@@ -320,6 +320,33 @@ fn found_latency(seed: u64, steps: usize) -> (f32, f32) {
     slam.latency().unwrap()
 }
 
+/// The sigma of the stamps that is found where each row's readings are of one of the last `rows` samples, seconds.
+fn found_stamp_sigma(seed: u64, rows: usize) -> f32 {
+    let rig = rig();
+    let mut config = Config::default();
+    config.sensing.calibrate_latency = true;
+    config.sensing.stamps = true;
+    let (mut truth, mut random) = (Truth::new(seed), Random::new(seed));
+    let mut slam = RobotSlam::with_config(rig.clone(), config).unwrap();
+    let mut late = vec![[RangeInput::Missing; 8]; rows];
+    for number in 0..4000 {
+        let mut sample = truth.step(&rig, number);
+        late.rotate_right(1);
+        late[0] = sample.ranges;
+        sample.ranges = late[random.below(rows)];
+        slam.step(&sample);
+    }
+    slam.stamp_sigma().unwrap()
+}
+
+/// Five samples 40 ms apart, each as likely as the others, have a standard deviation of 57 ms.
+#[test]
+fn how_far_stamps_are_off_is_found() {
+    let (exact_s, far_s) = (found_stamp_sigma(9, 1), found_stamp_sigma(9, 5));
+    assert!(exact_s < 0.02, "{exact_s} s where stamps are exact");
+    assert!((far_s - 0.057).abs() < 0.015, "{far_s} s, not 57 ms");
+}
+
 /// To 20 ms: half a step, in which this robot moves by 5 mm.
 #[test]
 fn the_age_of_readings_is_found() {

@@ -158,6 +158,7 @@ fn config(source: &mut Source, rig: &Rig<SENSORS>) -> Config {
     config.motion.mean_travel = coin();
     config.sensing.calibrate_gains = coin();
     config.sensing.calibrate_latency = coin();
+    config.sensing.stamps = coin();
     config.sensing.repeats = coin();
     config.sensing.learn_noise = coin();
     config
