@@ -22,6 +22,8 @@ pub struct LocalLine {
     pub variance_m2: f32,
     /// Variance of the direction, rad^2; likewise.
     pub direction_variance: f32,
+    /// The part of it that is of the readings alone, rad^2: how well the line is known relative to the robot that saw it.
+    pub seen_direction_variance: f32,
     /// Length, metres.
     pub length_m: f32,
     /// Number of points.
@@ -75,6 +77,7 @@ impl LocalLine {
             // A heading that walks randomly over a stretch moves its end by a third of the lever squared.
             variance_m2: line.variance_m2 + position + heading * lever_m * lever_m * (1.0 / 3.0),
             direction_variance: line.direction_variance + heading,
+            seen_direction_variance: line.direction_variance,
             length_m: line.length_m(),
             count: line.count,
             seen_m: line.centroid_m,

@@ -9,7 +9,8 @@ use crate::walls::decision::{GRID_SHARE, SHORT_SHARE, decide};
 use crate::walls::manhattan::GridDirection;
 use crate::walls::wall::WallPolicy;
 
-/// Largest direction sigma of a free line, radians: two degrees.
+/// Largest sigma of a free line's direction relative to the robot that saw it, radians: two degrees. What the heading is
+/// not known by is the heading's: walls that are seen under it share it, and are known relative to one another.
 const DIRECTION_SIGMA: f32 = 0.035;
 
 /// Shortest free wall, metres: a few points from around a corner turn a line of half the length by ten degrees, and no
@@ -109,7 +110,7 @@ pub fn judge(
     // A wall near the grid keeps a direction of its own: nothing is turned by taking one for it.
     let is_exact = grid.is_some() && deviation == 0.0;
     let shortest_m = if is_exact { ASKEW_LENGTH_M } else { FREE_LENGTH_M };
-    let determined = line.direction_variance < DIRECTION_SIGMA * DIRECTION_SIGMA
+    let determined = line.seen_direction_variance < DIRECTION_SIGMA * DIRECTION_SIGMA
         && line.length_m >= shortest_m
         && line.count >= FREE_POINTS;
     let free = if determined { Verdict::Free } else { Verdict::Wait };

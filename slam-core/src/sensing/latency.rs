@@ -50,13 +50,8 @@ pub struct Latency {
 
 impl Latency {
     /// Of the moment.
-    pub const NONE: Self = Self {
-        state: None,
-        stamps: Stamps::EXACT,
-        of_metres: false,
-        pace: MeanMotion::STILL,
-        typical_dt_s: 0.0,
-    };
+    pub const NONE: Self =
+        Self { state: None, stamps: Stamps::EXACT, of_metres: false, pace: MeanMotion::STILL, typical_dt_s: 0.0 };
 
     /// Of this rig; `allot` adds a state, if it is wanted, with its mean and 1-sigma.
     pub fn new<const S: usize>(

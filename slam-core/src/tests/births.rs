@@ -49,6 +49,7 @@ fn line(random: &mut Random) -> LocalLine {
         normal_rad: r(3.1),
         variance_m2: 4e-5,
         direction_variance: 2e-4,
+        seen_direction_variance: 2e-4,
         length_m: 0.8,
         count: 20,
         seen_m: [0.0; 2],

@@ -28,18 +28,23 @@ impl Case {
         Self { ekf, policy, doubts: Doubts::NONE }
     }
 
-    fn judge(&mut self, quarter: f32, off_deg: f32, seen_m: [f32; 2], path_m: f32) -> Verdict {
-        let line = LocalLine {
+    fn line(quarter: f32, off_deg: f32, seen_m: [f32; 2], path_m: f32) -> LocalLine {
+        LocalLine {
             centroid_m: seen_m,
             normal_rad: quarter * FRAC_PI_2 + off_deg * DEGREE,
             variance_m2: 1e-4,
             direction_variance: DEGREE * DEGREE,
+            seen_direction_variance: DEGREE * DEGREE,
             length_m: 1.0,
             count: 10,
             seen_m,
             path_m,
             by_calibration: heapless::Vec::new(),
-        };
+        }
+    }
+
+    fn judge(&mut self, quarter: f32, off_deg: f32, seen_m: [f32; 2], path_m: f32) -> Verdict {
+        let line = Self::line(quarter, off_deg, seen_m, path_m);
         let grid = GridDirection::of(&self.ekf);
         judge(&self.ekf, self.policy, deviation(self.policy), Some(&grid), &line, &mut self.doubts)
     }
@@ -78,4 +83,22 @@ fn two_sides_of_one_thing_or_other_angles_do_not() {
     let mut case = Case::new(WallPolicy::NearGrid);
     case.judge(0.0, 20.0, [2.0, 0.0], 1.0);
     assert_eq!(case.judge(1.0, 20.0, [0.0, 2.0], 2.0), Verdict::Free);
+}
+
+/// A robot whose heading wanders by five degrees while it sees a wall knows the wall relative to itself, and that is a wall;
+/// one that knows its heading and saw too little of the wall to tell where it goes does not.
+#[test]
+fn a_first_wall_is_judged_by_what_was_seen_of_it() {
+    let case = Case::new(WallPolicy::NearGrid);
+    let verdict = |direction_deg: f32, seen_deg: f32| {
+        let square = |deg: f32| (deg * DEGREE) * (deg * DEGREE);
+        let line = LocalLine {
+            direction_variance: square(direction_deg),
+            seen_direction_variance: square(seen_deg),
+            ..Case::line(0.0, 0.0, [2.0, 0.0], 1.0)
+        };
+        judge(&case.ekf, case.policy, 0.0, None, &line, &mut { Doubts::NONE })
+    };
+    assert_eq!(verdict(5.0, 1.0), Verdict::Free);
+    assert_eq!(verdict(5.0, 3.0), Verdict::Wait);
 }
