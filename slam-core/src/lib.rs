@@ -36,6 +36,7 @@ extern crate std;
 mod births;
 mod clock;
 pub mod config;
+mod displacement;
 mod filter;
 mod geometry;
 mod health;

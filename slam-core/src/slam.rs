@@ -21,6 +21,7 @@ use crate::sensing::correlation::SurfaceCorrelation;
 use crate::sensing::latency::{Latency, Timing};
 use crate::sensing::noise_level::NoiseLevels;
 use crate::sensing::output_noise::OutputNoise;
+use crate::sensing::sign::Sign;
 use crate::walls::anchor::Anchor;
 use crate::walls::map::Map;
 use crate::walls::upkeep::upkeep;
@@ -66,6 +67,7 @@ pub struct Slam<const S: usize, const W: usize, const B: usize, const ROWS: usiz
     pub(crate) config: Config,
     clock: Clock,
     pub(crate) drive: Drive,
+    pub(crate) sign: Sign<S>,
     pub(crate) sensors: [SensorState; S],
     pub(crate) latency: Latency,
     pub(crate) levels: NoiseLevels,
@@ -75,7 +77,7 @@ pub struct Slam<const S: usize, const W: usize, const B: usize, const ROWS: usiz
     pub(crate) first: FirstEstimates,
     shortfall: Shortfall,
     pub(crate) map: Map<W>,
-    candidates: Candidates<B>,
+    pub(crate) candidates: Candidates<B>,
     pub(crate) monitor: HealthMonitor,
     pub(crate) counters: Counters,
 }
@@ -97,6 +99,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         config: Config::IDLE,
         clock: Clock::NEW,
         drive: Drive::START,
+        sign: Sign::TRUE,
         sensors: [SensorState::NONE; S],
         latency: Latency::NONE,
         levels: NoiseLevels::STATED,
@@ -157,6 +160,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.config = config;
         self.clock = Clock::NEW;
         self.drive = Drive::START;
+        self.sign = if config.motion.find_sign { Sign::UNKNOWN } else { Sign::TRUE };
         self.sensors = [SensorState::NONE; S];
         self.latency = Latency::NONE;
         self.levels = NoiseLevels::STATED;
@@ -209,6 +213,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             return report;
         };
         self.predict(&sample.motion, tick);
+        self.turn_round(&sample.ranges);
         self.observe(&sample.ranges, tick.dt_s, &mut report);
         self.extend_map(tick.dt_s, &mut report);
         self.latency.settle(&mut self.ekf);
@@ -224,15 +229,20 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
 
     /// Moves the pose by the motion input (Rousse & Qiu 3.1).
     fn predict(&mut self, motion: &Motion, tick: Tick) {
-        let Self { rig, config, drive, ekf, .. } = self;
-        let travel = drive.travel(&rig.drive, motion, tick.dt_s);
+        let travel = self.drive.travel(&self.rig.drive, motion, tick.dt_s);
         if tick.is_first {
             // Where motion starts from; there is none yet that could be wrong but in kind.
-            self.counters.add_motion(!motion.fits(&rig.drive));
+            self.counters.add_motion(!motion.fits(&self.rig.drive));
             return;
         }
         self.counters.add_motion(travel.is_none());
-        let factors = drive.advance(&rig.drive, &config.motion, travel, tick.dt_s, ekf);
+        let turn_rad = travel.map_or(0.0, |travel| travel.turn_rad(&self.rig.drive));
+        if let Some(ended) = travel.and_then(|travel| self.sign.follow(&travel, turn_rad, tick.dt_s)) {
+            self.displace(ended.moved_m, ended.sigma_m);
+        }
+        let Self { rig, config, drive, ekf, .. } = self;
+        let seen = drive.dead_reckoning.pose;
+        let factors = drive.advance(&rig.drive, &config.motion, travel, self.sign.is_reversed, tick.dt_s, ekf);
         let step = &drive.step;
         let mut noise = if config.sensing.learn_noise { self.levels.of_motion(&step.noise) } else { step.noise };
         noise[0][0] += self.shortfall.advance(step.path_m, self.map.heading_variance(ekf));
@@ -245,6 +255,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         };
         self.first.follow(pose, self.map.grid(ekf));
         ekf.predict([pose.x_m, pose.y_m, pose.theta_rad], &jacobian, &noise);
+        let now = drive.dead_reckoning.pose;
+        self.sign.moved([now.x_m - seen.x_m, now.y_m - seen.y_m]);
         self.latency.follow(step.increment, tick.dt_s);
     }
 

@@ -16,7 +16,7 @@ const LAYERS: &[&[&str]] = &[
     &["births"],
     &["config", "clock", "health"],
     &["slam"],
-    &["view"],
+    &["view", "displacement"],
 ];
 
 fn source() -> PathBuf {

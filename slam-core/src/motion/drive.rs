@@ -79,23 +79,25 @@ impl Drive {
         self.encoders.travel(model, motion, dt_s)
     }
 
-    /// Moves on by a travel, or by one that is lost, and returns the factors that the step was made with.
+    /// Moves on by a travel as it was logged, or by one that is lost, and returns the factors that the step was made with.
     pub fn advance(
         &mut self,
         model: &DriveModel,
         settings: &MotionSettings,
-        travel: Option<Travel>,
+        logged: Option<Travel>,
+        is_reversed: bool,
         dt_s: f32,
         ekf: &EkfView,
     ) -> Factors {
         let factors = self.states.factors(model, ekf);
-        let step = match &travel {
+        let step = match &logged {
+            Some(travel) if is_reversed => self.real_step(model, settings, &travel.reversed(), dt_s, &factors),
             Some(travel) => self.real_step(model, settings, travel, dt_s, &factors),
             None => self.step.lost(),
         };
         self.dead_reckoning.advance(&step);
         self.step = step;
-        if let Some(travel) = travel {
+        if let Some(travel) = logged {
             self.nominal = step::step(model, &travel, &Factors::nominal(model)).applied_to(&self.nominal);
         }
         factors

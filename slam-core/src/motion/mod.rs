@@ -19,20 +19,22 @@ pub struct MotionSettings {
     pub slip: bool,
     /// The scales of dead reckoning that comes as a pose multiply its mean over a second, which has less noise.
     pub mean_travel: bool,
+    /// Odometry may say forwards where the robot drove backwards: the ranges of sensors that report metres tell.
+    pub find_sign: bool,
 }
 
 impl MotionSettings {
     pub(crate) const IDLE: Self =
-        Self { calibrate_scales: false, calibrate_track: false, slip: false, mean_travel: false };
+        Self { calibrate_scales: false, calibrate_track: false, slip: false, mean_travel: false, find_sign: false };
 
     /// For floors and odometry as they are.
     pub fn real_rooms() -> Self {
-        Self { slip: true, mean_travel: true, ..Self::default() }
+        Self { slip: true, mean_travel: true, find_sign: true, ..Self::default() }
     }
 }
 
 impl Default for MotionSettings {
     fn default() -> Self {
-        Self { calibrate_scales: true, calibrate_track: true, slip: false, mean_travel: false }
+        Self { calibrate_scales: true, calibrate_track: true, ..Self::IDLE }
     }
 }

@@ -26,6 +26,33 @@ pub enum Travel {
     Body(Increment),
 }
 
+impl Travel {
+    /// How far forwards, metres.
+    pub fn forward_m(&self) -> f32 {
+        match self {
+            Self::Wheels { left_m, right_m } => 0.5 * (left_m + right_m),
+            Self::Body(i) => i.forward_m,
+        }
+    }
+
+    /// How far round, radians, for wheels so far apart.
+    pub fn turn_rad(&self, drive: &DriveModel) -> f32 {
+        match (self, drive) {
+            (Self::Wheels { left_m, right_m }, DriveModel::Wheels { track_m, .. }) => (right_m - left_m) / track_m,
+            (Self::Wheels { .. }, DriveModel::Odometry { .. }) => 0.0,
+            (Self::Body(i), _) => i.turn_rad,
+        }
+    }
+
+    /// The same turn, and the way backwards.
+    pub fn reversed(&self) -> Self {
+        match *self {
+            Self::Wheels { left_m, right_m } => Self::Wheels { left_m: -right_m, right_m: -left_m },
+            Self::Body(i) => Self::Body(Increment { forward_m: -i.forward_m, left_m: -i.left_m, ..i }),
+        }
+    }
+}
+
 /// Remembers the last ticks and turns inputs into travel.
 #[derive(Clone, Debug, Default)]
 pub struct Encoders {

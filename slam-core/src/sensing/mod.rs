@@ -5,6 +5,7 @@ pub mod latency;
 pub mod noise_level;
 pub mod output_noise;
 pub mod range;
+pub mod sign;
 pub mod stamps;
 
 /// What is learned of the errors of readings.

@@ -28,6 +28,7 @@ mod ranges;
 mod repeats;
 mod rigs;
 mod runs;
+mod signs;
 mod strides;
 mod verdicts;
 mod walls;

@@ -159,6 +159,7 @@ fn config(source: &mut Source, rig: &Rig<SENSORS>) -> Config {
     config.sensing.calibrate_gains = coin();
     config.sensing.calibrate_latency = coin();
     config.sensing.stamps = coin();
+    config.motion.find_sign = coin();
     config.sensing.repeats = coin();
     config.sensing.learn_noise = coin();
     config

@@ -1,0 +1,44 @@
+//! Moving the pose where the motion that it was predicted by turns out to have been another.
+
+use crate::filter::ekf::{LEADING, MotionJacobian};
+use crate::filter::layout::{self, THETA, X, Y};
+use crate::geometry::angle::{sin_cos, wrap};
+use crate::geometry::pose::Pose;
+use crate::sample::RangeInput;
+use crate::slam::Slam;
+
+/// The motion Jacobian of a robot that stays.
+const UNMOVED: MotionJacobian = {
+    let mut rows = [[0.0; LEADING]; 3];
+    rows[X][X] = 1.0;
+    rows[Y][Y] = 1.0;
+    rows[THETA][THETA] = 1.0;
+    rows
+};
+
+impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, W, B, ROWS> {
+    /// Where the ranges tell that the robot drove the other way since it stopped, it is where that leads. What waited to
+    /// become a wall was seen from elsewhere, and is forgotten.
+    pub(crate) fn turn_round(&mut self, inputs: &[RangeInput; S]) {
+        if let Some(moved_m) = self.sign.tell(&self.rig.sensors, inputs) {
+            self.displace(moved_m, [0.0; 2]);
+            self.candidates.clear();
+        }
+    }
+
+    /// Moves the pose, and makes it less certain by a 1-sigma vector, both metres, in the frame of dead reckoning.
+    pub(crate) fn displace(&mut self, moved_m: [f32; 2], sigma_m: [f32; 2]) {
+        let pose = layout::pose(&self.ekf);
+        let (s, c) = sin_cos(wrap(pose.theta_rad - self.drive.dead_reckoning.pose.theta_rad));
+        let [moved, sigma] = [moved_m, sigma_m].map(|[x, y]| [c * x - s * y, s * x + c * y]);
+        let pose = Pose { x_m: pose.x_m + moved[0], y_m: pose.y_m + moved[1], ..pose };
+        let mut noise = [[0.0; 3]; 3];
+        for (row, i) in noise.iter_mut().zip(sigma) {
+            for (entry, j) in row.iter_mut().zip(sigma) {
+                *entry = i * j;
+            }
+        }
+        self.ekf.predict([pose.x_m, pose.y_m, pose.theta_rad], &UNMOVED, &noise);
+        self.first.follow(pose, self.map.grid(&self.ekf));
+    }
+}

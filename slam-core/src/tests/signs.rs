@@ -1,0 +1,83 @@
+//! Odometry that says forwards where the robot drove backwards.
+
+use std::vec::Vec;
+
+use crate::{
+    Config, DriveModel, HostSlam, Increment, Motion, Mount, RangeInput, RangeModel, RangeSensor, Rig, Sample,
+    VEER_SIGMA,
+};
+
+/// Walls at x = 3 and -1, y = 1.5 and -1.5.
+const ROOM: [f64; 4] = [3.0, -1.0, 1.5, -1.5];
+
+fn rig() -> Rig<16> {
+    let sensor = |bearing_deg: f32| RangeSensor {
+        mount: Mount { x_m: 0.0, y_m: 0.0, bearing_rad: bearing_deg.to_radians() },
+        min_m: 0.1,
+        max_m: 5.0,
+        max_incidence_rad: 1.2,
+        gain_sigma: 0.0,
+        model: RangeModel::Metric { noise_m: 0.01, noise_rel: 0.0 },
+    };
+    let drive = DriveModel::Odometry {
+        scale_sigma: 0.02,
+        noise_m2_per_m: 2e-4,
+        noise_rad2_per_m: 2e-4,
+        noise_rad2_per_rad: 2e-4,
+        veer_sigma: VEER_SIGMA,
+    };
+    Rig { drive, adc: None, sensors: [-90.0, -40.0, 0.0, 40.0, 90.0].map(sensor).into_iter().collect() }
+}
+
+fn range_m([x, y, theta]: [f64; 3], bearing_rad: f64) -> f32 {
+    let (s, c) = (theta + bearing_rad).sin_cos();
+    let hits = [(ROOM[0] - x) / c, (ROOM[1] - x) / c, (ROOM[2] - y) / s, (ROOM[3] - y) / s];
+    hits.into_iter().filter(|m| *m > 0.0).fold(f64::MAX, f64::min) as f32
+}
+
+/// (speed, turn rate, rows): to and fro and round, with stops, five rows a second.
+fn drive() -> Vec<(f64, f64, usize)> {
+    let mut parts = Vec::new();
+    for _ in 0..6 {
+        parts.extend([(0.4, 0.0, 15), (0.0, 0.0, 3), (-0.4, 0.0, 10), (0.0, 0.5, 6), (0.0, -0.5, 6), (-0.3, 0.0, 7)]);
+    }
+    parts
+}
+
+/// How far the estimated position ends from the true one, metres, and how far the robot drove backwards.
+fn miss_m(has_sign: bool, find_sign: bool) -> (f64, f64) {
+    let (rig, mut config) = (rig(), Config::real_rooms());
+    config.motion.find_sign = find_sign;
+    let mut slam = HostSlam::with_config(rig.clone(), config).unwrap();
+    let (mut pose, mut backwards_m) = ([0.0f64; 3], 0.0);
+    let rows = drive().into_iter().flat_map(|(speed, rate, rows)| std::iter::repeat_n((speed, rate), rows));
+    for (number, (speed, rate)) in rows.enumerate() {
+        let (s, c) = pose[2].sin_cos();
+        pose = [pose[0] + 0.2 * speed * c, pose[1] + 0.2 * speed * s, pose[2] + 0.2 * rate];
+        backwards_m += 0.2 * (-speed).max(0.0);
+        let logged = if has_sign { speed } else { speed.abs() };
+        let mut ranges = [RangeInput::Missing; 16];
+        for (range, sensor) in ranges.iter_mut().zip(&rig.sensors) {
+            *range = RangeInput::Metres(range_m(pose, sensor.mount.bearing_rad.into()));
+        }
+        let motion = Increment { forward_m: (0.2 * logged) as f32, left_m: 0.0, turn_rad: (0.2 * rate) as f32 };
+        slam.step(&Sample { time_us: 200_000 * number as u64, motion: Motion::Increment(motion), ranges });
+    }
+    let found = slam.start_pose().inverse().compose(&slam.pose());
+    ((f64::from(found.x_m) - pose[0]).hypot(f64::from(found.y_m) - pose[1]), backwards_m)
+}
+
+#[test]
+fn what_was_driven_backwards_is_found_where_odometry_has_no_sign() {
+    let (miss, backwards_m) = miss_m(false, true);
+    assert!(backwards_m > 4.0, "{backwards_m} m");
+    assert!(miss < 0.1, "{miss} m off");
+    let (without, _) = miss_m(false, false);
+    assert!(without > 0.5, "{without} m off without looking for it");
+}
+
+#[test]
+fn an_odometry_with_a_sign_is_believed() {
+    let (looking, without) = (miss_m(true, true).0, miss_m(true, false).0);
+    assert!((looking - without).abs() < 0.005, "{looking} and {without} m off");
+}
