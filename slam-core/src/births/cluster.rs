@@ -63,7 +63,7 @@ pub fn newest_line<const B: usize>(
             }
         }
     }
-    let mut members = straight_part(buffer, &cluster, anchor)?;
+    let mut members = straight_part(buffer, &cluster, anchor, relief_m)?;
     let line = fit_members(buffer, &members, relief_m)?;
     grow(buffer, &mut members, &line, relief_m);
     let line = fit_members(buffer, &members, relief_m)?;
@@ -73,10 +73,15 @@ pub fn newest_line<const B: usize>(
 /// The longest run of the cluster's points, from the anchor backwards, that is straight and has no gap as wide as a
 /// door that nothing was read in. Where it ends because it bends, the last few points are left out: they may be from around the corner already,
 /// hidden in the noise, and at its end they would turn the line most.
-fn straight_part<const B: usize>(buffer: &OutlierBuffer<B>, cluster: &Members<B>, anchor: usize) -> Option<Members<B>> {
+fn straight_part<const B: usize>(
+    buffer: &OutlierBuffer<B>,
+    cluster: &Members<B>,
+    anchor: usize,
+    relief_m: f32,
+) -> Option<Members<B>> {
     let newest = buffer.get(anchor)?;
     let mut members = [false; B];
-    let mut moments = Moments::about(newest.hit_m);
+    let mut moments = Moments::about(newest.hit_m, relief_m);
     let mut last = newest;
     let mut count = 0;
     let mut bends = false;
@@ -111,7 +116,7 @@ fn straight_part<const B: usize>(buffer: &OutlierBuffer<B>, cluster: &Members<B>
 
 fn fit_members<const B: usize>(buffer: &OutlierBuffer<B>, members: &Members<B>, relief_m: f32) -> Option<FittedLine> {
     let points = buffer.iter().zip(members).filter(|(_, m)| **m).map(|(p, _)| p);
-    let mut moments = Moments::about(points.clone().next()?.hit_m);
+    let mut moments = Moments::about(points.clone().next()?.hit_m, relief_m);
     for point in points.clone() {
         moments.add(point);
     }

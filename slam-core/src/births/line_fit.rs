@@ -9,6 +9,7 @@ use heapless::Vec;
 #[derive(Clone, Copy, Debug)]
 pub struct Moments {
     reference_m: [f32; 2],
+    relief_m2: f32,
     count: u32,
     weight: f32,
     first: [f32; 2],
@@ -31,14 +32,23 @@ pub struct Scatter {
 }
 
 impl Moments {
-    /// No points yet.
-    pub fn about(reference_m: [f32; 2]) -> Self {
-        Self { reference_m, count: 0, weight: 0.0, first: [0.0; 2], xx: 0.0, xy: 0.0, yy: 0.0 }
+    /// No points yet, of a surface with this relief, metres.
+    pub fn about(reference_m: [f32; 2], relief_m: f32) -> Self {
+        Self {
+            reference_m,
+            relief_m2: relief_m * relief_m,
+            count: 0,
+            weight: 0.0,
+            first: [0.0; 2],
+            xx: 0.0,
+            xy: 0.0,
+            yy: 0.0,
+        }
     }
 
     /// Adds a point.
     pub fn add(&mut self, point: &Outlier) {
-        let weight = 1.0 / (point.sigma_m * point.sigma_m).max(1e-8);
+        let weight = 1.0 / (point.sigma_m * point.sigma_m + self.relief_m2).max(1e-8);
         let x = point.hit_m[0] - self.reference_m[0];
         let y = point.hit_m[1] - self.reference_m[1];
         self.count += 1;
@@ -78,7 +88,7 @@ fn is_noise_of_line(chi_square: f32, count: u32) -> bool {
 }
 
 impl Scatter {
-    /// Whether the points can be a straight line, before its direction is known: with the noise of each along its beam.
+    /// Whether the points can be a straight line, before its direction is known: with the noise of each along its beam, and the surface's relief.
     pub fn is_straight(&self) -> bool {
         is_noise_of_line(self.across, self.count)
     }

@@ -34,6 +34,10 @@ const TOGETHER_M: f32 = 10.0;
 /// And if they are so far apart that they are not two sides of one thing that stands askew, metres.
 const APART_M: f32 = 1.5;
 
+/// Heading sigma against the grid from which on one line does not tell that it stands on it, radians: four degrees. Beyond it
+/// the density of the grid's directions is less than nine times that of any other, which is the share of walls on the grid.
+const VAGUE_RAD: f32 = 0.07;
+
 /// And if the heading can be off by so many of its standard deviations.
 const SIGMAS: f32 = 4.0;
 
@@ -126,6 +130,9 @@ pub fn judge(
     // The method of Rousse & Qiu is left as it is.
     let is_agreed = !matches!(policy, WallPolicy::Snapped { .. }) && doubts.agree(lean, relative);
     let on_grid = if is_agreed { Some(true) } else { decide(off, variance, share) };
+    // A heading that is known badly is not turned by one line: how many walls stand on the grid would decide, not the line.
+    let is_vague = relative > VAGUE_RAD * VAGUE_RAD && !is_agreed;
+    let on_grid = on_grid.filter(|on_grid| !(*on_grid && is_vague));
     match (on_grid, policy) {
         (Some(true), WallPolicy::Snapped { .. }) => Verdict::Snapped,
         (Some(true), _) if deviation > 0.0 => Verdict::NearGrid(quarter),

@@ -33,7 +33,7 @@ fn points(random: &mut Random, n: usize, normal_rad: f64, sigma_m: f64, surface_
 }
 
 fn scatter(points: &[Outlier]) -> Scatter {
-    let mut moments = Moments::about(points[0].hit_m);
+    let mut moments = Moments::about(points[0].hit_m, 0.0);
     for point in points {
         moments.add(point);
     }

@@ -102,3 +102,18 @@ fn a_first_wall_is_judged_by_what_was_seen_of_it() {
     assert_eq!(verdict(5.0, 1.0), Verdict::Free);
     assert_eq!(verdict(5.0, 3.0), Verdict::Wait);
 }
+
+/// Where the heading is known to six degrees, a wall may stand askew by as much: one line on the grid waits, two tell.
+#[test]
+fn one_line_does_not_tell_a_heading_that_is_known_badly() {
+    for (heading_deg, first) in [(2.0, Verdict::NearGrid(0)), (6.0, Verdict::Wait)] {
+        let mut case = Case::new(WallPolicy::NearGrid);
+        case.ekf.predict(
+            [0.0; 3],
+            &Default::default(),
+            &[[0.0; 3], [0.0; 3], [0.0, 0.0, heading_deg * heading_deg * DEGREE * DEGREE]],
+        );
+        assert_eq!(case.judge(0.0, 1.0, [2.0, 0.0], 1.0), first, "{heading_deg}");
+        assert_eq!(case.judge(1.0, 0.5, [0.0, 2.0], 2.0), Verdict::NearGrid(1), "{heading_deg}");
+    }
+}
