@@ -113,10 +113,10 @@ impl Drive {
         factors: &Factors,
     ) -> Step {
         let mut step = step::step(model, travel, factors);
-        let Travel::Body(raw) = *travel else { return step.unsteady(dt_s) };
         if settings.slip {
             step = step.slipping();
         }
+        let Travel::Body(raw) = *travel else { return step.unsteady(dt_s) };
         if settings.mean_travel {
             self.travelled.follow(raw, dt_s, TRAVEL_S);
             step.by_factor = step::by_factors(self.travelled.over(dt_s), factors);

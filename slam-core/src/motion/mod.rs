@@ -15,7 +15,7 @@ pub struct MotionSettings {
     pub calibrate_scales: bool,
     /// Estimate the track where its prior sigma is not zero.
     pub calibrate_track: bool,
-    /// Dead reckoning that comes as a pose slips in runs and in turns, beyond the noise that the rig states.
+    /// Wheels and dead reckoning slip in runs and in turns, beyond the noise that the rig states.
     pub slip: bool,
     /// The scales of dead reckoning that comes as a pose multiply its mean over a second, which has less noise.
     pub mean_travel: bool,

@@ -66,7 +66,9 @@ impl Stamps {
         let (offset_s, left_s2) = (ekf.mean(state), ekf.covariance(state, state));
         self.rows = (self.rows + (1.0 - left_s2 / self.variance_s2).clamp(0.0, 1.0)).min(MOST_ROWS);
         let change_s2 = (offset_s * offset_s + left_s2 - self.variance_s2) / (PRIOR_ROWS + self.rows);
-        // This order makes a number of what is none.
-        self.variance_s2 = (self.variance_s2 + change_s2).max(LEAST_S2).min(MOST_S2);
+        let variance_s2 = self.variance_s2 + change_s2;
+        if variance_s2.is_finite() {
+            self.variance_s2 = variance_s2.clamp(LEAST_S2, MOST_S2);
+        }
     }
 }

@@ -3,10 +3,12 @@
 use super::numeric::{arc, derivative};
 use super::oracle::{Matrix, sandwich};
 use super::random::Random;
+use crate::filter::ekf::{Ekf, storage};
 use crate::geometry::angle::sin_cos;
+use crate::motion::drive::Drive;
 use crate::motion::step::{Factor, Factors, Step, step};
 use crate::motion::travel::{Encoders, Travel};
-use crate::{DriveModel, Increment, Motion, Pose, Ticks};
+use crate::{DriveModel, Increment, Motion, MotionSettings, Pose, SLIP_M2_PER_RAD, Ticks};
 
 const TRACK_M: f64 = 0.235;
 const WHEELS: DriveModel = DriveModel::Wheels {
@@ -241,4 +243,27 @@ fn an_arc_over_a_long_step_is_a_guess() {
     }
     assert!(nees[0] > 100.0, "steps of a steady robot are arcs, and have a drive's noise only: {}", nees[0]);
     assert!((0.3..1.0).contains(&nees[1]), "{}", nees[1]);
+}
+
+/// A robot of two wheels that turns on the spot slides off it, as any other does.
+#[test]
+fn wheels_slide_in_turns_where_floors_are_real() {
+    let rig = DriveModel::Wheels {
+        track_m: 0.4,
+        track_sigma: 0.0,
+        metres_per_tick: 1e-4,
+        scale_sigma: 0.0,
+        noise_m2_per_m: 1e-4,
+    };
+    let ekf = Ekf::<{ storage(8) }>::EMPTY;
+    let travel = Travel::Wheels { left_m: -0.02, right_m: 0.02 };
+    let noise_m2 = |slip: bool| {
+        let settings = MotionSettings { slip, ..MotionSettings::default() };
+        let mut drive = Drive::START;
+        drive.advance(&rig, &settings, Some(travel), false, 0.1, &ekf);
+        [drive.step.noise[0][0], drive.step.noise[1][1]]
+    };
+    for (with, without) in noise_m2(true).into_iter().zip(noise_m2(false)) {
+        assert!(with >= 0.1 * SLIP_M2_PER_RAD && without < 1e-5, "{with} and {without} m^2");
+    }
 }
