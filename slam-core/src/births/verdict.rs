@@ -9,8 +9,9 @@ use crate::walls::decision::{GRID_SHARE, SHORT_SHARE, decide};
 use crate::walls::manhattan::GridDirection;
 use crate::walls::wall::WallPolicy;
 
-/// Largest sigma of a free line's direction relative to the robot that saw it, radians: two degrees. What the heading is
-/// not known by is the heading's: walls that are seen under it share it, and are known relative to one another.
+/// Largest sigma of the direction of a free line, or of one that tells of the heading, relative to the robot that saw it,
+/// radians: two degrees. What the heading is not known by is the heading's: walls that are seen under it share it, and are
+/// known relative to one another.
 const DIRECTION_SIGMA: f32 = 0.035;
 
 /// Shortest free wall, metres: a few points from around a corner turn a line of half the length by ten degrees, and no
@@ -61,8 +62,9 @@ pub enum Verdict {
 struct Lean {
     /// Angle from the nearest grid direction, radians.
     off_rad: f32,
-    /// Variance of the line's own direction, rad^2.
+    /// Variance of the line's direction, rad^2, and the part of it that is of the readings alone.
     variance: f32,
+    seen_variance: f32,
     /// That grid direction, in quarter turns from alpha.
     quarter: u8,
     /// Centroid in the frame of dead reckoning, metres.
@@ -84,7 +86,7 @@ impl Doubts {
     /// likely than that the robot does not know its own.
     fn agree(&mut self, line: Lean, heading: f32) -> bool {
         let possible = line.off_rad * line.off_rad < SIGMAS * SIGMAS * heading;
-        if !possible || line.variance > DIRECTION_SIGMA * DIRECTION_SIGMA {
+        if !possible || line.seen_variance > DIRECTION_SIGMA * DIRECTION_SIGMA {
             return false;
         }
         let agrees = self.0.is_some_and(|last| {
@@ -125,8 +127,14 @@ pub fn judge(
     let relative = decision::relative_variance(ekf, THETA, ALPHA);
     let variance = line.direction_variance + relative + deviation;
     let share = if is_exact && line.length_m < SHORT_M { SHORT_SHARE } else { GRID_SHARE };
-    let lean =
-        Lean { off_rad: off, variance: line.direction_variance, quarter, seen_m: line.seen_m, path_m: line.path_m };
+    let lean = Lean {
+        off_rad: off,
+        variance: line.direction_variance,
+        seen_variance: line.seen_direction_variance,
+        quarter,
+        seen_m: line.seen_m,
+        path_m: line.path_m,
+    };
     // The method of Rousse & Qiu is left as it is.
     let is_agreed = !matches!(policy, WallPolicy::Snapped { .. }) && doubts.agree(lean, relative);
     let on_grid = if is_agreed { Some(true) } else { decide(off, variance, share) };

@@ -117,3 +117,21 @@ fn one_line_does_not_tell_a_heading_that_is_known_badly() {
         assert_eq!(case.judge(1.0, 0.5, [0.0, 2.0], 2.0), Verdict::NearGrid(1), "{heading_deg}");
     }
 }
+
+/// Lines that are known well to the robot that saw them agree though its heading wandered since.
+#[test]
+fn two_lines_agree_under_a_heading_that_wanders() {
+    let mut case = Case::new(WallPolicy::NearGrid);
+    let mut both = |seen_deg: f32| {
+        let square = |deg: f32| (deg * DEGREE) * (deg * DEGREE);
+        let wandering =
+            |line| LocalLine { direction_variance: square(3.0), seen_direction_variance: square(seen_deg), ..line };
+        case.doubts = Doubts::NONE;
+        let grid = GridDirection::of(&case.ekf);
+        [Case::line(0.0, 9.5, [2.0, 0.0], 1.0), Case::line(1.0, 9.0, [0.0, 2.0], 2.0)].map(|line| {
+            judge(&case.ekf, case.policy, deviation(case.policy), Some(&grid), &wandering(line), &mut case.doubts)
+        })
+    };
+    assert_eq!(both(1.0), [Verdict::Wait, Verdict::NearGrid(1)]);
+    assert_eq!(both(2.5), [Verdict::Wait, Verdict::Wait]);
+}
