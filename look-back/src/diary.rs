@@ -2,10 +2,12 @@
 
 use heapless::Vec;
 use slam_core::angle::wrap;
-use slam_core::{DriveModel, Increment, Pose};
+use slam_core::{Calibration, DriveModel, Increment, Pose};
 
 use crate::frame::relative;
+use crate::gains::Gains;
 use crate::group::Group;
+use crate::names::{NAMES, Name};
 use crate::rows::Odometry;
 use crate::thin;
 use crate::wall::Wall;
@@ -25,15 +27,12 @@ const MOST_LOOSE: usize = 4;
 /// A wall that fewer hits met is noise, and makes room.
 pub(crate) const FEWEST: u32 = 10;
 
-/// Identifiers that the diary knows walls by, two for each.
-const NAMES: usize = 2 * crate::ROBOT_WALLS;
-
 /// One hit: a reading that ended on something.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit {
     /// Where its beam began, in the robot's frame, metres.
     pub from_m: [f32; 2],
-    /// Where it ended, in the robot's frame, metres.
+    /// Where it ended by what the sensor reported, in the robot's frame, metres.
     pub end_m: [f32; 2],
     /// 1-sigma of that along the beam, metres.
     pub sigma_m: f32,
@@ -68,24 +67,6 @@ impl Keyframe {
     }
 }
 
-/// An identifier that the filter gave a wall.
-#[derive(Clone, Copy, Debug)]
-struct Name {
-    id: u16,
-    wall: u8,
-}
-
-/// Scales of distance and turning, and the veer, radians per metre: the odometry senses the motion over its scale.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Calibration {
-    /// Scale of distance.
-    pub distance: f32,
-    /// Scale of turning.
-    pub turn: f32,
-    /// Turn per metre that the odometry does not sense, radians.
-    pub veer_rad_per_m: f32,
-}
-
 /// What a full diary lost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Losses {
@@ -109,8 +90,9 @@ pub struct Diary<const K: usize, const G: usize, const W: usize> {
     /// In the order of their keyframes.
     pub(crate) groups: Vec<Group, G>,
     pub(crate) walls: [Option<Wall>; W],
-    names: Vec<Name, NAMES>,
+    pub(crate) names: Vec<Name, NAMES>,
     pub(crate) calibration: Calibration,
+    pub(crate) gains: Gains,
     /// Direction of the grid, radians.
     pub(crate) alpha_rad: Option<f32>,
     pub(crate) odometry: Odometry,
@@ -126,26 +108,60 @@ pub struct Diary<const K: usize, const G: usize, const W: usize> {
 }
 
 impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
-    /// A diary of a drive that begins at this pose of the filter.
+    /// Not begun. Every byte is zero, so that a static of it costs no flash.
+    pub const IDLE: Self = Self {
+        keyframes: Vec::new(),
+        groups: Vec::new(),
+        walls: [Some(Wall::NEW); W],
+        names: Vec::new(),
+        calibration: Calibration { distance: 0.0, turn: 0.0, veer_rad_per_m: 0.0 },
+        gains: Gains::NONE,
+        alpha_rad: None,
+        odometry: Odometry::NONE,
+        robot: Pose::ORIGIN,
+        filter: Pose::ORIGIN,
+        placed: 0,
+        revision: 0,
+        losses: Losses { thinned: 0, hits: 0, walls: 0 },
+    };
+
+    /// A diary of a drive that begins at this pose of the filter, of a robot whose sensors' gains are known.
     pub fn new(drive: &DriveModel, start: Pose) -> Self {
+        let mut diary = Self::IDLE;
+        diary.begin(drive, Gains::KNOWN, start);
+        diary
+    }
+
+    /// Begins, or begins anew, in place.
+    pub(crate) fn begin(&mut self, drive: &DriveModel, gains: Gains, start: Pose) {
         const { assert!(K >= 4 && G <= u16::MAX as usize && W < u8::MAX as usize && W >= 1) };
-        let mut keyframes = Vec::new();
+        self.keyframes.clear();
         // There is room for four.
-        let _ = keyframes.push(Keyframe::at(0, start));
-        Self {
-            keyframes,
-            groups: Vec::new(),
-            walls: [None; W],
-            names: Vec::new(),
-            calibration: Calibration { distance: 1.0, turn: 1.0, veer_rad_per_m: 0.0 },
-            alpha_rad: None,
-            odometry: Odometry::of(drive),
-            robot: Pose::ORIGIN,
-            filter: start,
-            placed: 0,
-            revision: 0,
-            losses: Losses::default(),
+        let _ = self.keyframes.push(Keyframe::at(0, start));
+        self.groups.clear();
+        self.walls.fill(None);
+        self.names.clear();
+        self.calibration = Calibration::EXACT;
+        self.gains = gains;
+        self.alpha_rad = None;
+        self.odometry = Odometry::of(drive);
+        (self.robot, self.filter) = (Pose::ORIGIN, start);
+        self.placed = 0;
+        self.revision = self.revision.wrapping_add(1);
+        self.losses = Losses::default();
+    }
+
+    /// The filter's pose is the diary's from now on: what the diary found was taken over.
+    pub(crate) fn follow_filter(&mut self) {
+        if let Some(last) = self.keyframes.last() {
+            self.filter = last.pose;
         }
+    }
+
+    /// Makes two keyframes one, and forgets the smallest groups on no wall, until there is room for so many more.
+    pub fn make_room(&mut self, keyframes: usize, groups: usize) {
+        while self.keyframes.len() + keyframes > K && self.thin() {}
+        while self.groups.len() + groups > G && (self.drop_fewest() || self.thin()) {}
     }
 
     /// The robot moved by so much, as the odometry sensed it.
@@ -200,7 +216,8 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         if let Some(wall) = wall.and_then(|wall| self.walls.get_mut(wall)?.as_mut()) {
             wall.hits = wall.hits.saturating_add(1);
         }
-        let open = self.open_groups().iter_mut().find(|group| is_of(group, &one));
+        let gains = self.gains;
+        let open = self.open_groups().iter_mut().find(|group| is_of(group, &one, &gains));
         match open {
             Some(group) => group.add(&one),
             None => self.open_group(one),
@@ -249,77 +266,12 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
 
     /// Makes two keyframes one; false where there are not enough.
     fn thin(&mut self) -> bool {
-        let is_done = thin::thin(&mut self.keyframes, &mut self.groups, self.placed);
+        let is_done = thin::thin(&mut self.keyframes, &mut self.groups, &self.gains, self.placed);
         if is_done {
             self.revision = self.revision.wrapping_add(1);
             self.losses.thinned = self.losses.thinned.saturating_add(1);
         }
         is_done
-    }
-
-    /// The wall that the filter calls `id`; a new one where there is none yet and there is room.
-    fn wall_named(&mut self, id: u16) -> Option<usize> {
-        if let Some(name) = self.names.iter().find(|name| name.id == id) {
-            return Some(name.wall.into());
-        }
-        let Some(wall) = self.free_wall() else {
-            self.losses.walls = self.losses.walls.saturating_add(1);
-            return None;
-        };
-        if self.names.is_full() {
-            self.forget_a_name();
-        }
-        *self.walls.get_mut(wall)? = Some(Wall::NEW);
-        self.names.push(Name { id, wall: u8::try_from(wall).ok()? }).ok()?;
-        Some(wall)
-    }
-
-    /// Forgets the oldest name of a wall that has a newer one.
-    fn forget_a_name(&mut self) {
-        let mut names = self.names.iter().enumerate();
-        let is_newer = |i: usize, wall: u8| self.names.iter().skip(i + 1).any(|later| later.wall == wall);
-        let Some((gone, _)) = names.find(|(i, name)| is_newer(*i, name.wall)) else { return };
-        let mut i = 0;
-        self.names.retain(|_| {
-            i += 1;
-            i != gone + 1
-        });
-    }
-
-    /// A place for a wall: one that is free, or that of the wall that fewest hits met, where these are too few to matter.
-    fn free_wall(&mut self) -> Option<usize> {
-        if let Some(free) = self.walls.iter().position(Option::is_none) {
-            return Some(free);
-        }
-        let hits = |wall: &Option<Wall>| wall.map_or(0, |wall| wall.hits);
-        let (place, least) = self.walls.iter().map(hits).enumerate().min_by_key(|(_, hits)| *hits)?;
-        if least >= FEWEST {
-            return None;
-        }
-        self.remove_wall(place);
-        Some(place)
-    }
-
-    /// Forgets a wall: its groups are on none.
-    pub(crate) fn remove_wall(&mut self, place: usize) {
-        self.groups.iter_mut().filter(|group| group.wall() == Some(place)).for_each(|group| group.set_wall(None));
-        self.names.retain(|name| usize::from(name.wall) != place);
-        if let Some(wall) = self.walls.get_mut(place) {
-            *wall = None;
-        }
-        self.revision = self.revision.wrapping_add(1);
-    }
-
-    /// Wall `gone` turned out to be wall `kept`.
-    pub(crate) fn unite(&mut self, kept: usize, gone: usize) {
-        self.groups.iter_mut().filter(|group| group.wall() == Some(gone)).for_each(|group| group.set_wall(Some(kept)));
-        let kept_name = u8::try_from(kept).unwrap_or(u8::MAX);
-        for name in self.names.iter_mut().filter(|name| usize::from(name.wall) == gone) {
-            name.wall = kept_name;
-        }
-        if let Some(wall) = self.walls.get_mut(gone) {
-            *wall = None;
-        }
     }
 
     /// Each keyframe with what was seen from it.
@@ -337,6 +289,11 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         self.keyframes.iter().map(|key| (key.serial, key.pose))
     }
 
+    /// Which one of all that were begun the last keyframe is.
+    pub fn newest(&self) -> u32 {
+        self.keyframes.last().map_or(0, |key| key.serial)
+    }
+
     /// Where the robot is: the last keyframe's pose and the odometry since.
     pub fn robot(&self) -> Pose {
         self.keyframes.last().map_or(Pose::ORIGIN, |last| last.pose.compose(&self.robot))
@@ -346,11 +303,6 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     pub fn walls(&self) -> impl Iterator<Item = (usize, &Wall)> + '_ {
         let known = self.walls.iter().enumerate().filter_map(|(i, wall)| Some((i, wall.as_ref()?)));
         known.filter(|(_, wall)| wall.is_placed)
-    }
-
-    /// An identifier that the filter gave this wall, the latest.
-    pub fn id_of(&self, wall: usize) -> Option<u16> {
-        self.names.iter().rev().find(|name| usize::from(name.wall) == wall).map(|name| name.id)
     }
 
     /// Groups of hits at present.
@@ -374,8 +326,10 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     }
 }
 
-/// Whether a hit belongs to a group: on one wall, or on none and near.
-fn is_of(group: &Group, one: &Group) -> bool {
+/// Whether a hit belongs to a group: on one wall, and of one sensor where its gain is not known; or on none and near.
+fn is_of(group: &Group, one: &Group, gains: &Gains) -> bool {
     let near = |axis: usize| (group.mean_m[axis] - one.mean_m[axis]).abs() < ONE_THING_M;
-    group.wall() == one.wall() && (one.wall().is_some() || (group.sensor == one.sensor && near(0) && near(1)))
+    group.wall() == one.wall()
+        && (group.sensor == one.sensor || (one.wall().is_some() && gains.go_together(group, one)))
+        && (one.wall().is_some() || (near(0) && near(1)))
 }

@@ -47,7 +47,7 @@ impl<const W: usize> Labels<W> {
         index: usize,
         frame: &Frame,
     ) -> Option<usize> {
-        let group = diary.groups.get(index)?;
+        let group = diary.gains.correct(diary.groups.get(index)?);
         let (from_m, mean_m) = (frame.point(group.from_m), frame.point(group.mean_m));
         let mut nearest: Option<(usize, f32)> = None;
         for (i, wall) in diary.walls.iter().enumerate() {

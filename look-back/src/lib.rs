@@ -9,18 +9,21 @@
 //! | layer | what it makes |
 //! |---|---|
 //! | [`diary`], group | keyframes, the odometry between them, and what was seen from each: the hits on one surface as sums |
-//! | rows | residuals of odometry, groups and priors with their derivatives |
+//! | gains, rows | residuals of odometry, groups and priors with their derivatives |
 //! | system, packed | one Gauss-Newton step: poses eliminated along the path, the border solved, the poses found on the way back |
 //! | solve | the step in slices |
 //! | place, survey, labels, twins | where a new wall is, what was seen of each, which group is on which, which two are one |
 //! | [`look_back`] | the order of all that, and what came of it |
+//! | record | what a step of the filter writes down |
+//! | posterior, present | what was found, brought up to the present and handed over to the filter |
+//! | back_end | a filter's companion: when it looks back, and for how long at a time |
 //!
 //! One rule: work is asked for. The crate knows nothing of tasks, files or clocks; [`LookBack::work`] does about as many
 //! multiply-adds as it is allowed and returns.
 //!
-//! What is wired up: a measurement feeds recorded drives to it and sets it beside the workbench's look back, which has no bounds
-//! on memory (`cargo run --release --package tests --example robot_look_back`). No robot runs it yet: the firmware has no
-//! task for it, and the filter takes nothing over.
+//! What is wired up: `lab run --hand-overs` and `lab replay --hand-overs` run a [`BackEnd`] beside the filter as a robot would; a
+//! measurement sets it beside the workbench's look back, which has no bounds on memory (`cargo run --release --package tests
+//! --example robot_look_back`). No robot runs it yet: the firmware has no task for it.
 //!
 //! Frames and units are slam-core's: metres, radians; *map* is where the first keyframe was put. All is f32; what is solved
 //! for are increments, so that sums over a long drive lose nothing that matters.
@@ -31,13 +34,19 @@
 #[cfg(test)]
 extern crate std;
 
+mod back_end;
 pub mod diary;
 mod frame;
+mod gains;
 mod group;
 mod labels;
 pub mod look_back;
+mod names;
 mod packed;
 mod place;
+mod posterior;
+mod present;
+mod record;
 mod rows;
 mod solve;
 mod survey;
@@ -48,6 +57,7 @@ mod thin;
 mod twins;
 mod wall;
 
+pub use back_end::{BackEnd, Tally};
 pub use diary::{Diary, Hit};
 pub use look_back::{LookBack, Progress, Unknown};
 pub use packed::packed_len;
@@ -65,5 +75,7 @@ const ROBOT_BORDER: usize = border_len(ROBOT_WALLS);
 
 /// The diary in a size for a robot.
 pub type RobotDiary = Diary<ROBOT_KEYFRAMES, ROBOT_GROUPS, ROBOT_WALLS>;
+/// Both, beside the robot's filter.
+pub type RobotBackEnd = BackEnd<ROBOT_KEYFRAMES, ROBOT_GROUPS, ROBOT_WALLS, ROBOT_BORDER, { packed_len(ROBOT_BORDER) }>;
 /// The solver of such a diary.
 pub type RobotLookBack = LookBack<ROBOT_KEYFRAMES, ROBOT_WALLS, ROBOT_BORDER, { packed_len(ROBOT_BORDER) }>;

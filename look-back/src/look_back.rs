@@ -6,6 +6,7 @@
 use crate::diary::{Diary, FEWEST};
 use crate::labels::Labels;
 use crate::place::{is_on_grid, place};
+use crate::present::Present;
 use crate::rows;
 use crate::solve::{Slice, Solver};
 use crate::survey::{self, Cursor};
@@ -15,6 +16,9 @@ use crate::twins::Twins;
 /// Steps until it is settled, at most, at first and at last, and between two mergers, when it need not be.
 const STEPS: u32 = 10;
 const STEPS_BETWEEN: u32 = 3;
+
+/// And with the keyframes that came meanwhile, which are near where they belong.
+const STEPS_AT_LAST: u32 = 2;
 
 /// Rounds of merging walls that turn out to be one, and of giving groups to the walls that they ended on, at most.
 const MERGING_ROUNDS: u32 = 20;
@@ -43,13 +47,28 @@ pub enum Progress {
     Unsolvable,
 }
 
+/// Which solution this is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Last {
+    /// One of those that settle walls and labels.
+    No,
+    /// The last of all that was written down until then.
+    Settling,
+    /// One more with what was written down meanwhile.
+    Latest,
+}
+
 #[derive(Clone, Debug)]
 enum Stage {
+    Idle,
     Place { wall: usize },
     Solve,
     Survey { cursor: Cursor },
     Merge,
     Label,
+    Invert { row: usize },
+    Square { row: usize },
+    CatchUp,
     Ended(Progress),
 }
 
@@ -69,7 +88,8 @@ pub struct Effort {
 /// Places what a diary of K keyframes and W walls holds; B is `border_len(W)`, P is `packed_len(B)`, which the compiler checks.
 #[derive(Clone, Debug)]
 pub struct LookBack<const K: usize, const W: usize, const B: usize, const P: usize> {
-    solver: Solver<K, W, B, P>,
+    pub(crate) solver: Solver<K, W, B, P>,
+    pub(crate) present: Present,
     labels: Labels<W>,
     twins: Twins,
     stage: Stage,
@@ -78,8 +98,8 @@ pub struct LookBack<const K: usize, const W: usize, const B: usize, const P: usi
     steps_left: u32,
     mergers_left: u32,
     labellings_left: u32,
-    /// Whether this is the last solution.
-    is_last: bool,
+    /// Solutions that are left once walls and labels are settled.
+    last: Last,
     effort: Effort,
 }
 
@@ -95,14 +115,15 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K,
         const { assert!(B == border_len(W) && P == crate::packed_len(B)) };
         Self {
             solver: Solver::NEW,
+            present: Present::NONE,
             labels: Labels::NEW,
             twins: Twins::NEW,
-            stage: Stage::Ended(Progress::Nothing),
+            stage: Stage::Idle,
             revision: 0,
             steps_left: 0,
             mergers_left: 0,
             labellings_left: 0,
-            is_last: false,
+            last: Last::No,
             effort: Effort { steps: 0, cost: 0, costliest: 0, merging_rounds: 0 },
         }
     }
@@ -112,7 +133,7 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K,
         self.stage = Stage::Place { wall: 0 };
         self.revision = diary.revision;
         (self.mergers_left, self.labellings_left) = (MERGING_ROUNDS, LABELLING_ROUNDS);
-        self.is_last = false;
+        self.last = Last::No;
         self.effort = Effort::default();
     }
 
@@ -120,8 +141,10 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K,
     pub fn work<const G: usize>(&mut self, diary: &mut Diary<K, G, W>, budget: u32) -> Progress {
         let mut spent = 0u32;
         loop {
-            if let Stage::Ended(progress) = self.stage {
-                return progress;
+            match self.stage {
+                Stage::Idle => return Progress::Nothing,
+                Stage::Ended(progress) => return progress,
+                _ => {}
             }
             if self.revision != diary.revision {
                 self.stage = Stage::Ended(Progress::Interrupted);
@@ -145,13 +168,13 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K,
                 if index < W {
                     return place_wall(diary, index);
                 }
-                self.begin_solving(diary, STEPS)
+                self.begin_solving(diary, if self.last == Last::Latest { STEPS_AT_LAST } else { STEPS })
             }
             Stage::Solve => self.solve(diary),
             Stage::Survey { cursor } => match cursor.next(diary) {
                 Some((index, frame)) => {
                     if let Some(group) = diary.groups.get(index) {
-                        survey::take(&mut diary.walls, group, &frame);
+                        survey::take(&mut diary.walls, &diary.gains.correct(group), &frame);
                     }
                     SURVEY_COST
                 }
@@ -168,7 +191,31 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K,
                     self.begin_solving(diary, STEPS_BETWEEN)
                 }
             },
-            Stage::Ended(_) => 0,
+            Stage::Invert { row } => {
+                let at = *row;
+                *row += 1;
+                if !self.solver.system.invert_row(at) {
+                    self.stage = Stage::Square { row: 0 };
+                }
+                (at * at / 2) as u32
+            }
+            Stage::Square { row } => {
+                let at = *row;
+                *row += 1;
+                if !self.solver.system.square_row(at) {
+                    self.present.begin(diary, &mut self.solver);
+                    self.stage = Stage::CatchUp;
+                }
+                (at * self.solver.system.len().saturating_sub(at)) as u32
+            }
+            Stage::CatchUp => {
+                let is_open = !self.present.go_on(diary, &mut self.solver);
+                if is_open {
+                    self.stage = Stage::Ended(Progress::Done);
+                }
+                (self.solver.system.len() * self.solver.system.len()) as u32
+            }
+            Stage::Idle | Stage::Ended(_) => 0,
         }
     }
 
@@ -179,7 +226,9 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K,
                 *hits = hits.saturating_add(u32::from(group.hits));
             }
         }
-        self.solver.choose(diary, |wall| hits.get(wall).is_some_and(|hits| *hits >= FEWEST));
+        // A wall that is new since it began has no line yet.
+        let has_line = |wall: usize| diary.walls.get(wall).is_some_and(|wall| wall.is_some_and(|wall| wall.is_placed));
+        self.solver.choose(diary, |wall| hits.get(wall).is_some_and(|hits| *hits >= FEWEST) && has_line(wall));
         self.steps_left = steps;
         self.stage = if self.solver.keys() < 2 || hits.iter().all(|hits| *hits < FEWEST) {
             Stage::Ended(Progress::Nothing)
@@ -210,17 +259,17 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K,
     }
 
     fn surveyed<const G: usize>(&mut self, diary: &mut Diary<K, G, W>) -> u32 {
-        if self.is_last {
-            diary.placed = self
-                .solver
-                .keys()
-                .checked_sub(1)
-                .and_then(|last| diary.keyframes.get(last))
-                .map_or(0, |key| key.serial);
-            self.stage = Stage::Ended(Progress::Done);
-        } else {
-            self.twins = Twins::NEW;
-            self.stage = Stage::Merge;
+        match self.last {
+            Last::No => {
+                self.twins = Twins::NEW;
+                self.stage = Stage::Merge;
+            }
+            Last::Settling => self.solve_last(Last::Latest),
+            Last::Latest => {
+                let last = self.solver.keys().checked_sub(1).and_then(|last| diary.keyframes.get(last));
+                diary.placed = last.map_or(0, |key| key.serial);
+                self.stage = Stage::Invert { row: 0 };
+            }
         }
         1
     }
@@ -240,8 +289,19 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K,
             self.stage = Stage::Label;
             return cost;
         }
-        self.is_last = true;
-        cost + self.begin_solving(diary, STEPS)
+        self.solve_last(Last::Settling);
+        cost
+    }
+
+    /// Solves what is in the diary by now, with the lines of walls that are new in it.
+    fn solve_last(&mut self, last: Last) {
+        self.last = last;
+        self.stage = Stage::Place { wall: 0 };
+    }
+
+    /// Whether it has a result.
+    pub fn is_done(&self) -> bool {
+        matches!(self.stage, Stage::Ended(Progress::Done))
     }
 
     /// What the look back took until now.
@@ -249,11 +309,11 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K,
         self.effort
     }
 
-    /// Covariance of two unknowns as the last step had it, in their units; none where a wall was not placed. Their means are the
-    /// diary's. Together these are the state of a filter at the last keyframe that was placed.
+    /// Covariance of two unknowns, in their units, once it is done; none where a wall was not placed. Their means are the diary's.
+    /// Together these are the state of a filter at the last keyframe that was placed, or of the present once it was handed over.
     pub fn covariance(&self, one: Unknown, other: Unknown) -> Option<f32> {
         let (one, other) = (self.place(one)?, self.place(other)?);
-        self.solver.system.covariances(one).get(other).copied()
+        Some(self.solver.system.covariance(one, other))
     }
 
     /// Whether f32 told every unknown of the last step from nothing: only then is their covariance one.

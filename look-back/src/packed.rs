@@ -59,6 +59,14 @@ impl<const P: usize> Packed<P> {
         }
     }
 
+    /// Takes factor y y^T off the first `rows` rows.
+    pub fn subtract_scaled(&mut self, y: &[f32], factor: f32, rows: usize) {
+        for (row, head) in self.rows_mut(rows).zip(y) {
+            let scaled = factor * head;
+            row.iter_mut().zip(y).for_each(|(entry, other)| *entry -= scaled * other);
+        }
+    }
+
     /// Replaces row `i` by that of the factor; the rows before it must be the factor's. False where the pivot is not told from
     /// zero.
     pub fn factor_row(&mut self, i: usize) -> bool {
@@ -81,6 +89,55 @@ impl<const P: usize> Packed<P> {
         let is_told = left > SMALLEST_PIVOT * *pivot;
         *pivot = 1.0 / libm::sqrtf(if is_told { left } else { pivot.max(1.0) });
         is_told
+    }
+
+    /// Replaces row `i` of the factor by that of the factor's inverse; the rows before it must be the inverse's.
+    pub fn invert_row(&mut self, i: usize) {
+        let Some((above, rest)) = self.entries.split_at_mut_checked(packed_len(i)) else { return };
+        let Some((inverse, row)) = rest.get_mut(..i + 1).and_then(|row| row.split_last_mut()) else { return };
+        let mut above: &[f32] = above;
+        for k in 0..i {
+            let Some((other, tail)) = above.split_at_checked(k + 1) else { return };
+            above = tail;
+            let Some(entry) = row.get_mut(k) else { return };
+            let factor = core::mem::replace(entry, 0.0);
+            row.iter_mut().zip(other).for_each(|(entry, other)| *entry -= factor * other);
+        }
+        row.iter_mut().for_each(|entry| *entry *= *inverse);
+    }
+
+    /// Replaces row `i` of the factor's inverse by that of the matrix's, of so many rows; those after it must be the factor's
+    /// inverse.
+    pub fn square_row(&mut self, i: usize, rows: usize) {
+        let Some((head, mut tail)) = self.entries.split_at_mut_checked(packed_len(i + 1)) else { return };
+        let Some(row) = head.get_mut(packed_len(i)..) else { return };
+        let own = row.last().copied().unwrap_or(0.0);
+        row.iter_mut().for_each(|entry| *entry *= own);
+        for k in i + 1..rows {
+            let Some((other, rest)) = core::mem::take(&mut tail).split_at_mut_checked(k + 1) else { return };
+            tail = rest;
+            let factor = other.get(i).copied().unwrap_or(0.0);
+            row.iter_mut().zip(other.iter()).for_each(|(entry, other)| *entry += factor * other);
+        }
+    }
+
+    /// The entry at `i` and `j`; zero past the end.
+    pub fn get(&self, i: usize, j: usize) -> f32 {
+        let (row, column) = if i < j { (j, i) } else { (i, j) };
+        self.entries.get(packed_len(row) + column).copied().unwrap_or(0.0)
+    }
+
+    /// Replaces the entry at `i` and `j`.
+    pub fn set(&mut self, i: usize, j: usize, value: f32) {
+        let (row, column) = if i < j { (j, i) } else { (i, j) };
+        if let Some(entry) = self.entries.get_mut(packed_len(row) + column) {
+            *entry = value;
+        }
+    }
+
+    /// The first rows' entries, one row after the other.
+    pub fn entries(&self, rows: usize) -> &[f32] {
+        self.entries.get(..packed_len(rows)).unwrap_or(&[])
     }
 
     /// The factor's rows.

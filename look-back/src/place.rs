@@ -27,7 +27,7 @@ pub fn place<const K: usize, const G: usize, const W: usize>(diary: &Diary<K, G,
         let mut all: Option<Group> = None;
         let mut towards = [0.0; 2];
         for (frame, group) in seen(diary, index) {
-            let mut group = group.moved(&frame);
+            let mut group = diary.gains.correct(group).moved(&frame);
             let off_m = line.map_or(0.0, |line| dot(line.normal, group.mean_m) - line.rho_m) / NEAR_M;
             // Every group counts by its hits: a wall's groups lie on it, whatever their sensors' noise.
             let weight = f32::from(group.hits) / (1.0 + off_m * off_m) / group.weight;

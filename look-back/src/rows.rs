@@ -1,28 +1,25 @@
 //! Residuals of what was sensed, with their derivatives.
 
 use slam_core::angle::wrap;
-use slam_core::{BUILT_TOLERANCE, DriveModel, Pose, SLIP_M2_PER_RAD, SLIP_RUNS};
+use slam_core::{BUILT_TOLERANCE, Calibration, DriveModel, Pose, SLIP_M2_PER_RAD, SLIP_RUNS};
 
-use crate::diary::{Calibration, Keyframe};
+use crate::diary::Keyframe;
 use crate::frame::Frame;
+use crate::gains::Gains;
 use crate::group::Group;
 use crate::wall::Wall;
 
 /// Residuals of so many sigmas count half (Cauchy).
 const HALF_AT: f32 = 2.0;
 
-/// Places of the calibration and of the grid's direction in the border.
-pub const DISTANCE: usize = 0;
-/// Scale of turning.
-pub const TURN: usize = 1;
-/// Veer.
-pub const VEER: usize = 2;
-/// Direction of the grid.
-pub const ALPHA: usize = 3;
-/// The last pose's x; y and theta follow.
-pub const LAST_POSE: usize = 4;
-/// The first wall's offset; its direction and the other walls follow.
-pub const WALLS: usize = 7;
+/// Places in the border: those of a hand-over.
+pub use slam_core::hand_over::{ALPHA, DISTANCE, GAINS, POSE as LAST_POSE, TURN, VEER, WALLS};
+
+/// No entry of the border.
+const NONE: (usize, f32) = (0, 0.0);
+
+/// What is known exactly is known to this.
+const LEAST_SIGMA: f32 = 1e-4;
 
 /// One residual, its weight, and its derivatives by a pose, by the next one, and by entries of the border.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +33,7 @@ pub struct Row {
     /// By x, y and theta of the next.
     pub next: [f32; 3],
     /// By entries of the border; those of nought count for nothing.
-    pub border: [(usize, f32); 2],
+    pub border: [(usize, f32); 3],
 }
 
 /// Noise of the odometry and of its calibration.
@@ -46,13 +43,24 @@ pub struct Odometry {
 }
 
 impl Odometry {
+    /// Of a drive that is not known yet; every byte is zero.
+    pub const NONE: Self = Self {
+        drive: DriveModel::Wheels {
+            track_m: 0.0,
+            track_sigma: 0.0,
+            metres_per_tick: 0.0,
+            scale_sigma: 0.0,
+            noise_m2_per_m: 0.0,
+        },
+    };
+
     /// Of a drive.
     pub fn of(drive: &DriveModel) -> Self {
         Self { drive: *drive }
     }
 
     /// Variance of each axis of the position, m^2, and of the heading, rad^2, after so much path and turning.
-    fn variances(&self, path_m: f32, turning_rad: f32) -> [f32; 2] {
+    pub fn variances(&self, path_m: f32, turning_rad: f32) -> [f32; 2] {
         let [position_m2, heading_rad2] = match self.drive {
             DriveModel::Wheels { track_m, noise_m2_per_m, .. } => {
                 let wheel_m2 = noise_m2_per_m * (path_m + 0.5 * track_m * turning_rad);
@@ -67,27 +75,30 @@ impl Odometry {
         [position_m2 + 1e-8, heading_rad2 + 1e-8]
     }
 
-    /// 1-sigma of the scales of distance and of turning, and of the veer, radians per metre.
-    fn sigmas(&self) -> [f32; 3] {
+    /// What is known of the calibration beforehand. Wheels that are larger drive farther and turn more: what is known of the
+    /// track tells how the scale of turning goes with that of distance.
+    pub fn prior(&self, calibration: &Calibration) -> [Row; 3] {
+        let Calibration { distance, turn, veer_rad_per_m } = *calibration;
+        let row = |residual: f32, sigma: f32, border| {
+            let sigma = sigma.max(LEAST_SIGMA);
+            Row { residual, weight: 1.0 / (sigma * sigma), here: [0.0; 3], next: [0.0; 3], border }
+        };
+        let only = |place| [(place, 1.0), NONE, NONE];
         match self.drive {
             DriveModel::Wheels { track_m, track_sigma, scale_sigma, .. } => {
                 let both = scale_sigma * core::f32::consts::FRAC_1_SQRT_2;
-                [both, libm::hypotf(both, track_sigma), 2.0 * both / track_m]
+                [
+                    row(distance - 1.0, both, only(DISTANCE)),
+                    row(turn - distance, track_sigma, [(TURN, 1.0), (DISTANCE, -1.0), NONE]),
+                    row(veer_rad_per_m, 2.0 * both / track_m, only(VEER)),
+                ]
             }
-            DriveModel::Odometry { scale_sigma, veer_sigma, .. } => [scale_sigma, scale_sigma, veer_sigma],
+            DriveModel::Odometry { scale_sigma, veer_sigma, .. } => [
+                row(distance - 1.0, scale_sigma, only(DISTANCE)),
+                row(turn - 1.0, scale_sigma, only(TURN)),
+                row(veer_rad_per_m, veer_sigma, only(VEER)),
+            ],
         }
-    }
-
-    /// What is known of the calibration beforehand.
-    pub fn prior(&self, calibration: &Calibration) -> [Row; 3] {
-        let Calibration { distance, turn, veer_rad_per_m } = *calibration;
-        let off = [(DISTANCE, distance - 1.0), (TURN, turn - 1.0), (VEER, veer_rad_per_m)];
-        let mut sigmas = self.sigmas().into_iter();
-        off.map(|(place, residual)| {
-            let sigma = sigmas.next().unwrap_or(0.0).max(1e-5);
-            let border = [(place, 1.0), (place, 0.0)];
-            Row { residual, weight: 1.0 / (sigma * sigma), here: [0.0; 3], next: [0.0; 3], border }
-        })
     }
 
     /// The motion from a keyframe to the next. Noise is the odometry's, not the motion's: the other way round noisy steps would
@@ -99,11 +110,11 @@ impl Odometry {
         let [forward, left] = frame.turn_back([next.x_m - key.pose.x_m, next.y_m - key.pose.y_m]);
         let [c, s] = frame.turn([1.0 / distance, 0.0]);
         let row = |residual, weight, here, next, border| Row { residual, weight, here, next, border };
-        let by_scale = |moved: f32| [(DISTANCE, -moved / (distance * distance)), (DISTANCE, 0.0)];
+        let by_scale = |moved: f32| [(DISTANCE, -moved / (distance * distance)), NONE, NONE];
         let weight = 1.0 / position_m2;
         let turned = wrap(next.theta_rad - key.pose.theta_rad);
         let heading = wrap(turned / turn - veer_rad_per_m * key.path_m - key.motion.theta_rad);
-        let by_turn = [(TURN, -turned / (turn * turn)), (VEER, -key.path_m)];
+        let by_turn = [(TURN, -turned / (turn * turn)), (VEER, -key.path_m), NONE];
         [
             row(forward / distance - key.motion.x_m, weight, [-c, -s, left / distance], [c, s, 0.0], by_scale(forward)),
             row(left / distance - key.motion.y_m, weight, [s, -c, -forward / distance], [-s, c, 0.0], by_scale(left)),
@@ -115,8 +126,15 @@ impl Odometry {
 /// A group of hits on a wall whose offset is at `place` in the border: how far the mean is before the wall, and how the hits
 /// are turned against it. The two say of pose and wall what all the hits say one by one, for their cross terms vanish about
 /// the mean; the robust weight is the group's.
-pub fn of_group(group: &Group, pose: &Pose, frame: &Frame, wall: &Wall, place: usize) -> [Row; 2] {
+/// A gain that is larger puts the mean nearer to where the beams began.
+pub fn of_group(group: &Group, gains: &Gains, pose: &Pose, frame: &Frame, wall: &Wall, place: usize) -> [Row; 2] {
     let line = wall.line();
+    let group = gains.correct(group);
+    let way = frame.turn([group.mean_m[0] - group.from_m[0], group.mean_m[1] - group.from_m[1]]);
+    let by_gain = match gains.of(group.sensor) {
+        Some((number, gain)) => (GAINS + number, (line.normal[0] * way[0] + line.normal[1] * way[1]) / gain),
+        None => NONE,
+    };
     let offset = group.offset(frame, &line);
     let ([nx, ny], [tx, ty]) = (line.normal, line.tangent());
     let robust = 1.0 / (1.0 + offset.square / (HALF_AT * HALF_AT));
@@ -126,7 +144,7 @@ pub fn of_group(group: &Group, pose: &Pose, frame: &Frame, wall: &Wall, place: u
         weight: robust * group.weight,
         here: [-nx, -ny, by_heading],
         next: [0.0; 3],
-        border: [(place, 1.0), (place + 1, wall.anchor_m - offset.along_m)],
+        border: [(place, 1.0), (place + 1, wall.anchor_m - offset.along_m), by_gain],
     };
     let is_long = offset.along > 1e-9 * group.weight;
     let turned = Row {
@@ -134,7 +152,7 @@ pub fn of_group(group: &Group, pose: &Pose, frame: &Frame, wall: &Wall, place: u
         weight: robust * offset.along,
         here: [0.0, 0.0, 1.0],
         next: [0.0; 3],
-        border: [(place + 1, -1.0), (place, 0.0)],
+        border: [(place + 1, -1.0), NONE, NONE],
     };
     [apart, turned]
 }
@@ -146,7 +164,7 @@ pub fn of_grid(wall: &Wall, alpha_rad: f32, place: usize) -> Row {
         weight: 1.0 / (BUILT_TOLERANCE * BUILT_TOLERANCE),
         here: [0.0; 3],
         next: [0.0; 3],
-        border: [(place + 1, 1.0), (ALPHA, -1.0)],
+        border: [(place + 1, 1.0), (ALPHA, -1.0), NONE],
     }
 }
 

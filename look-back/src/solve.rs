@@ -6,7 +6,7 @@ use slam_core::angle::wrap;
 use crate::diary::{Diary, Keyframe};
 use crate::frame::{Frame, relative};
 use crate::group::Group;
-use crate::rows::{self, ALPHA, DISTANCE, LAST_POSE, TURN, VEER, WALLS};
+use crate::rows::{self, ALPHA, DISTANCE, GAINS, LAST_POSE, TURN, VEER, WALLS};
 use crate::system::{Link, System};
 use crate::wall::Wall;
 
@@ -65,7 +65,7 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> Solver<K, W
         order: [None; W],
         walls: 0,
         keys: 0,
-        stage: Stage::Apply,
+        stage: Stage::Eliminate,
         key: 0,
         group: 0,
     };
@@ -74,6 +74,11 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> Solver<K, W
     pub fn place(&self, wall: usize) -> Option<usize> {
         let position: u8 = (*self.order.get(wall)?)?;
         Some(WALLS + 2 * usize::from(position))
+    }
+
+    /// The wall of the diary that is the border's first, second, and so on.
+    pub fn walls(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.walls).filter_map(|position| self.order.iter().position(|at| at.map(usize::from) == Some(position)))
     }
 
     /// Keyframes that are placed.
@@ -100,6 +105,9 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> Solver<K, W
         diary.walls.iter_mut().flatten().for_each(Wall::anchor);
         self.system.begin(self.walls);
         diary.odometry.prior(&diary.calibration).iter().for_each(|row| self.system.add(row));
+        for (number, (weight, residual)) in diary.gains.prior().enumerate() {
+            self.system.add_prior(GAINS + number, weight, residual);
+        }
         self.system.damp(ALPHA, 1.0 / FREE_RAD2);
         for (wall, place) in self.placed(diary) {
             self.system.damp(place, 1.0 / FREE_M2);
@@ -165,7 +173,9 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> Solver<K, W
         for group in groups {
             let wall = group.wall().and_then(|wall| Some((diary.walls.get(wall)?.as_ref()?, self.place(wall)?)));
             let Some((wall, place)) = wall else { continue };
-            rows::of_group(group, &key.pose, &frame, wall, place).iter().for_each(|row| self.system.add(row));
+            rows::of_group(group, &diary.gains, &key.pose, &frame, wall, place)
+                .iter()
+                .for_each(|row| self.system.add(row));
         }
         let rows = diary.odometry.rows(key, &next, &diary.calibration);
         rows.iter().for_each(|row| self.system.add(row));
@@ -193,7 +203,7 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> Solver<K, W
             for group in groups {
                 let wall = group.wall().and_then(|wall| Some((diary.walls.get(wall)?.as_ref()?, self.place(wall)?)));
                 let Some((wall, place)) = wall else { continue };
-                let rows = rows::of_group(group, &key.pose, &frame, wall, place);
+                let rows = rows::of_group(group, &diary.gains, &key.pose, &frame, wall, place);
                 rows.iter().for_each(|row| self.system.add_known(row));
             }
             let rows = diary.odometry.rows(key, &next, &diary.calibration);
@@ -255,6 +265,9 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> Solver<K, W
         diary.calibration.distance += self.system.increment(DISTANCE);
         diary.calibration.turn += self.system.increment(TURN);
         diary.calibration.veer_rad_per_m += self.system.increment(VEER);
+        for (number, gain) in diary.gains.values.iter_mut().enumerate() {
+            *gain += self.system.increment(GAINS + number);
+        }
         diary.alpha_rad = diary.alpha_rad.map(|alpha| wrap(alpha + self.system.increment(ALPHA)));
         for (wall, position) in diary.walls.iter_mut().zip(self.order) {
             if let (Some(wall), Some(position)) = (wall, position) {

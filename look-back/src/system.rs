@@ -118,9 +118,9 @@ impl Link {
 #[derive(Clone, Debug)]
 pub struct System<const B: usize, const P: usize> {
     /// The border's matrix, then its factor.
-    matrix: Packed<P>,
+    pub(crate) matrix: Packed<P>,
     /// The border's right-hand side, then its increment.
-    right: [f32; B],
+    pub(crate) right: [f32; B],
     /// The present pose's coupling with each entry of the border.
     coupling: [[f32; 3]; B],
     pair: Pair,
@@ -178,8 +178,7 @@ impl<const B: usize, const P: usize> System<B, P> {
     /// Adds a residual to the border and to the present pose and the next.
     pub fn add(&mut self, row: &Row) {
         self.pair.add(row, row.residual);
-        let [(i, u), (j, v)] = row.border;
-        for (place, value) in [(i, u), (j, v)] {
+        for (n, &(place, value)) in row.border.iter().enumerate() {
             let weighted = row.weight * value;
             if value == 0.0 || place >= self.len {
                 continue;
@@ -192,9 +191,23 @@ impl<const B: usize, const P: usize> System<B, P> {
             if let Some(coupling) = self.coupling.get_mut(place) {
                 coupling.iter_mut().zip(row.here).for_each(|(entry, here)| *entry += weighted * here);
             }
+            for &(other, by_other) in row.border.iter().take(n).filter(|(_, by_other)| *by_other != 0.0) {
+                self.matrix.add(place, other, weighted * by_other);
+            }
         }
-        if i != j {
-            self.matrix.add(i, j, row.weight * u * v);
+    }
+
+    /// Adds to one entry of the border's matrix.
+    #[cfg(test)]
+    pub fn add_entry(&mut self, i: usize, j: usize, value: f32) {
+        self.matrix.add(i, j, value);
+    }
+
+    /// Adds what is known of one unknown of the border.
+    pub fn add_prior(&mut self, place: usize, weight: f32, residual: f32) {
+        self.matrix.add(place, place, weight);
+        if let Some(right) = self.right.get_mut(place) {
+            *right -= weight * residual;
         }
     }
 
@@ -306,16 +319,5 @@ impl<const B: usize, const P: usize> System<B, P> {
         }
         self.matrix.forward(&mut x, self.len);
         x.iter().take(self.len).map(|value| value * value).sum()
-    }
-
-    /// Covariances of the border's unknown at `place` with each of them.
-    pub fn covariances(&self, place: usize) -> [f32; B] {
-        let mut x = [0.0; B];
-        if let Some(entry) = x.get_mut(place) {
-            *entry = 1.0;
-        }
-        self.matrix.forward(&mut x, self.len);
-        self.matrix.backward(&mut x, self.len);
-        x
     }
 }

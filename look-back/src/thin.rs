@@ -4,6 +4,7 @@ use heapless::Vec;
 
 use crate::diary::Keyframe;
 use crate::frame::{Frame, relative};
+use crate::gains::Gains;
 use crate::group::Group;
 
 /// So much turning makes the odometry as unsure as a metre of path, radians.
@@ -15,6 +16,7 @@ const RAD_PER_M: f32 = 0.8;
 pub fn thin<const K: usize, const G: usize>(
     keyframes: &mut Vec<Keyframe, K>,
     groups: &mut Vec<Group, G>,
+    gains: &Gains,
     placed: u32,
 ) -> bool {
     let span = |key: &Keyframe| key.path_m + key.turning_rad / RAD_PER_M;
@@ -29,7 +31,7 @@ pub fn thin<const K: usize, const G: usize>(
     let apart = relative(&first.pose, &second.pose);
     let both = usize::from(first.groups) + usize::from(second.groups);
     let seen = groups.get_mut(before..before + both).unwrap_or_default();
-    let gone = join(seen, first.groups.into(), &Frame::of(&apart));
+    let gone = join(seen, first.groups.into(), gains, &Frame::of(&apart));
     groups.retain(|group| group.hits > 0);
     let one = Keyframe {
         serial: first.serial,
@@ -50,16 +52,20 @@ pub fn thin<const K: usize, const G: usize>(
     true
 }
 
-/// Brings the groups past the first `own` into the frame of those; what is on one wall becomes one, and is left without
-/// hits. How many these are.
-fn join(groups: &mut [Group], own: usize, apart: &Frame) -> u16 {
+/// Brings the groups past the first `own` into the frame of those. By then the gains are known well enough: hits are where these
+/// put them. What is on one wall becomes one, and is left without hits. How many these are.
+fn join(groups: &mut [Group], own: usize, gains: &Gains, apart: &Frame) -> u16 {
     let mut gone = 0;
-    let Some((first, second)) = groups.split_at_mut_checked(own) else { return 0 };
-    for group in second {
-        *group = group.moved(apart);
-        let same =
-            first.iter_mut().find(|other| other.hits > 0 && other.wall().is_some() && other.wall() == group.wall());
-        if let Some(same) = same {
+    for i in 0..groups.len() {
+        let Some((before, [group, ..])) = groups.split_at_mut_checked(i) else { break };
+        // Those of the first keyframe were kept apart for their gains only.
+        let joins = i >= own || gains.of(group.sensor).is_some();
+        *group = gains.settled(group);
+        if i >= own {
+            *group = group.moved(apart);
+        }
+        let is_same = |other: &&mut Group| other.hits > 0 && group.wall().is_some() && other.wall() == group.wall();
+        if let Some(same) = before.iter_mut().find(is_same).filter(|_| joins) {
             same.add(group);
             group.hits = 0;
             gone += 1;

@@ -166,6 +166,7 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
         let mut pieces = 0;
         for (key, groups) in self.diary.sightings() {
             for group in groups.iter().filter(|group| group.wall() == Some(index)) {
+                let group = &self.diary.gains.correct(group);
                 let offset = group.offset(&Frame::of(&key.pose), &line);
                 if !is_on(group, &offset) {
                     continue;
@@ -185,7 +186,7 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
         let line = wall.line();
         self.diary.sightings().any(|(key, groups)| {
             groups.iter().filter(|group| group.wall() == Some(other)).any(|group| {
-                let frame = Frame::of(&key.pose);
+                let (frame, group) = (Frame::of(&key.pose), self.diary.gains.correct(group));
                 let through = through_m(frame.point(group.from_m), frame.point(group.mean_m), &line);
                 let at = through.map(|along_m| piece(overlap_m, along_m)).and_then(|at| u32::try_from(at).ok());
                 at.and_then(|at| pieces.checked_shr(at)).is_some_and(|rest| rest & 1 == 1)

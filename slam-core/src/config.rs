@@ -21,6 +21,8 @@ pub struct Config {
     pub measurement: MeasurementSettings,
     /// How new walls are found.
     pub births: BirthSettings,
+    /// What a look back finds while the robot drives is taken over.
+    pub hand_overs: bool,
 }
 
 impl Config {
@@ -31,6 +33,7 @@ impl Config {
         walls: WallSettings::IDLE,
         measurement: MeasurementSettings::IDLE,
         births: BirthSettings::IDLE,
+        hand_overs: false,
     };
 
     /// For rooms as they are built, where there is room for two states a wall.
@@ -41,6 +44,7 @@ impl Config {
             walls: WallSettings::real_rooms(),
             measurement: MeasurementSettings::real_rooms(),
             births: BirthSettings::default(),
+            hand_overs: false,
         }
     }
 

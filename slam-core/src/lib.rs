@@ -19,6 +19,7 @@
 //! | `measurement` | which wall a reading came from, and what it should have been (Rousse & Qiu eqs. 1, 3, 5) |
 //! | `births` | new walls from the readings that fit none (Rousse & Qiu 3.3) |
 //! | [`report`], [`WallView`] | what became of each reading, and what is known |
+//! | [`hand_over`] | what a look back found, taken over ([`Slam::take_over`]) |
 //!
 //! One rule: the crate is pure. Time and samples are arguments; there is no clock, no randomness, no hardware, no heap and
 //! no panic.
@@ -39,6 +40,7 @@ pub mod config;
 mod displacement;
 mod filter;
 mod geometry;
+pub mod hand_over;
 mod health;
 mod measurement;
 mod motion;
@@ -47,6 +49,7 @@ pub mod rig;
 pub mod sample;
 mod sensing;
 mod slam;
+mod take_over;
 #[cfg(test)]
 mod tests;
 mod view;
@@ -59,11 +62,12 @@ pub use config::Config;
 pub use filter::{covariance, ekf};
 pub use geometry::pose::Pose;
 pub use geometry::{angle, pose};
+pub use hand_over::{Calibration, HandOver, PlacedWall};
 pub use measurement::MeasurementSettings;
 pub use measurement::first_estimates::Linearisation;
 pub use motion::MotionSettings;
 pub use motion::step::{SLIP_M2_PER_RAD, SLIP_RUNS};
-pub use report::{Counters, Health, Outcome, ReadingReport, Refusal, StepReport};
+pub use report::{Counters, Health, NotTaken, Outcome, ReadingReport, Refusal, StepReport};
 pub use rig::{Adc, DriveModel, Mount, RangeModel, RangeSensor, Rig, RigError, VEER_SIGMA};
 pub use sample::{Increment, Motion, RangeInput, Sample, Ticks};
 pub use sensing::SensingSettings;

@@ -62,6 +62,31 @@ pub enum Health {
     Degenerate,
 }
 
+/// Why a hand-over was not taken over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum NotTaken {
+    /// The filter was started anew, or took another one over, since its record began.
+    Outdated,
+    /// This filter cannot take one over: its walls have snapped directions, or there are too many.
+    Unsupported,
+    /// A number that is none, or a variance that is not positive.
+    Unsound,
+    /// Most walls in view lie to the robot otherwise than the filter sees them.
+    Apart,
+    /// The filter knows better than it where the robot is: by what was seen of walls that are new.
+    LessSure,
+}
+
+impl NotTaken {
+    /// Number of reasons.
+    pub const COUNT: usize = 5;
+
+    /// Every reason, in the order of [`Counters::not_taken`].
+    pub const ALL: [NotTaken; Self::COUNT] =
+        [Self::Outdated, Self::Unsupported, Self::Unsound, Self::Apart, Self::LessSure];
+}
+
 /// What became of one sensor's input in one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -200,6 +225,18 @@ impl Counters {
         count(&mut self.prunes, changes.prunes);
     }
 
+    /// Counts a hand-over that was taken over, or why it was not.
+    pub(crate) fn add_hand_over(&mut self, judged: Result<(), NotTaken>) {
+        match judged {
+            Ok(()) => count(&mut self.taken_over, 1u8),
+            Err(reason) => {
+                if let Some(not_taken) = self.not_taken.get_mut(reason as usize) {
+                    count(not_taken, 1u8);
+                }
+            }
+        }
+    }
+
     /// All zero.
     pub const ZERO: Self = Self {
         steps: 0,
@@ -215,6 +252,8 @@ impl Counters {
         prunes: 0,
         bad_motion: 0,
         restarts: 0,
+        taken_over: 0,
+        not_taken: [0; NotTaken::COUNT],
     };
 }
 
@@ -248,4 +287,8 @@ pub struct Counters {
     pub bad_motion: u32,
     /// Maps begun anew, with the calibration kept, because the estimator was unwell.
     pub restarts: u32,
+    /// Hand-overs of look backs that were taken over.
+    pub taken_over: u32,
+    /// Those that were not, by reason, in the order of [`NotTaken::ALL`].
+    pub not_taken: [u32; NotTaken::COUNT],
 }

@@ -1,5 +1,6 @@
 //! What the estimator shows of itself.
 
+use crate::config::Config;
 use crate::filter::layout::{self, ALPHA};
 use crate::geometry::pose::Pose;
 use crate::report::{Counters, Health};
@@ -69,6 +70,11 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         &self.rig
     }
 
+    /// The settings.
+    pub fn config(&self) -> &Config {
+        &self.config
+    }
+
     /// The estimated pose in the map frame.
     pub fn pose(&self) -> Pose {
         self.map.pose_in_map(&layout::pose(&self.ekf))
@@ -87,6 +93,28 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             .anchor
             .map_or(covariance, |anchor| anchor.compose(&layout::pose(&self.ekf), &covariance).covariance);
         Estimate { pose: self.pose(), covariance: Matrix3::from(self.map.covariance_in_map(from_start)) }
+    }
+
+    /// Changes whenever the map as a whole is another one: poses and walls of another epoch lie elsewhere, and identifiers of
+    /// walls that were found to be one are gone. So it does when the map is begun anew, with
+    /// the estimator or where this was unwell, and when the filter's frame is another one.
+    pub fn epoch(&self) -> u32 {
+        self.map.epoch()
+    }
+
+    /// The estimated pose in the filter's frame, which the map frame and the anchor do not move.
+    pub fn filter_pose(&self) -> Pose {
+        layout::pose(&self.ekf)
+    }
+
+    /// The direction of the grid in the filter's frame, radians; none before there is one.
+    pub fn filter_alpha(&self) -> Option<f32> {
+        self.map.has_grid.then(|| self.ekf.mean(ALPHA))
+    }
+
+    /// The odometry of the last step: what it sensed, with the rig's nominal calibration, before it is calibrated.
+    pub fn last_motion(&self) -> Pose {
+        self.drive.last_motion
     }
 
     /// The pose by the motion input alone, with the rig's nominal calibration.
@@ -132,6 +160,11 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let drive = drive.into_iter().zip(self.drive.states.in_order());
         let gains = self.sensors.iter().enumerate().map(|(i, sensor)| (Parameter::Gain(i as u8), sensor.gain));
         drive.chain(gains).filter_map(|(parameter, state)| state.map(|i| (parameter, self.ekf.mean(i), self.sigma(i))))
+    }
+
+    /// Gain of the range sensor with this index as it is estimated: reported = gain x true range.
+    pub fn gain(&self, sensor: usize) -> f32 {
+        self.sensors.get(sensor).map_or(1.0, |sensor| sensor.gain(&self.ekf))
     }
 
     /// How late the readings that come in metres are, and its 1-sigma, seconds; none where it is not estimated.

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 const LAYERS: &[&[&str]] = &[
     &["rig", "sample", "report"],
     &["geometry"],
+    &["hand_over"],
     &["filter"],
     &["motion"],
     &["sensing"],
@@ -16,7 +17,7 @@ const LAYERS: &[&[&str]] = &[
     &["births"],
     &["config", "clock", "health"],
     &["slam"],
-    &["view", "displacement"],
+    &["view", "displacement", "take_over"],
 ];
 
 fn source() -> PathBuf {

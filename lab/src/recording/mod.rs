@@ -6,7 +6,7 @@
 mod figures;
 pub mod health;
 
-use slam_core::{Counters, Health, Outcome, ReadingReport, WallView};
+use slam_core::{Counters, Health, NotTaken, Outcome, ReadingReport, WallView};
 
 pub use hal_sim::pose::{Pose2, wrap};
 
@@ -31,6 +31,8 @@ pub struct Recording {
     pub maps: Vec<MapSnapshot>,
     /// Every calibration parameter; one that is not estimated stays at 1 with a sigma of 0.
     pub parameters: Vec<ParameterInfo>,
+    /// What look backs found while the robot drove, taken over or not.
+    pub hand_overs: Vec<HandOver>,
     /// The calibration about once a second; the last entry is the final one.
     pub calibration: Vec<CalibrationSnapshot>,
     /// The true floor plan, where known.
@@ -102,6 +104,17 @@ impl Step {
             theta_rad: wrap(pose.theta_rad - truth.theta_rad),
         })
     }
+}
+
+/// What a look back found, handed over to the filter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HandOver {
+    /// Index into [`Recording::steps`] of the first step after it.
+    pub step: usize,
+    /// Why it was not taken over; none where it was.
+    pub refused: Option<NotTaken>,
+    /// How it moved the pose, in the robot's frame before.
+    pub moved: Pose2,
 }
 
 /// The map after one step.

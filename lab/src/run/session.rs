@@ -2,13 +2,14 @@
 
 use std::time::{Duration, Instant};
 
+use look_back::RobotBackEnd;
 use slam_core::{Config, DriveModel, HostSlam, Outcome, Parameter, RigError, Sample, StepReport};
 
 use crate::evaluate::score::{nis, path};
 use crate::evaluate::statistics;
 use crate::input::log::Row;
 use crate::input::rig_file::{MAX_SENSORS, Robot};
-use crate::recording::{CalibrationSnapshot, MapSnapshot, ParameterInfo, Recording, SensorInfo, Step};
+use crate::recording::{CalibrationSnapshot, HandOver, MapSnapshot, ParameterInfo, Pose2, Recording, SensorInfo, Step};
 
 /// How often map and calibration are recorded where nothing else asks for it, seconds of the log.
 const SNAPSHOT_EVERY_S: f64 = 1.0;
@@ -16,6 +17,9 @@ const SNAPSHOT_EVERY_S: f64 = 1.0;
 /// An estimator and the record of what it did.
 pub struct Session {
     slam: Box<HostSlam>,
+    /// The back end in a robot's size, which does as much in a second as a robot's.
+    back: Option<Box<RobotBackEnd>>,
+    last_us: Option<u64>,
     parameters: Vec<Parameter>,
     recording: Recording,
     first_s: Option<f64>,
@@ -39,7 +43,8 @@ impl Session {
             parameters: infos.collect(),
             ..Recording::default()
         };
-        Ok(Self { slam, parameters, recording, first_s: None, estimator_time: Duration::ZERO })
+        let back = config.hand_overs.then(|| Box::new(RobotBackEnd::IDLE));
+        Ok(Self { slam, back, last_us: None, parameters, recording, first_s: None, estimator_time: Duration::ZERO })
     }
 
     /// Gives one row to the estimator and records what came of it.
@@ -50,10 +55,27 @@ impl Session {
 
     /// Gives one sample to the estimator.
     pub fn estimate(&mut self, sample: &Sample<MAX_SENSORS>) -> StepReport<MAX_SENSORS> {
+        self.take_over();
         let before = Instant::now();
         let report = self.slam.step(sample);
         self.estimator_time += before.elapsed();
+        if let Some(back) = &mut self.back {
+            back.record(&self.slam, &report);
+            let since_us = sample.time_us.saturating_sub(self.last_us.unwrap_or(sample.time_us));
+            back.work(u32::try_from(since_us).unwrap_or(u32::MAX));
+        }
+        self.last_us = Some(sample.time_us);
         report
+    }
+
+    /// Takes over what a look back found, if one is done: between two samples, as the robot does.
+    fn take_over(&mut self) {
+        let Some(back) = &mut self.back else { return };
+        let before = self.slam.pose();
+        if let Some(taken) = back.hand_over(&mut self.slam) {
+            let moved = Pose2::from(before).relative(&self.slam.pose().into());
+            self.recording.hand_overs.push(HandOver { step: self.recording.steps.len(), refused: taken.err(), moved });
+        }
     }
 
     /// Records what came of the sample estimated last.

@@ -1,6 +1,7 @@
 mod drive;
 mod drives;
 mod groups;
+mod presents;
 mod random;
 mod sizes;
 mod steps;

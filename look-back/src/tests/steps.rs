@@ -229,12 +229,13 @@ fn a_step_is_the_dense_step_and_the_border_has_its_covariance() {
         let mut places: Vec<(usize, usize)> = (0..3).map(|i| (LAST_POSE + i, 3 * (keys - 2) + i)).collect();
         places.extend((0..W).map(|wall| (solver.place(wall).expect("it is placed"), border + 4 + 2 * wall)));
         assert!(places.iter().any(|(place, _)| *place == WALLS));
+        (0..solver.system.len()).for_each(|row| assert!(solver.system.invert_row(row)));
+        (0..solver.system.len()).for_each(|row| assert!(solver.system.square_row(row)));
         for (place, at) in &places {
-            let row = solver.system.covariances(*place);
             for (other, there) in &places {
                 let expected = covariance[(*at, *there)];
                 let size = (covariance[(*at, *at)] * covariance[(*there, *there)]).sqrt();
-                let found = f64::from(row[*other]);
+                let found = f64::from(solver.system.covariance(*place, *other));
                 assert!((found - expected).abs() < 0.01 * size, "seed {seed}, {place} {other}: {found} {expected}");
             }
         }

@@ -253,6 +253,13 @@ impl EkfView {
         self.set_mean(i, value);
     }
 
+    /// Replaces the covariance of two states, or the variance of one; the caller answers for that all of them are a covariance.
+    pub fn set_covariance(&mut self, i: usize, j: usize, value: f32) {
+        if let Some(mut parts) = self.parts() {
+            parts.covariance.set(i, j, value);
+        }
+    }
+
     /// Adds covariance between two states (noise that the initialisations of both share).
     pub fn correlate(&mut self, i: usize, j: usize, covariance: f32) {
         let before = self.covariance(i, j);

@@ -63,6 +63,11 @@ impl FirstEstimates {
         }
     }
 
+    /// The estimate was replaced as a whole: its first ones are those of now.
+    pub fn begin_anew(&mut self, pose: Pose, grid: Option<GridDirection>) {
+        *self = Self { pose, grid };
+    }
+
     /// The derivatives of a reading, given those at the latest estimate.
     pub fn of_reading(&self, wall: &Wall, line: &Line, latest: &Prediction) -> Prediction {
         let normal = match (wall.direction, self.grid) {

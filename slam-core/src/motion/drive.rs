@@ -59,6 +59,8 @@ pub struct Drive {
     pub step: Step,
     /// The pose by the motion input alone, with the nominal calibration.
     pub nominal: Pose,
+    /// The last step by the motion input and the nominal calibration, the way that the ranges tell, in its own frame.
+    pub last_motion: Pose,
     /// The pose by the motion input, with the calibration as estimated.
     pub dead_reckoning: DeadReckoning,
 }
@@ -71,6 +73,7 @@ impl Drive {
         travelled: MeanMotion::STILL,
         step: Step::STILL,
         nominal: Pose::ORIGIN,
+        last_motion: Pose::ORIGIN,
         dead_reckoning: DeadReckoning::START,
     };
 
@@ -97,9 +100,12 @@ impl Drive {
         };
         self.dead_reckoning.advance(&step);
         self.step = step;
+        let nominal = |travel: Travel| step::step(model, &travel, &Factors::nominal(model));
         if let Some(travel) = logged {
-            self.nominal = step::step(model, &travel, &Factors::nominal(model)).applied_to(&self.nominal);
+            self.nominal = nominal(travel).applied_to(&self.nominal);
         }
+        let driven = if is_reversed { logged.map(|travel| travel.reversed()) } else { logged };
+        self.last_motion = driven.map_or(Pose::ORIGIN, |travel| nominal(travel).applied_to(&Pose::ORIGIN));
         factors
     }
 

@@ -30,5 +30,6 @@ mod rigs;
 mod runs;
 mod signs;
 mod strides;
+mod take_overs;
 mod verdicts;
 mod walls;

@@ -46,6 +46,8 @@ pub enum MapFrame {
 #[derive(Debug)]
 pub struct MapInner<V: ?Sized> {
     next_id: u16,
+    /// Changes with whatever makes poses and walls of the filter's frame others than they were.
+    epoch: u32,
     /// The grid was founded.
     pub has_grid: bool,
     /// How closely the home's walls stand on its grid, where that is learned.
@@ -69,6 +71,7 @@ impl<const W: usize> Map<W> {
     /// No walls.
     pub const EMPTY: Self = Self {
         next_id: 0,
+        epoch: 0,
         has_grid: false,
         squareness: Squareness::UNKNOWN,
         frame: MapFrame::Start,
@@ -95,6 +98,7 @@ impl MapView {
     /// Forgets every wall and the grid, and begins a new frame.
     pub fn clear(&mut self, frame: MapFrame) {
         self.next_id = 0;
+        self.begin_epoch();
         self.has_grid = false;
         self.squareness = Squareness::UNKNOWN;
         self.frame = frame;
@@ -105,6 +109,7 @@ impl MapView {
 
     /// Forgets every wall and the grid, and their states, but neither frame nor names.
     pub fn forget_walls(&mut self, ekf: &mut EkfView) {
+        self.begin_epoch();
         while let Some(last) = self.walls.len().checked_sub(1) {
             self.remove(ekf, last);
         }
@@ -116,6 +121,17 @@ impl MapView {
     /// Puts the filter's frame where the robot is, in the frame that it was in, with `noise` as variance of (x, y, theta) there.
     pub fn drop_anchor(&mut self, ekf: &mut EkfView, noise: [f32; 3]) {
         self.anchor = Some(self.anchor.unwrap_or(Anchor::START).drop_at(ekf, noise));
+        self.begin_epoch();
+    }
+
+    /// Poses and walls are others than they were.
+    pub fn begin_epoch(&mut self) {
+        self.epoch = self.epoch.wrapping_add(1);
+    }
+
+    /// Which one it is since the estimator was made.
+    pub fn epoch(&self) -> u32 {
+        self.epoch
     }
 
     /// The grid's direction at the filter's present estimate, once it was founded.
@@ -239,6 +255,31 @@ impl MapView {
         let moved = ekf.remove(state);
         for wall in &mut self.walls {
             wall.follow(moved, state);
+        }
+    }
+
+    /// Wall `index`, to be changed with its states.
+    pub fn wall_mut(&mut self, index: usize) -> Option<&mut Wall> {
+        self.walls.get_mut(index)
+    }
+
+    /// Keeps those walls only. The states of the others are the caller's.
+    pub fn retain(&mut self, is_kept: impl FnMut(&Wall) -> bool) {
+        self.walls.retain(is_kept);
+    }
+
+    /// Forgets wall `index`, whose states are gone; the last one moves into its place.
+    pub fn drop(&mut self, index: usize) {
+        if index < self.walls.len() {
+            self.walls.swap_remove(index);
+        }
+    }
+
+    /// The wall added last had an identifier before, by which others know it.
+    pub fn rename_last(&mut self, id: u16) {
+        if let Some(wall) = self.walls.last_mut() {
+            wall.id = id;
+            self.next_id = self.next_id.wrapping_sub(1);
         }
     }
 

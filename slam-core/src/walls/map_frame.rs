@@ -15,6 +15,7 @@ use crate::geometry::line::Line;
 use crate::geometry::pose::Pose;
 use crate::walls::manhattan::GridDirection;
 use crate::walls::map::{MapFrame, MapView};
+use crate::walls::wall::Wall;
 
 /// Walls that are off by less than this stay, metres; those that are off by more have the less weight for it.
 const STAY_M: f32 = 0.002;
@@ -31,6 +32,9 @@ const IN_VIEW_M: f32 = 3.0;
 
 /// Weight of the others: there are many more of them than walls in view.
 const OUT_OF_VIEW: f32 = 0.1;
+
+/// Rounds of least absolute deviations where the map was changed as a whole.
+const REDRAW_ROUNDS: usize = 10;
 
 /// The motion that brings lines closest to others, by weighted least squares: normal equations of (turn, dx, dy) about a
 /// pivot.
@@ -92,23 +96,47 @@ impl MapView {
         if self.frame == MapFrame::Start {
             return;
         }
+        let motion = self.motion_of_drawn(ekf, path_m);
+        self.draw_all(ekf, |wall| wall.drawn.is_none() && wall.updates >= DRAWN_AFTER);
+        if let Some(motion) = motion {
+            self.start = motion.compose(&self.start);
+        }
+    }
+
+    /// The map was changed as a whole: moves the start pose to where most walls stay where they were drawn, and draws all of
+    /// them anew.
+    pub fn redraw(&mut self, ekf: &EkfView, path_m: f32) {
+        if self.frame == MapFrame::Start {
+            return;
+        }
+        for _ in 0..REDRAW_ROUNDS {
+            let Some(motion) = self.motion_of_drawn(ekf, path_m) else { break };
+            self.start = motion.compose(&self.start);
+        }
+        self.draw_all(ekf, |wall| wall.updates >= DRAWN_AFTER);
+    }
+
+    fn draw_all(&mut self, ekf: &EkfView, is_wanted: impl Fn(&Wall) -> bool) {
+        let grid = GridDirection::of(ekf);
+        for index in 0..self.walls().len() {
+            let Some(wall) = self.walls().get(index).filter(|wall| is_wanted(wall)) else { continue };
+            let (line, _) = self.in_map(&wall.line(ekf, &grid));
+            self.draw(index, line);
+        }
+    }
+
+    /// The motion of the map that brings the walls back to where they were drawn.
+    fn motion_of_drawn(&self, ekf: &EkfView, path_m: f32) -> Option<Pose> {
         let grid = GridDirection::of(ekf);
         let mut motion = CommonMotion::about(self.point_in_map([ekf.mean(X), ekf.mean(Y)]));
-        for index in 0..self.walls().len() {
-            let Some(wall) = self.walls().get(index) else { break };
+        for (wall, drawn) in self.walls().iter().filter_map(|wall| Some((wall, wall.drawn?))) {
             let (line, origin_m) = self.in_map(&wall.line(ekf, &grid));
             let is_in_view = path_m - wall.seen_at_m < IN_VIEW_M;
             let importance = if is_in_view { 1.0 } else { OUT_OF_VIEW };
-            if let Some(drawn) = &wall.drawn {
-                motion.add(&line, drawn, wall.lo_m + origin_m, importance);
-                motion.add(&line, drawn, wall.hi_m + origin_m, importance);
-            } else if wall.updates >= DRAWN_AFTER {
-                self.draw(index, line);
-            }
+            motion.add(&line, &drawn, wall.lo_m + origin_m, importance);
+            motion.add(&line, &drawn, wall.hi_m + origin_m, importance);
         }
-        if let Some(motion) = motion.solve() {
-            self.start = motion.compose(&self.start);
-        }
+        motion.solve()
     }
 
     /// The filter's frame in the map frame; none where they are one.

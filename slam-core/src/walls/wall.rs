@@ -131,6 +131,11 @@ impl Wall {
         }
     }
 
+    /// States that it has.
+    pub fn states(&self) -> usize {
+        1 + usize::from(self.direction.state().is_some())
+    }
+
     /// Length of its observed extent, metres.
     pub fn length_m(&self) -> f32 {
         self.hi_m - self.lo_m

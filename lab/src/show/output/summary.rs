@@ -1,11 +1,11 @@
 //! `summary.json`: the figures of a run, and what is needed to repeat it.
 
 use serde_json::{Map, Value, json};
-use slam_core::{Clustering, Config, Health, Linearisation, Refusal, WallPolicy};
+use slam_core::{Clustering, Config, Health, Linearisation, NotTaken, Refusal, WallPolicy};
 
 use crate::input::part::{PARTS, Part};
 use crate::recording::health::{self, Illness};
-use crate::recording::{Consistency, MapScore, PathScore, Recording, SeenWall, SurfelScore};
+use crate::recording::{Consistency, HandOver, MapScore, PathScore, Recording, SeenWall, SurfelScore};
 
 /// What was run, for `summary.json`.
 #[derive(Clone, Debug)]
@@ -72,6 +72,7 @@ pub fn summary(recording: &Recording, origin: &Origin) -> Value {
         put("looking_back", Value::Object(back));
     }
     put("counters", counters(recording));
+    put("hand_overs", recording.hand_overs.iter().map(|found| hand_over(recording, found)).collect());
     put("seed", json!(recording.seed));
     put("configuration", configuration(origin));
     Value::Object(summary)
@@ -190,6 +191,23 @@ fn counters(recording: &Recording) -> Value {
     })
 }
 
+/// What a look back found while the robot drove, and what came of it.
+fn hand_over(recording: &Recording, found: &HandOver) -> Value {
+    let refused = found.refused.map(|reason| match reason {
+        NotTaken::Outdated => "outdated",
+        NotTaken::Unsupported => "unsupported",
+        NotTaken::Unsound => "unsound",
+        NotTaken::Apart => "apart",
+        NotTaken::LessSure => "less_sure",
+    });
+    json!({
+        "t_s": recording.steps.get(found.step).map(|step| step.t_s),
+        "refused": refused,
+        "moved_m": found.moved.x_m.hypot(found.moved.y_m),
+        "turned_rad": found.moved.theta_rad,
+    })
+}
+
 /// A reason of refusal as the outputs call it.
 pub fn refusal_name(refusal: Refusal) -> &'static str {
     match refusal {
@@ -241,6 +259,7 @@ fn configuration(origin: &Origin) -> Value {
             "calibrate_track": config.motion.calibrate_track,
             "gate": config.measurement.gate,
             "jacobians": jacobians,
+            "hand_overs": config.hand_overs,
             "without": without(config),
         },
         "rig_toml": origin.rig_toml,

@@ -1,0 +1,86 @@
+//! Which walls the filter's identifiers are, and which make room.
+
+use crate::diary::{Diary, FEWEST};
+use crate::wall::Wall;
+
+/// Identifiers that the diary knows walls by, two for each.
+pub(crate) const NAMES: usize = 2 * crate::ROBOT_WALLS;
+
+/// An identifier that the filter gave a wall.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Name {
+    pub id: u16,
+    pub wall: u8,
+}
+
+impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
+    /// The wall that the filter calls `id`; a new one where there is none yet and there is room.
+    pub(crate) fn wall_named(&mut self, id: u16) -> Option<usize> {
+        if let Some(name) = self.names.iter().find(|name| name.id == id) {
+            return Some(name.wall.into());
+        }
+        let Some(wall) = self.free_wall() else {
+            self.losses.walls = self.losses.walls.saturating_add(1);
+            return None;
+        };
+        if self.names.is_full() {
+            self.forget_a_name();
+        }
+        *self.walls.get_mut(wall)? = Some(Wall::NEW);
+        self.names.push(Name { id, wall: u8::try_from(wall).ok()? }).ok()?;
+        Some(wall)
+    }
+
+    /// Forgets the oldest name of a wall that has a newer one.
+    fn forget_a_name(&mut self) {
+        let mut names = self.names.iter().enumerate();
+        let is_newer = |i: usize, wall: u8| self.names.iter().skip(i + 1).any(|later| later.wall == wall);
+        let Some((gone, _)) = names.find(|(i, name)| is_newer(*i, name.wall)) else { return };
+        let mut i = 0;
+        self.names.retain(|_| {
+            i += 1;
+            i != gone + 1
+        });
+    }
+
+    /// A place for a wall: one that is free, or that of the wall that fewest hits met, where these are too few to matter.
+    fn free_wall(&mut self) -> Option<usize> {
+        if let Some(free) = self.walls.iter().position(Option::is_none) {
+            return Some(free);
+        }
+        let hits = |wall: &Option<Wall>| wall.map_or(0, |wall| wall.hits);
+        let (place, least) = self.walls.iter().map(hits).enumerate().min_by_key(|(_, hits)| *hits)?;
+        if least >= FEWEST {
+            return None;
+        }
+        self.remove_wall(place);
+        Some(place)
+    }
+
+    /// Forgets a wall: its groups are on none.
+    pub(crate) fn remove_wall(&mut self, place: usize) {
+        self.groups.iter_mut().filter(|group| group.wall() == Some(place)).for_each(|group| group.set_wall(None));
+        self.names.retain(|name| usize::from(name.wall) != place);
+        if let Some(wall) = self.walls.get_mut(place) {
+            *wall = None;
+        }
+        self.revision = self.revision.wrapping_add(1);
+    }
+
+    /// Wall `gone` turned out to be wall `kept`.
+    pub(crate) fn unite(&mut self, kept: usize, gone: usize) {
+        self.groups.iter_mut().filter(|group| group.wall() == Some(gone)).for_each(|group| group.set_wall(Some(kept)));
+        let kept_name = u8::try_from(kept).unwrap_or(u8::MAX);
+        for name in self.names.iter_mut().filter(|name| usize::from(name.wall) == gone) {
+            name.wall = kept_name;
+        }
+        if let Some(wall) = self.walls.get_mut(gone) {
+            *wall = None;
+        }
+    }
+
+    /// An identifier that the filter gave this wall, the latest.
+    pub fn id_of(&self, wall: usize) -> Option<u16> {
+        self.names.iter().rev().find(|name| usize::from(name.wall) == wall).map(|name| name.id)
+    }
+}

@@ -1,0 +1,231 @@
+//! What a look back found, brought up to the present, for the filter to take over.
+
+use heapless::Vec;
+use slam_core::angle::wrap;
+use slam_core::hand_over::{ALPHA, DISTANCE, GAINS, HandOver, POSE, TURN, VEER};
+use slam_core::{Calibration, NotTaken, PlacedWall, Pose, Slam};
+
+use crate::diary::{Diary, Keyframe};
+use crate::frame::Frame;
+use crate::group::Group;
+use crate::look_back::LookBack;
+use crate::names::NAMES;
+use crate::rows;
+use crate::solve::Solver;
+
+/// Residuals beyond five sigma are of something else.
+const GATE: f32 = 25.0;
+
+/// The last pose on its way from the last keyframe that was placed to the robot: what was sensed meanwhile is taken in keyframe by
+/// keyframe, as a Kalman filter does. The walls and the calibration change with it; the diary's stay as they are.
+#[derive(Clone, Copy, Debug)]
+pub struct Present {
+    pose: Pose,
+    /// The keyframe whose stretch it goes along next, or has gone along.
+    key: usize,
+    /// Where it went on that.
+    gone: Option<Pose>,
+    /// The first group that is not taken in yet.
+    group: usize,
+    /// Groups of that keyframe that are.
+    taken: usize,
+}
+
+impl Present {
+    /// At no keyframe; every byte is zero.
+    pub const NONE: Self = Self { pose: Pose::ORIGIN, key: 0, gone: None, group: 0, taken: 0 };
+
+    /// At the last keyframe that was placed.
+    pub fn begin<const K: usize, const G: usize, const W: usize, const B: usize, const P: usize>(
+        &mut self,
+        diary: &Diary<K, G, W>,
+        solver: &mut Solver<K, W, B, P>,
+    ) {
+        let key = solver.keys().saturating_sub(1);
+        solver.system.settle();
+        *self = Self {
+            pose: diary.keyframes.get(key).map_or(Pose::ORIGIN, |key| key.pose),
+            key,
+            gone: None,
+            group: diary.keyframes.iter().take(key).map(|key| usize::from(key.groups)).sum(),
+            taken: 0,
+        };
+    }
+
+    /// Takes in the next group, or the stretch to the next keyframe; false at the last one, which is still being written.
+    pub fn go_on<const K: usize, const G: usize, const W: usize, const B: usize, const P: usize>(
+        &mut self,
+        diary: &Diary<K, G, W>,
+        solver: &mut Solver<K, W, B, P>,
+    ) -> bool {
+        self.key + 1 < diary.keyframes.len() && self.take_next(diary, solver)
+    }
+
+    /// The same to the end.
+    fn finish<const K: usize, const G: usize, const W: usize, const B: usize, const P: usize>(
+        &mut self,
+        diary: &Diary<K, G, W>,
+        solver: &mut Solver<K, W, B, P>,
+    ) {
+        while self.take_next(diary, solver) {}
+    }
+
+    /// False past the last stretch.
+    fn take_next<const K: usize, const G: usize, const W: usize, const B: usize, const P: usize>(
+        &mut self,
+        diary: &Diary<K, G, W>,
+        solver: &mut Solver<K, W, B, P>,
+    ) -> bool {
+        let Some(key) = diary.keyframes.get(self.key) else { return false };
+        let Some(gone) = self.gone else {
+            self.gone = Some(self.travel(diary, solver, key));
+            return true;
+        };
+        if self.taken < usize::from(key.groups) {
+            // What was seen on the way, seen from its end: the pose there is what it tells of.
+            if let Some(group) = diary.groups.get(self.group) {
+                self.see(diary, solver, &group.moved(&Frame::of(&gone.inverse())));
+            }
+            self.group += 1;
+            self.taken += 1;
+        } else {
+            self.key += 1;
+            self.gone = None;
+            self.taken = 0;
+        }
+        true
+    }
+
+    fn see<const K: usize, const G: usize, const W: usize, const B: usize, const P: usize>(
+        &mut self,
+        diary: &Diary<K, G, W>,
+        solver: &mut Solver<K, W, B, P>,
+        group: &Group,
+    ) {
+        let wall = group.wall().and_then(|wall| Some((diary.walls.get(wall)?.as_ref()?, solver.place(wall)?)));
+        let Some((wall, place)) = wall else { return };
+        for i in 0..2 {
+            let rows = rows::of_group(group, &diary.gains, &self.pose, &Frame::of(&self.pose), wall, place);
+            if let Some(row) = rows.get(i) {
+                solver.system.update(row, GATE);
+            }
+            let [x, y, theta] = solver.system.take_pose();
+            self.pose = Pose::new(self.pose.x_m + x, self.pose.y_m + y, self.pose.theta_rad + theta);
+        }
+    }
+
+    fn travel<const K: usize, const G: usize, const W: usize, const B: usize, const P: usize>(
+        &mut self,
+        diary: &Diary<K, G, W>,
+        solver: &mut Solver<K, W, B, P>,
+        key: &Keyframe,
+    ) -> Pose {
+        let calibration = calibration(diary, solver);
+        let variances = diary.odometry.variances(key.path_m, key.turning_rad);
+        let (by, noise) = stretch(key, &self.pose, &calibration, variances);
+        solver.system.move_on(&by, noise);
+        let gone = calibrated(key, &calibration);
+        self.pose = self.pose.compose(&gone);
+        gone
+    }
+}
+
+/// The calibration with its increments.
+fn calibration<const K: usize, const G: usize, const W: usize, const B: usize, const P: usize>(
+    diary: &Diary<K, G, W>,
+    solver: &Solver<K, W, B, P>,
+) -> Calibration {
+    let Calibration { distance, turn, veer_rad_per_m } = diary.calibration;
+    let by = |place| solver.system.increment(place);
+    Calibration { distance: distance + by(DISTANCE), turn: turn + by(TURN), veer_rad_per_m: veer_rad_per_m + by(VEER) }
+}
+
+impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K, W, B, P> {
+    /// Hands what was found over to a filter whose last step is written down. Once for each look back that is done.
+    ///
+    /// # Errors
+    /// Why the filter did not take it.
+    pub fn hand_over<const G: usize, const S: usize, const WALLS: usize, const O: usize, const ROWS: usize>(
+        &mut self,
+        diary: &mut Diary<K, G, W>,
+        slam: &mut Slam<S, WALLS, O, ROWS>,
+        epoch: u32,
+    ) -> Result<(), NotTaken> {
+        self.present.finish(diary, &mut self.solver);
+        let solver = &self.solver;
+        let walls: Vec<PlacedWall, W> = solver.walls().filter_map(|index| placed(diary, solver, index)).collect();
+        let place = |wall: usize| solver.walls().position(|index| index == wall);
+        let names: Vec<(u16, u8), NAMES> = diary
+            .names
+            .iter()
+            .filter_map(|name| Some((name.id, u8::try_from(place(name.wall.into())?).ok()?)))
+            .collect();
+        let found = HandOver {
+            epoch,
+            pose: self.present.pose,
+            alpha_rad: diary.alpha_rad.map(|alpha_rad| wrap(alpha_rad + solver.system.increment(ALPHA))),
+            calibration: calibration(diary, solver),
+            gains: core::array::from_fn(|i| {
+                diary.gains.values.get(i).map_or(1.0, |gain| gain + solver.system.increment(GAINS + i))
+            }),
+            walls: &walls,
+            names: &names,
+            covariance: solver.system.covariance_entries(),
+        };
+        // What f32 did not tell from nothing has no variance.
+        let found = if self.is_positive() { found } else { HandOver { covariance: &[], ..found } };
+        slam.take_over(&found)?;
+        diary.follow_filter();
+        Ok(())
+    }
+}
+
+/// The motion of a keyframe's stretch.
+fn calibrated(key: &Keyframe, calibration: &Calibration) -> Pose {
+    let Calibration { distance, turn, veer_rad_per_m } = *calibration;
+    let turned = turn * (key.motion.theta_rad + veer_rad_per_m * key.path_m);
+    Pose::new(distance * key.motion.x_m, distance * key.motion.y_m, turned)
+}
+
+/// Derivatives of the pose after a stretch by other unknowns than itself, and the noise of the stretch.
+fn stretch(
+    key: &Keyframe,
+    pose: &Pose,
+    calibration: &Calibration,
+    [position_m2, heading_rad2]: [f32; 2],
+) -> ([[(usize, f32); 3]; 3], [f32; 3]) {
+    let Calibration { distance, turn, veer_rad_per_m } = *calibration;
+    let [x, y] = Frame::of(pose).turn([key.motion.x_m, key.motion.y_m]);
+    let none = (ALPHA, 0.0);
+    let by_turn = key.motion.theta_rad + veer_rad_per_m * key.path_m;
+    let by = [
+        [(POSE + 2, -distance * y), (DISTANCE, x), none],
+        [(POSE + 2, distance * x), (DISTANCE, y), none],
+        [(TURN, by_turn), (VEER, turn * key.path_m), none],
+    ];
+    // The odometry's noise, as its scales make it the motion's.
+    let position_m2 = distance * distance * position_m2;
+    (by, [position_m2, position_m2, turn * turn * heading_rad2])
+}
+
+/// A wall as it is handed over.
+fn placed<const K: usize, const G: usize, const W: usize, const B: usize, const P: usize>(
+    diary: &Diary<K, G, W>,
+    solver: &Solver<K, W, B, P>,
+    index: usize,
+) -> Option<PlacedWall> {
+    let mut wall = *diary.walls.get(index)?.as_ref()?;
+    let place = solver.place(index)?;
+    wall.shift(solver.system.increment(place), solver.system.increment(place + 1));
+    let is_seen = wall.lo_m < wall.hi_m;
+    Some(PlacedWall {
+        id: diary.id_of(index)?,
+        rho_m: wall.rho_m,
+        beta_rad: wall.beta_rad,
+        anchor_m: wall.anchor_m,
+        lo_m: if is_seen { wall.lo_m } else { wall.anchor_m },
+        hi_m: if is_seen { wall.hi_m } else { wall.anchor_m },
+        hits: if is_seen { wall.hits } else { 0 },
+        on_grid: wall.on_grid,
+    })
+}

@@ -1,0 +1,68 @@
+//! The estimator's side: what one step of the filter writes down.
+
+use slam_core::{
+    BUILT_RELIEF_M, Increment, Outcome, Pose, RangeModel, RangeSensor, ReadingReport, SURFACE_M, Slam, StepReport,
+};
+
+use crate::diary::{Diary, Hit};
+use crate::frame::relative;
+
+/// Of so many readings of a sensor that reports metres, which say the same, one is one: as the estimator finds on real logs,
+/// three to five. An analogue sensor's noise is new each time.
+const ALIKE: f32 = 4.0;
+
+impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
+    /// Writes down what a filter's last step sensed, and what became of it.
+    pub fn record<const S: usize, const WALLS: usize, const O: usize, const ROWS: usize>(
+        &mut self,
+        slam: &Slam<S, WALLS, O, ROWS>,
+        report: &StepReport<S>,
+    ) {
+        let moved = slam.last_motion();
+        self.travel(&Increment { forward_m: moved.x_m, left_m: moved.y_m, turn_rad: moved.theta_rad });
+        if self.is_due() {
+            self.begin_keyframe(&slam.filter_pose());
+        }
+        if let Some(alpha_rad) = slam.filter_alpha() {
+            self.grid(alpha_rad);
+        }
+        let robot = slam.pose();
+        for (number, (sensor, reading)) in slam.rig().sensors.iter().zip(&report.readings).enumerate() {
+            if let Some(hit) = hit(&robot, slam.gain(number), number as u8, sensor, reading) {
+                self.hit(&hit);
+            }
+        }
+    }
+}
+
+/// What a reading ended on, seen from the robot; none where it ended on nothing.
+fn hit(robot: &Pose, gain: f32, number: u8, sensor: &RangeSensor, reading: &ReadingReport) -> Option<Hit> {
+    let wall = match reading.outcome {
+        Outcome::Updated { wall, .. } => Some(wall),
+        Outcome::Gated { .. } | Outcome::Unexplained => None,
+        Outcome::Missing | Outcome::Refused(_) => return None,
+    };
+    let [x, y] = reading.hit_m?;
+    let end = relative(robot, &Pose { x_m: x, y_m: y, theta_rad: 0.0 });
+    let (sigma_m, alike) = noise(&sensor.model, reading.range_m?);
+    let [x, y] = [sensor.mount.x_m, sensor.mount.y_m];
+    // What the sensor reported, before the filter's gain: gains are found here, too.
+    let end_m = [x + gain * (end.x_m - x), y + gain * (end.y_m - y)];
+    Some(Hit { from_m: [x, y], end_m, sigma_m, alike, sensor: number, wall })
+}
+
+/// 1-sigma of a reading at this range, metres, and of how many it is one.
+fn noise(model: &RangeModel, range_m: f32) -> (f32, f32) {
+    match *model {
+        RangeModel::Metric { noise_m, noise_rel } => {
+            let rel_m = noise_rel * range_m;
+            let square = noise_m * noise_m + rel_m * rel_m + BUILT_RELIEF_M * BUILT_RELIEF_M;
+            (libm::sqrtf(square), ALIKE)
+        }
+        RangeModel::Sharp { scale_m, exponent, noise_v } => {
+            let volts = libm::powf(range_m / scale_m, 1.0 / exponent);
+            let own_m = exponent * range_m / volts * noise_v;
+            (libm::sqrtf(own_m * own_m + SURFACE_M * SURFACE_M), 1.0)
+        }
+    }
+}
