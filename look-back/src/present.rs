@@ -9,7 +9,7 @@ use crate::diary::{Diary, Keyframe};
 use crate::frame::Frame;
 use crate::group::Group;
 use crate::look_back::LookBack;
-use crate::names::NAMES;
+use crate::names::{NAMES, Name};
 use crate::rows;
 use crate::solve::Solver;
 
@@ -153,13 +153,10 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K,
     ) -> Result<(), NotTaken> {
         self.present.finish(diary, &mut self.solver);
         let solver = &self.solver;
-        let walls: Vec<PlacedWall, W> = solver.walls().filter_map(|index| placed(diary, solver, index)).collect();
+        let walls: Vec<PlacedWall, W> = gathered(solver.walls().filter_map(|index| placed(diary, solver, index)));
         let place = |wall: usize| solver.walls().position(|index| index == wall);
-        let names: Vec<(u16, u8), NAMES> = diary
-            .names
-            .iter()
-            .filter_map(|name| Some((name.id, u8::try_from(place(name.wall.into())?).ok()?)))
-            .collect();
+        let named = |name: &Name| Some((name.id, u8::try_from(place(name.wall.into())?).ok()?));
+        let names: Vec<(u16, u8), NAMES> = gathered(diary.names.iter().filter_map(named));
         let found = HandOver {
             epoch,
             pose: self.present.pose,
@@ -178,6 +175,16 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K,
         diary.follow_filter();
         Ok(())
     }
+}
+
+/// As many as there is room for.
+fn gathered<T, const N: usize>(all: impl Iterator<Item = T>) -> Vec<T, N> {
+    let mut found = Vec::new();
+    for one in all.take(N) {
+        // There is room for so many.
+        let _ = found.push(one);
+    }
+    found
 }
 
 /// The motion of a keyframe's stretch.

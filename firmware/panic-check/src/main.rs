@@ -5,7 +5,7 @@
 
 use core::hint::black_box;
 use core::panic::PanicInfo;
-use look_back::{Hit, RobotDiary, RobotLookBack, Unknown};
+use look_back::{Hit, RobotBackEnd, RobotDiary, RobotLookBack, Unknown};
 use slam_core::{Adc, Config, DriveModel, Increment, Motion, Pose, RangeInput, RobotSlam, Sample, Ticks, angle};
 
 #[cortex_m_rt::entry]
@@ -15,6 +15,7 @@ fn main() -> ! {
     plane();
     if let Ok(mut slam) = RobotSlam::with_config(rig(), black_box(Config::default())) {
         estimator(&mut slam);
+        beside(&mut slam);
     }
     back_end();
     loop {
@@ -77,6 +78,16 @@ fn estimator(slam: &mut RobotSlam) {
     for factor in slam.calibration() {
         black_box(factor);
     }
+}
+
+fn beside(slam: &mut RobotSlam) {
+    let mut back = black_box(RobotBackEnd::IDLE);
+    let increment = Motion::Increment(Increment { forward_m: 1.0, left_m: 0.0, turn_rad: 0.1 });
+    let report = slam.step(&black_box(Sample { time_us: 1, motion: increment, ranges: [RangeInput::Counts(1000); 8] }));
+    back.record(slam, &black_box(report));
+    back.work(black_box(40_000));
+    black_box(back.hand_over(slam)).map(black_box);
+    black_box((slam.epoch(), back.tally(), back.is_looking_back()));
 }
 
 fn back_end() {
