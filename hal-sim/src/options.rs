@@ -1,5 +1,7 @@
 //! Settings of the simulation that are not the rig's and not the plan's.
 
+use crate::pose::Pose2;
+
 /// Behaviour of the simulated Sharp sensors beyond what the rig says.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SharpOptions {
@@ -94,6 +96,9 @@ impl Default for DriveOptions {
 /// Every setting of the simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SimOptions {
+    /// Where the robot stands at first, in the plan's frame, which it is not told; the plan's start where not given. Truths stay
+    /// in the frame of the plan's start.
+    pub start: Option<Pose2>,
     /// Samples per second.
     pub rate_hz: f64,
     /// Radius of the robot's body, metres.
@@ -118,6 +123,7 @@ pub struct SimOptions {
 impl Default for SimOptions {
     fn default() -> Self {
         Self {
+            start: None,
             rate_hz: 25.0,
             body_radius_m: crate::rig::BODY_RADIUS_M,
             drive: DriveOptions::default(),

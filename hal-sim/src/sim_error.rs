@@ -27,7 +27,7 @@ impl fmt::Display for SimError {
             Self::Rate(rate_hz) => write!(f, "sample rate {rate_hz} Hz: 1 to 100 is allowed"),
             Self::StartBlocked(clearance_m, radius_m) => write!(
                 f,
-                "plan: [start] is {clearance_m:.2} m from the nearest wall or thing; the robot's radius is {radius_m:.2} m"
+                "the start ([start] of the plan, or --start) is {clearance_m:.2} m from the nearest wall or thing; the robot's radius is {radius_m:.2} m"
             ),
             Self::PlaceBlocked(kidnap, clearance_m, radius_m) => write!(
                 f,

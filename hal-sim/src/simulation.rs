@@ -79,8 +79,9 @@ impl Simulation {
         }
         let world = World::new(plan);
         let clearance_m = |pose: &Pose2| world.clearance_m([pose.x_m, pose.y_m]);
-        if clearance_m(&plan.start) < options.body_radius_m {
-            return Err(SimError::StartBlocked(clearance_m(&plan.start), options.body_radius_m));
+        let start = options.start.unwrap_or(plan.start);
+        if clearance_m(&start) < options.body_radius_m {
+            return Err(SimError::StartBlocked(clearance_m(&start), options.body_radius_m));
         }
         for (i, to) in plan.mishaps.kidnaps.iter().enumerate().filter_map(|(i, kidnap)| Some((i, kidnap.to?))) {
             if clearance_m(&to) < options.body_radius_m {
@@ -102,9 +103,9 @@ impl Simulation {
             cliffs: plan.cliffs.clone(),
             start: plan.start,
             adc: rig.adc,
-            body: Body::new(plan.start, wheels, drive, seed),
-            last_pose: plan.start,
-            history: History::starting_at(plan.start),
+            body: Body::new(start, wheels, drive, seed),
+            last_pose: start,
+            history: History::starting_at(start),
             odometer,
             stamps: Rng::stream(seed, "stamps", 0),
             last_stamp_us: None,
@@ -130,7 +131,7 @@ impl Simulation {
     /// The sensors have been on for a while when the run begins: their outputs show the view from the start.
     fn first_light(&mut self) {
         for i in 0..self.sensors.len() {
-            let hit = self.look(i, &self.start.clone());
+            let hit = self.look(i, &self.body.pose.clone());
             let sensor = &mut self.sensors[i];
             let volts = sensor.volts(hit.map(|hit| hit.range_m));
             if let Some(Analogue { output: Output::Cycle(cycle, _), .. }) = &mut sensor.analogue {

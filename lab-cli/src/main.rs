@@ -11,7 +11,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use lab::evaluate::compare::Compare;
 use lab::input::settings::{Settings, VariantArgs};
-use lab::recording::Recording;
+use lab::recording::{Pose2, Recording};
 use lab::run::{Progress, Replay, Replayed, Run};
 use lab::show::closing;
 use monte_carlo::command::ExperimentArgs;
@@ -68,6 +68,12 @@ struct RunArgs {
     /// Folder for the results.
     #[arg(long, value_name = "DIR", default_value = "out/run")]
     out: PathBuf,
+    /// Begin in this kept map, the map.bin of an earlier run, not knowing where.
+    #[arg(long, value_name = "FILE")]
+    map: Option<PathBuf>,
+    /// Where the robot stands at first, in the plan: metres, metres, degrees. It is not told.
+    #[arg(long, value_name = "X,Y,DEG", value_parser = start, allow_hyphen_values = true)]
+    start: Option<Pose2>,
     /// Also write readings.csv: what became of every reading.
     #[arg(long)]
     trace: bool,
@@ -88,6 +94,9 @@ struct ReplayArgs {
     /// True poses to score against; truth.csv beside the log when not given.
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
+    /// Begin in this kept map, the map.bin of an earlier run or replay, not knowing where.
+    #[arg(long, value_name = "FILE")]
+    map: Option<PathBuf>,
     /// Also write readings.csv: what became of every reading.
     #[arg(long)]
     trace: bool,
@@ -142,6 +151,15 @@ fn minutes(text: &str) -> Result<f64, String> {
     }
 }
 
+fn start(text: &str) -> Result<Pose2, String> {
+    let numbers: Option<Vec<f64>> =
+        text.split(',').map(|part| part.trim().parse().ok().filter(|number: &f64| number.is_finite())).collect();
+    match numbers.as_deref() {
+        Some(&[x_m, y_m, heading_deg]) => Ok(Pose2::new(x_m, y_m, heading_deg.to_radians())),
+        _ => Err("it must be three numbers: metres, metres, degrees, as 1.5,2,-90".to_owned()),
+    }
+}
+
 fn main() -> ExitCode {
     let cli = Cli::parse();
     let done = match cli.command {
@@ -164,18 +182,18 @@ fn main() -> ExitCode {
 }
 
 fn run(args: RunArgs) -> Result<(), Box<dyn Error>> {
-    let RunArgs { plan, minutes, seed, rig, out, trace, variant } = args;
+    let RunArgs { plan, minutes, seed, rig, out, map, start, trace, variant } = args;
     let bar = ProgressBar::new(1000).with_style(style("driving {wide_bar} {percent} %, {eta} to go"));
-    let run = Run { plan, minutes, seed, rig, out, settings: Settings::ForRig(variant), trace };
+    let run = Run { plan, minutes, seed, rig, out, map, start, settings: Settings::ForRig(variant), trace };
     let recording = run.run(|progress| show(&bar, progress));
     bar.finish_and_clear();
     say(&recording?, &run.out)
 }
 
 fn replay(args: ReplayArgs) -> Result<(), Box<dyn Error>> {
-    let ReplayArgs { log, rig, out, truth, trace, variant } = args;
+    let ReplayArgs { log, rig, out, truth, map, trace, variant } = args;
     let bar = ProgressBar::new_spinner().with_style(style("{spinner} {pos} rows, {elapsed}"));
-    let replay = Replay { log, rig, out, truth, settings: Settings::ForRig(variant), trace };
+    let replay = Replay { log, rig, out, truth, map, settings: Settings::ForRig(variant), trace };
     let replayed = replay.run(|progress| show(&bar, progress));
     bar.finish_and_clear();
     let Replayed { recording, notes, error } = replayed?;

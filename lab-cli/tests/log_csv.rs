@@ -51,10 +51,10 @@ fn a_replay_writes_every_output() {
     let mut lines = estimate.lines();
     assert_eq!(
         lines.next(),
-        Some("t_s,x_m,y_m,theta_rad,var_x,cov_xy,cov_xtheta,var_y,cov_ytheta,var_theta,alpha_rad,walls")
+        Some("t_s,x_m,y_m,theta_rad,var_x,cov_xy,cov_xtheta,var_y,cov_ytheta,var_theta,alpha_rad,walls,located")
     );
     assert_eq!(lines.clone().count(), 100);
-    assert!(lines.all(|line| line.split(',').count() == 12));
+    assert!(lines.all(|line| line.split(',').count() == 13 && line.ends_with(",1")));
     let last: Vec<f64> =
         estimate.lines().last().expect("rows").split(',').map(|cell| cell.parse().expect("a number")).collect();
     assert!((last[1] - 99.0 * 0.025).abs() < 0.05, "{last:?}");

@@ -18,6 +18,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         minutes,
         seed,
         rig: None,
+        map: None,
+        start: None,
         out: out.clone(),
         settings: Settings::Exactly(Config::default()),
         trace: false,

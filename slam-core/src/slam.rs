@@ -75,7 +75,7 @@ pub struct Slam<const S: usize, const W: usize, const B: usize, const ROWS: usiz
     pub(crate) correlation: SurfaceCorrelation<S>,
     pub(crate) ekf: Ekf<ROWS>,
     pub(crate) first: FirstEstimates,
-    shortfall: Shortfall,
+    pub(crate) shortfall: Shortfall,
     pub(crate) map: Map<W>,
     pub(crate) candidates: Candidates<B>,
     pub(crate) monitor: HealthMonitor,

@@ -1,6 +1,7 @@
 //! Cross-crate tests live in `tests/`; here is what several of them share.
 
 pub mod browser;
+pub mod carries;
 pub mod frames;
 pub mod fuzzing;
 pub mod long_drive;

@@ -64,6 +64,7 @@ impl RealLog {
             rig: folder.join("rig.toml"),
             out: out.path().to_owned(),
             truth: None,
+            map: None,
             settings: Settings::Exactly(Config::real_rooms()),
             trace: false,
         };

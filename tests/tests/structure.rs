@@ -17,7 +17,8 @@ const LAYERS: &[&[&str]] = &[
     &["births"],
     &["config", "clock", "health"],
     &["slam"],
-    &["view", "displacement", "take_over"],
+    &["view", "displacement", "take_over", "kept"],
+    &["take_up"],
 ];
 
 fn source() -> PathBuf {

@@ -10,6 +10,7 @@ use slam_core::{Counters, Health, NotTaken, Outcome, ReadingReport, WallView};
 
 pub use hal_sim::pose::{Pose2, wrap};
 
+pub use crate::run::Searched;
 pub use figures::{Consistency, Figures, LookingBack, MapScore, PathScore, SeenWall, SurfelScore, Visit};
 
 /// One run of the estimator over one log or simulated drive.
@@ -39,8 +40,26 @@ pub struct Recording {
     pub true_walls: Vec<Segment>,
     /// The estimator's own counts at the end.
     pub counters: Counters,
+    /// Which frame the truth is in before it is scored.
+    pub truth_frame: TruthFrame,
+    /// What every search for the place in the kept map found.
+    pub searches: Vec<Searched>,
+    /// How often a place was given up: lifted, or the claim revoked.
+    pub lost: usize,
     /// The run's figures, filled in when it is over.
     pub figures: Figures,
+}
+
+/// Which frame true poses are in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TruthFrame {
+    /// One in which the first of them should be the map's origin.
+    #[default]
+    FirstPose,
+    /// The map's.
+    Map,
+    /// Not known: that of a kept map is the start of another drive. They are moved so that they fit the estimate best.
+    Unknown,
 }
 
 /// One range sensor as the rig file describes it.
@@ -87,6 +106,9 @@ pub struct Step {
     pub prunes: u8,
     /// How the estimator was after it.
     pub health: Health,
+    /// The pose is in a fresh map's frame, for the robot has not found itself in the kept one; the truth is left out. Else it is
+    /// claimed in the frame of the kept map, or of this drive's start where there is none.
+    pub searching: bool,
 }
 
 impl Step {
@@ -158,6 +180,11 @@ impl Recording {
     pub fn readings(&self, step: usize) -> &[ReadingReport] {
         let n = self.sensors.len();
         self.readings.get(step * n..(step + 1) * n).unwrap_or(&[])
+    }
+
+    /// Whether all poses are in one frame: the robot was never searching.
+    pub fn is_one_frame(&self) -> bool {
+        !self.steps.iter().any(|step| step.searching)
     }
 
     /// What is wrong with the estimate itself, in words; none where every number is one.

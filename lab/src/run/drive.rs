@@ -9,7 +9,7 @@ use crate::evaluate::score::map::{LONG_M, PASSED_M, PassedWall};
 use crate::input::log::Row;
 use crate::input::rig_file::Robot;
 use crate::numbers::shortest;
-use crate::recording::{Recording, Segment};
+use crate::recording::{Recording, Segment, TruthFrame};
 
 /// A robot in a home, with the pilot that drives it.
 pub struct Drive {
@@ -34,6 +34,7 @@ impl Drive {
     /// Drives to the next sample, which the session estimates and records; the first is taken where the robot stands.
     pub fn step(&mut self, session: &mut Session) -> Row {
         let mut report = None;
+        let frames = session.frames();
         let frame = self.robot.step(&mut |sample| {
             let done = session.estimate(sample);
             let estimate =
@@ -41,6 +42,10 @@ impl Drive {
             report = Some(done);
             estimate
         });
+        session.lift(frame.lifted);
+        if session.frames() != frames {
+            self.robot.pilot.forget();
+        }
         let t_s = frame.sample.time_us as f64 * 1e-6;
         // Microseconds have six decimals: the text reads back as the same ones.
         let t_text = shortest((t_s * 1e6).round() / 1e6);
@@ -74,6 +79,7 @@ impl Drive {
     /// Ends the session: the record with every score against what is true here.
     pub fn finish(&self, session: Session) -> Recording {
         let mut recording = session.finish();
+        recording.truth_frame = TruthFrame::Map;
         recording.true_walls = self.plan.clone();
         self.reveal_calibration(&mut recording);
         score::score(&mut recording, &[], None);

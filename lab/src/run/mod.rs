@@ -2,11 +2,13 @@
 //! that from input files to the output folder.
 
 mod drive;
+mod life;
 mod replay;
 mod session;
 mod simulate;
 
 pub use drive::Drive;
+pub use life::Searched;
 pub use replay::{Replay, Replayed};
 pub use session::Session;
 pub use simulate::Run;

@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 
 use super::Progress;
-use super::session::Session;
+use super::session::{Session, begin_in, keep};
 use crate::evaluate::score;
 use crate::evaluate::smoother;
 use crate::input::log::truth::{self, Truth};
 use crate::input::log::{self, Rows};
 use crate::input::rig_file::{Robot, rig_error};
 use crate::input::settings::Settings;
-use crate::recording::Recording;
+use crate::recording::{Recording, TruthFrame};
 use crate::show::output::folder::Folder;
 use crate::show::output::streams::Streams;
 use crate::show::output::summary::Origin;
@@ -30,6 +30,8 @@ pub struct Replay {
     pub out: PathBuf,
     /// True poses; `truth.csv` beside the log when not given.
     pub truth: Option<PathBuf>,
+    /// The kept map that the drive begins in, not knowing where.
+    pub map: Option<PathBuf>,
     /// The estimator's settings.
     pub settings: Settings,
     /// Whether to write what became of every reading.
@@ -59,6 +61,7 @@ impl Replay {
         let truth = self.read_truth()?;
         let config = self.settings.config(&robot.rig);
         let mut session = Session::new(&robot, config, title_of(&self.log)).map_err(|e| rig_error(&self.rig, &e))?;
+        begin_in(&mut session, self.map.as_deref())?;
         let mut folder = Folder::prepare(&self.out, &NAMES)?;
         let mut streams = Streams::create(&folder)?;
         let mut times_s = Vec::new();
@@ -66,7 +69,9 @@ impl Replay {
         let is_empty = error.is_none() && times_s.is_empty();
         let error = if is_empty { Some(FileError::new(&self.log, "has a header but no rows")) } else { error };
         streams.close()?;
+        keep(&folder, &session)?;
         let mut recording = session.finish();
+        recording.truth_frame = if self.map.is_some() { TruthFrame::Unknown } else { TruthFrame::FirstPose };
         score::score(&mut recording, &times_s, truth.as_ref());
         let origin = Origin {
             arguments: vec![
@@ -74,6 +79,7 @@ impl Replay {
                 ("log", json!(self.log)),
                 ("rig", json!(self.rig)),
                 ("truth", json!(self.truth)),
+                ("map", json!(self.map)),
             ],
             rig_toml,
             config,

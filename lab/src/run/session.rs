@@ -1,15 +1,21 @@
 //! One estimator, fed row by row, with everything it did kept in a [`Recording`].
 
+use std::fs;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
+use kept_map::{Record, rig_hash};
 use look_back::RobotBackEnd;
-use slam_core::{Config, DriveModel, HostSlam, Outcome, Parameter, RigError, Sample, StepReport};
+use slam_core::{Config, DriveModel, HostSlam, Outcome, Parameter, RigError, Sample, StepReport, Unfit};
 
+use super::life::Life;
 use crate::evaluate::score::{nis, path};
 use crate::evaluate::statistics;
 use crate::input::log::Row;
 use crate::input::rig_file::{MAX_SENSORS, Robot};
 use crate::recording::{CalibrationSnapshot, HandOver, MapSnapshot, ParameterInfo, Pose2, Recording, SensorInfo, Step};
+use crate::show::output::folder::Folder;
+use input_file::FileError;
 
 /// How often map and calibration are recorded where nothing else asks for it, seconds of the log.
 const SNAPSHOT_EVERY_S: f64 = 1.0;
@@ -20,6 +26,7 @@ pub struct Session {
     /// The back end in a robot's size, which does as much in a second as a robot's.
     back: Option<Box<RobotBackEnd>>,
     last_us: Option<u64>,
+    life: Life,
     parameters: Vec<Parameter>,
     recording: Recording,
     first_s: Option<f64>,
@@ -44,12 +51,44 @@ impl Session {
             ..Recording::default()
         };
         let back = config.hand_overs.then(|| Box::new(RobotBackEnd::IDLE));
-        Ok(Self { slam, back, last_us: None, parameters, recording, first_s: None, estimator_time: Duration::ZERO })
+        let life = Life::new(&robot.rig);
+        let (first_s, estimator_time) = (None, Duration::ZERO);
+        Ok(Self { slam, back, last_us: None, life, parameters, recording, first_s, estimator_time })
+    }
+
+    /// Begins in a kept map, the bytes of a `map.bin`, not knowing where.
+    ///
+    /// # Errors
+    /// What is wrong with the map.
+    pub fn begin_in(&mut self, map: Vec<u8>) -> Result<(), String> {
+        let rig = rig_hash(self.slam.rig());
+        let record =
+            Record::parse(&map).and_then(|record| record.of_rig(rig)).map_err(|refused| refused.to_string())?;
+        self.slam.suits(&record).map_err(|unfit| unsuitable(unfit).to_owned())?;
+        let sequence = record.sequence();
+        self.life.begin_in(map, sequence);
+        Ok(())
+    }
+
+    /// The record that the robot would keep, as a `map.bin`; none where there is no map.
+    pub fn map(&self) -> Option<Vec<u8>> {
+        self.life.record(&self.slam)
+    }
+
+    /// Counts the frames that poses were given in: where it has changed, what was drawn before is in another one.
+    pub fn frames(&self) -> usize {
+        self.life.frames()
+    }
+
+    /// Takes in what the wheel-drop switches say.
+    pub fn lift(&mut self, is_lifted: bool) {
+        self.life.lift(&mut self.slam, is_lifted);
     }
 
     /// Gives one row to the estimator and records what came of it.
     pub fn push(&mut self, row: &Row) -> &Step {
         let report = self.estimate(&row.sample);
+        self.lift(row.lifted);
         self.record(row, &report)
     }
 
@@ -57,7 +96,7 @@ impl Session {
     pub fn estimate(&mut self, sample: &Sample<MAX_SENSORS>) -> StepReport<MAX_SENSORS> {
         self.take_over();
         let before = Instant::now();
-        let report = self.slam.step(sample);
+        let mut report = self.slam.step(sample);
         self.estimator_time += before.elapsed();
         if let Some(back) = &mut self.back {
             back.record(&self.slam, &report);
@@ -65,6 +104,12 @@ impl Session {
             back.work(u32::try_from(since_us).unwrap_or(u32::MAX));
         }
         self.last_us = Some(sample.time_us);
+        let index = self.recording.steps.len();
+        let is_new_frame = self.life.step(&mut self.slam, &report, index);
+        if is_new_frame || !self.life.is_located() {
+            // Where readings ended is in a frame that is given up.
+            report.readings.iter_mut().for_each(|reading| reading.hit_m = None);
+        }
         report
     }
 
@@ -90,7 +135,8 @@ impl Session {
             covariance: estimate.covariance.into(),
             alpha: self.slam.alpha(),
             dead_reckoning: self.slam.dead_reckoning().into(),
-            truth: row.truth,
+            truth: row.truth.filter(|_| self.life.is_located()),
+            searching: !self.life.is_located(),
             walls: self.slam.walls().count(),
             births: report.births,
             merges: report.merges,
@@ -125,6 +171,8 @@ impl Session {
         }
         let recording = &mut self.recording;
         recording.counters = *self.slam.counters();
+        recording.searches = self.life.searches().to_vec();
+        recording.lost = self.life.lost();
         let figures = &mut recording.figures;
         figures.estimator_s = self.estimator_time.as_secs_f64();
         figures.duration_s = recording.steps.last().map_or(0.0, |step| step.t_s);
@@ -170,6 +218,36 @@ impl Session {
         };
         let values = self.parameters.iter().map(value).collect();
         self.recording.calibration.push(CalibrationSnapshot { step, values });
+    }
+}
+
+/// Begins in the kept map of a file, if there is one.
+///
+/// # Errors
+/// The file cannot be read, or is no map of this robot.
+pub(super) fn begin_in(session: &mut Session, map: Option<&Path>) -> Result<(), FileError> {
+    let Some(file) = map else { return Ok(()) };
+    let bytes = fs::read(file).map_err(|cause| FileError::system(file, "read", &cause))?;
+    session.begin_in(bytes).map_err(|what| FileError::new(file, what))
+}
+
+/// Writes `map.bin`, if there is a map.
+///
+/// # Errors
+/// What the system says.
+pub(super) fn keep(folder: &Folder, session: &Session) -> Result<(), FileError> {
+    session.map().map_or(Ok(()), |map| folder.write("map.bin", map))
+}
+
+/// Why a kept map cannot be gone on with.
+fn unsuitable(unfit: Unfit) -> &'static str {
+    match unfit {
+        Unfit::TooLarge => "has more walls or states than there is room for; it must be the map of a smaller home",
+        Unfit::OtherCalibration => {
+            "was made with other settings, which calibrate other things; the same --walls, --without and --no-calibration are needed"
+        }
+        Unfit::NoGrid => "has no wall grid, which finding oneself needs; it must be the map of a longer drive",
+        Unfit::NoMatch | Unfit::NoNumber => "has values that no map has; it must be one that a run or a replay wrote",
     }
 }
 

@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use hal_sim::{SimError, SimOptions};
+use hal_sim::{Pose2, SimError, SimOptions};
 use serde_json::json;
 use slam_core::Config;
 
 use super::Progress;
 use super::drive::Drive;
-use super::session::Session;
+use super::session::{Session, begin_in, keep};
 use crate::evaluate::smoother;
 use crate::input::rig_file::rig_error;
 use crate::input::settings::Settings;
@@ -33,6 +33,10 @@ pub struct Run {
     pub rig: Option<PathBuf>,
     /// The output folder.
     pub out: PathBuf,
+    /// The kept map that the drive begins in, not knowing where.
+    pub map: Option<PathBuf>,
+    /// Where the robot stands at first, in the plan's frame; the plan's start where not given.
+    pub start: Option<Pose2>,
     /// The estimator's settings.
     pub settings: Settings,
     /// Whether to write what became of every reading.
@@ -45,17 +49,24 @@ impl Run {
     /// # Errors
     /// What keeps the run from starting, or an output from being written.
     pub fn run(&self, mut progress: impl FnMut(Progress)) -> Result<Recording, FileError> {
-        let plan = hal_sim::plan_file::load(&self.plan)?;
+        let mut plan = hal_sim::plan_file::load(&self.plan)?;
+        let mut options = SimOptions::default();
+        match (&self.map, self.start) {
+            // The kept map's frame is the plan's start, as that of the drive that made it.
+            (Some(_), start) => options.start = start,
+            (None, start) => plan.start = start.unwrap_or(plan.start),
+        }
         let (robot, rig_toml) = match &self.rig {
             Some(rig) => input::robot(rig)?,
             None => input::built_in_robot()?,
         };
         let rig_name = self.rig.clone().unwrap_or_else(|| PathBuf::from("built-in rig"));
-        let mut drive = Drive::new(&plan, &robot, SimOptions::default(), self.seed)
-            .map_err(|error| self.simulation_error(&rig_name, &error))?;
+        let mut drive =
+            Drive::new(&plan, &robot, options, self.seed).map_err(|error| self.simulation_error(&rig_name, &error))?;
         let config = self.settings.config(&robot.rig);
         let mut session =
             Session::new(&robot, config, plan.name.clone()).map_err(|error| rig_error(&rig_name, &error))?;
+        begin_in(&mut session, self.map.as_deref())?;
         let names: Vec<&str> = NAMES.iter().copied().chain(["log.csv", "rig.toml"]).collect();
         let mut folder = Folder::prepare(&self.out, &names)?;
         folder.write("rig.toml", &rig_toml)?;
@@ -70,6 +81,7 @@ impl Run {
         })?;
         log.close()?;
         streams.close()?;
+        keep(&folder, &session)?;
         let mut recording = drive.finish(session);
         recording.seed = Some(self.seed);
         let looking_back =
@@ -95,6 +107,8 @@ impl Run {
                 ("minutes", json!(self.minutes)),
                 ("seed", json!(self.seed)),
                 ("rig", json!(self.rig)),
+                ("map", json!(self.map)),
+                ("start", json!(self.start.map(|start| [start.x_m, start.y_m, start.theta_rad.to_degrees()]))),
             ],
             rig_toml,
             config,

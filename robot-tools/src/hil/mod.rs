@@ -83,7 +83,7 @@ impl Hil {
         }
         files.close()?;
         let outcome = outcome(&plan, &simulation, shadow);
-        folder.write("hil.json", &outcome.to_json(self)).map_err(|error| error.to_string())?;
+        folder.write("hil.json", outcome.to_json(self)).map_err(|error| error.to_string())?;
         Ok(outcome)
     }
 }

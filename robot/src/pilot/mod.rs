@@ -155,6 +155,13 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
         WheelSpeeds::from_twist(forward_mps, turn_radps, self.config.track_m)
     }
 
+    /// Forgets its picture of the home: poses are in another frame from now on.
+    pub fn forget(&mut self) {
+        self.memory = Memory::new(self.config.cell_m);
+        self.route = None;
+        self.next_route_us = 0;
+    }
+
     /// What the pilot is doing.
     pub fn activity(&self) -> Activity {
         self.activity

@@ -170,6 +170,18 @@ impl MapView {
         let _ = self.walls.push(wall);
     }
 
+    /// The identifier of the next wall.
+    pub fn next_id(&self) -> u16 {
+        self.next_id
+    }
+
+    /// Takes walls that were kept, whose states exist, in place of its own.
+    pub fn restore(&mut self, walls: impl Iterator<Item = Wall>, next_id: u16) {
+        self.walls.clear();
+        self.walls.extend(walls.take(self.walls.capacity()));
+        self.next_id = next_id;
+    }
+
     /// A reading met wall `index` at `along_m`.
     pub fn met(&mut self, index: usize, along_m: f32, path_m: f32) {
         if let Some(wall) = self.walls.get_mut(index) {

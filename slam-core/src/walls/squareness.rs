@@ -17,6 +17,16 @@ impl Squareness {
     /// Not known yet.
     pub const UNKNOWN: Self = Self { halvings: 0 };
 
+    /// So many halvings of the first sigma; doublings where negative.
+    pub fn of_halvings(halvings: i8) -> Self {
+        Self { halvings: halvings.clamp(LOOSEST, EXACT) }
+    }
+
+    /// Halvings of the first sigma; doublings where negative.
+    pub fn halvings(self) -> i8 {
+        self.halvings
+    }
+
     /// The grid is exact.
     pub fn is_exact(self) -> bool {
         self.halvings >= EXACT

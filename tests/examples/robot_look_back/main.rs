@@ -49,7 +49,7 @@ fn row(folder: &Path) -> String {
     let robot = robot(&rig, &log);
     let out = tempfile::TempDir::new().expect("a temporary folder");
     let settings = Settings::Exactly(Config::for_rig(&robot.rig));
-    let replay = Replay { log, rig, out: out.path().to_owned(), truth: None, settings, trace: false };
+    let replay = Replay { log, rig, out: out.path().to_owned(), truth: None, map: None, settings, trace: false };
     let recording = replay.run(|_| ()).unwrap_or_else(|error| panic!("{error}")).recording;
     let Looked { recording: mut back, diary, looks } = look_back(&recording, &robot.rig).expect("a log with rows");
     back.figures = Figures { estimate: None, map: None, ..back.figures };

@@ -10,21 +10,29 @@ pub mod path;
 mod surfels;
 
 use crate::input::log::truth::{Truth, pair};
-use crate::recording::{Pose2, Recording, Step};
+use crate::recording::{Pose2, Recording, Step, TruthFrame};
 
-/// Puts the truth into the record, moved so that its first pose is the origin, and scores both paths against it.
+/// Puts the truth into the record, moved into the frame that the estimate should be in, and scores both paths against it.
 ///
 /// `truth` replaces what the rows themselves carried; `times_s` are the rows' times on its clock.
 pub fn score(recording: &mut Recording, times_s: &[f64], truth: Option<&Truth>) {
     recording.figures.consistency = consistency::score(recording);
     if let Some(truth) = truth {
         for (step, pose) in recording.steps.iter_mut().zip(pair(times_s, truth)) {
-            step.truth = pose;
+            step.truth = pose.filter(|_| !step.searching);
         }
     }
     let Some(first) = recording.steps.iter().find_map(|step| step.truth) else { return };
+    let origin = match recording.truth_frame {
+        TruthFrame::FirstPose => first,
+        TruthFrame::Map => Pose2::default(),
+        TruthFrame::Unknown => {
+            let pairs: Vec<_> = recording.steps.iter().filter_map(|step| Some((step.pose, step.truth?))).collect();
+            path::align(&pairs)
+        }
+    };
     for truth in recording.steps.iter_mut().filter_map(|step| step.truth.as_mut()) {
-        *truth = first.relative(truth);
+        *truth = origin.relative(truth);
     }
     let against_truth = |path: fn(&Step) -> Pose2| -> Vec<(Pose2, Pose2)> {
         recording.steps.iter().filter_map(|step| Some((path(step), step.truth?))).collect()

@@ -38,6 +38,9 @@ const ROUNDS_BETWEEN: usize = 4;
 /// The record of a scored run as it looks from the end, with its own scores, which are also put among the run's figures.
 /// None where no wall was seen or nothing can be solved. `progress` is told the rounds so far: a long log takes minutes.
 pub fn add(recording: &mut Recording, rig: &Rig<MAX_SENSORS>, progress: &mut dyn FnMut(usize)) -> Option<Recording> {
+    if !recording.is_one_frame() {
+        return None;
+    }
     let mut back = look_back(recording, rig, progress)?;
     back.figures = Figures { estimate: None, map: None, ..back.figures };
     score::score(&mut back, &[], None);

@@ -70,9 +70,9 @@ impl Folder {
     ///
     /// # Errors
     /// What the system says.
-    pub fn write(&self, name: &str, text: &str) -> Result<(), FileError> {
+    pub fn write(&self, name: &str, text: impl AsRef<[u8]>) -> Result<(), FileError> {
         let file = self.file(name);
-        fs::write(&file, text).map_err(|cause| FileError::system(&file, "write", &cause))
+        fs::write(&file, text.as_ref()).map_err(|cause| FileError::system(&file, "write", &cause))
     }
 
     /// Writes `summary.json`: who wrote it, the figures given, and which files of the folder are this program's.

@@ -13,7 +13,8 @@ use input_file::FileError;
 use summary::Origin;
 
 /// What every run and replay writes, apart from what it adds of its own.
-pub const NAMES: [&str; 10] = [
+pub const NAMES: [&str; 11] = [
+    "map.bin",
     "trajectory.tum",
     "truth.tum",
     "estimate.csv",
@@ -37,8 +38,8 @@ pub fn finish(
     looking_back: Option<&Recording>,
     origin: &Origin,
 ) -> Result<(), FileError> {
-    folder.write("walls.csv", &tables::walls(recording))?;
-    folder.write("calibration.csv", &tables::calibration(recording))?;
+    folder.write("walls.csv", tables::walls(recording))?;
+    folder.write("calibration.csv", tables::calibration(recording))?;
     if origin.trace {
         trace::write(folder, recording)?;
     }
@@ -47,7 +48,7 @@ pub fn finish(
     }
     write_page(folder, recording, "report.html")?;
     if let Some(back) = looking_back {
-        folder.write("looking-back.tum", &tables::path(back))?;
+        folder.write("looking-back.tum", tables::path(back))?;
         write_page(folder, back, "looking-back.html")?;
     }
     folder.write_summary(&summary::summary(recording, origin))

@@ -10,7 +10,7 @@ use crate::recording::Step;
 use input_file::FileError;
 
 const ESTIMATE_HEADER: &str =
-    "t_s,x_m,y_m,theta_rad,var_x,cov_xy,cov_xtheta,var_y,cov_ytheta,var_theta,alpha_rad,walls";
+    "t_s,x_m,y_m,theta_rad,var_x,cov_xy,cov_xtheta,var_y,cov_ytheta,var_theta,alpha_rad,walls,located";
 
 /// A text file that lines are added to.
 pub struct LineFile {
@@ -96,7 +96,7 @@ fn estimate_line(step: &Step) -> String {
     let [[xx, xy, xt], [_, yy, yt], [_, _, tt]] = step.covariance;
     let alpha = step.alpha.map_or(f32::NAN, |(alpha_rad, _)| alpha_rad);
     let numbers = [pose[0], pose[1], pose[2], xx, xy, xt, yy, yt, tt, alpha].map(shortest).join(",");
-    format!("{},{numbers},{}", step.t_text, step.walls)
+    format!("{},{numbers},{},{}", step.t_text, step.walls, u8::from(!step.searching))
 }
 
 /// The estimated pose as a line of a `.tum` file.

@@ -1,0 +1,24 @@
+//! The map that a robot keeps: what the filter knows, but for the pose, over power loss.
+//!
+//! | part | what it is |
+//! |---|---|
+//! | [`Writer`], [`Record`] | the record as words to write, and as bytes that were read and checked |
+//! | [`Store`] | slots of NOR flash: the newest whole record counts, and a power cut leaves the old one or the new one |
+//! | [`rig_hash`] | what says that a record was made by a robot like this one |
+//!
+//! One rule: a record exists whole or not at all. Its CRC is written last.
+#![no_std]
+#![forbid(unsafe_code)]
+
+#[cfg(test)]
+extern crate std;
+
+mod record;
+mod rig_hash;
+mod store;
+#[cfg(test)]
+mod tests;
+
+pub use record::{Record, Refused, VERSION, Writer};
+pub use rig_hash::rig_hash;
+pub use store::{SaveError, Saved, Saving, Store};

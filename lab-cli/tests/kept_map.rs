@@ -1,0 +1,97 @@
+//! `map.bin`, `--map` and `--start` as a user calls them.
+
+mod common;
+
+use std::fs;
+
+use common::{Place, SHARP_RIG};
+use predicates::str::contains;
+
+/// A place with a map of the flat.
+fn with_map() -> Place {
+    let place = Place::new();
+    place.lab().args(["run", "--minutes", "5", "--out", "first"]).assert().success();
+    place
+}
+
+/// The columns `located`, x and y.
+fn poses(place: &Place, file: &str, columns: [&str; 3]) -> Vec<[f64; 3]> {
+    let text = place.get(file);
+    let mut lines = text.lines();
+    let header: Vec<&str> = lines.next().expect("a header").split(',').collect();
+    let places = columns.map(|column| header.iter().position(|name| *name == column).expect("the column"));
+    let row = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        places.map(|place| cells[place].parse().expect("a number"))
+    };
+    lines.map(row).collect()
+}
+
+#[test]
+fn a_robot_that_starts_anywhere_finds_itself_in_the_map() {
+    let place = with_map();
+    let run = ["run", "--map", "first/map.bin", "--start", "6.0,4.5,130", "--seed", "3", "--minutes", "2"];
+    place.lab().args(run).args(["--out", "second"]).assert().success();
+    let estimate = poses(&place, "second/estimate.csv", ["located", "x_m", "y_m"]);
+    let truth = poses(&place, "second/log.csv", ["lifted", "true_x_m", "true_y_m"]);
+    assert_eq!((estimate[0][0], estimate.last().expect("rows")[0]), (0.0, 1.0));
+    for ([located, x_m, y_m], [_, true_x_m, true_y_m]) in estimate.iter().zip(&truth) {
+        let off_m = (x_m - true_x_m).hypot(y_m - true_y_m);
+        assert!(*located == 0.0 || off_m < 0.15, "{off_m}");
+    }
+    let summary = place.summary("second");
+    assert!(summary["start_m"].as_f64().expect("a score") < 0.1, "{summary}");
+    // A replay of its log is the same drive, bit for bit.
+    let replay = ["replay", "second/log.csv", "--rig", "second/rig.toml", "--map", "first/map.bin", "--out", "third"];
+    place.lab().args(replay).assert().success();
+    assert_eq!(place.get("second/estimate.csv"), place.get("third/estimate.csv"));
+    assert!(
+        fs::read(place.path("second/map.bin")).expect("a map") != fs::read(place.path("first/map.bin")).expect("a map")
+    );
+}
+
+#[test]
+fn a_lifted_robot_finds_its_map_again() {
+    let place = Place::new();
+    let plan = hal_sim::plan_file::BUILT_IN.iter().find(|(name, _)| *name == "flat").expect("the flat").1;
+    place.put("lifted.toml", format!("{plan}\n[[kidnap]]\nat_s = 200.0\nto_m = [6.0, 4.5]\n"));
+    place.lab().args(["run", "--plan", "lifted.toml", "--minutes", "6", "--out", "run"]).assert().success();
+    let estimate = poses(&place, "run/estimate.csv", ["located", "x_m", "y_m"]);
+    let located = |index: usize| estimate[index][0] == 1.0;
+    assert!(located(0) && located(4990) && !located(5010) && !located(5130) && located(9000));
+    assert!(place.summary("run")["start_m"].as_f64().expect("a score") < 0.1);
+    place.lab().args(["replay", "run/log.csv", "--rig", "run/rig.toml", "--out", "again"]).assert().success();
+    assert_eq!(place.get("run/estimate.csv"), place.get("again/estimate.csv"));
+}
+
+#[test]
+fn what_is_no_map_of_this_robot_is_refused_with_the_reason() {
+    let place = with_map();
+    let good = fs::read(place.path("first/map.bin")).expect("a map");
+    let mut damaged = good.clone();
+    damaged[500] ^= 1;
+    let mut older = good.clone();
+    older[8] = 0;
+    place.put("damaged.bin", damaged);
+    place.put("short.bin", &good[..good.len() / 2]);
+    place.put("older.bin", older);
+    place.put("rig.toml", SHARP_RIG);
+    let refused = |arguments: &[&str], reason: &str| {
+        place
+            .lab()
+            .args(["run", "--minutes", "0.1", "--out", "out"])
+            .args(arguments)
+            .assert()
+            .failure()
+            .stderr(contains(reason));
+    };
+    refused(&["--map", "first/walls.csv"], "first/walls.csv: is no kept map");
+    refused(&["--map", "damaged.bin"], "damaged.bin: is a damaged kept map");
+    refused(&["--map", "short.bin"], "short.bin: is a damaged kept map");
+    refused(&["--map", "older.bin"], "older.bin: is a kept map of version 0; this program reads version 1");
+    refused(&["--map", "first/map.bin", "--rig", "rig.toml"], "first/map.bin: is the map of a robot with another rig");
+    refused(&["--map", "first/map.bin", "--no-calibration"], "first/map.bin: was made with other settings");
+    refused(&["--map", "none.bin"], "none.bin");
+    refused(&["--start", "1,2"], "it must be three numbers");
+    refused(&["--start", "0.1,0.1,0"], "the robot's radius is");
+}

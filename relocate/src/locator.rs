@@ -1,0 +1,237 @@
+//! Whether a robot knows where it is in its kept map.
+//!
+//! ```text
+//! Searching -> Probation      the same place twice, each at the odds that a claim needs
+//! Probation -> Tracking       readings agree over some path
+//! Probation -> Searching      they do not: the claim is revoked
+//! Tracking  -> Doubtful       few of the last readings of walls agree
+//! Doubtful  -> Tracking       they do again
+//! Doubtful  -> Searching      they do not
+//! any       -> Searching      lifted
+//! ```
+
+use heapless::Vec;
+use slam_core::Match;
+use slam_core::kept::Kept;
+
+use crate::PATH_POINTS;
+use crate::agreement::Agreement;
+use crate::odds::{Verdict, calibrated};
+use crate::search::{Hypothesis, Progress, Search};
+use crate::side::{path_on_grid, sides};
+
+/// The index of the state that is the grid's direction.
+const ALPHA: usize = 3;
+
+/// Path from one search to the next, metres.
+const SEARCH_EVERY_M: f32 = 0.5;
+
+/// A claim is made when a second search, so much path later, finds the same place, metres.
+const CONFIRM_M: f32 = 1.0;
+
+/// Logarithm of the odds that a claim needs: 1000 to 1.
+pub const CLAIM: f32 = 6.907_755;
+
+/// Path for which a claim can be revoked, metres.
+const PROBATION_M: f32 = 3.0;
+
+/// Path after which a doubt is settled, metres.
+const DOUBT_M: f32 = 1.0;
+
+/// Readings are held against the map once on so much path, metres: a robot that stands sees the same thing again.
+const COUNTED_EVERY_M: f32 = 0.05;
+
+/// Distance between two points of the path that are held against kept walls, metres; twice as far each time when there is no
+/// room for more.
+const POINTS_M: f32 = 0.25;
+
+/// What a robot knows of where it is in the kept map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// It does not know: its pose is in the frame of a fresh map.
+    Searching,
+    /// It claims a place, and may take that back.
+    Probation,
+    /// It knows.
+    Tracking,
+    /// Its readings contradict the map.
+    Doubtful,
+}
+
+impl State {
+    /// Whether the pose is claimed in the frame of the kept map.
+    pub fn is_located(self) -> bool {
+        self != Self::Searching
+    }
+}
+
+/// What has to be done.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event {
+    /// The kept map is to be taken up: the fresh one lies in it like this.
+    Found(Match),
+    /// What was claimed is wrong or not known any more: a fresh map is to be begun.
+    Lost,
+}
+
+/// One step of the robot.
+#[derive(Clone, Copy, Debug)]
+pub struct Step {
+    /// Where the robot is in the filter's frame, metres.
+    pub position_m: [f32; 2],
+    /// How far it went, metres.
+    pub travelled_m: f32,
+    /// Readings of walls that agreed with the map, and that are grossly off.
+    pub readings: [u8; 2],
+}
+
+/// Keeps track of whether the robot knows where it is.
+#[derive(Clone, Debug)]
+pub struct Locator {
+    state: State,
+    path_m: f32,
+    since_m: f32,
+    next_search_m: f32,
+    trail: Vec<[f32; 2], PATH_POINTS>,
+    spacing_m: f32,
+    search: Option<(f32, Search)>,
+    claim: Option<(f32, Hypothesis)>,
+    agreement: Agreement,
+    counted_m: f32,
+    verdict: Option<Verdict>,
+}
+
+impl Locator {
+    /// Of a robot in this state.
+    pub fn new(state: State) -> Self {
+        Self {
+            state,
+            path_m: 0.0,
+            since_m: 0.0,
+            next_search_m: 2.0 * SEARCH_EVERY_M,
+            trail: Vec::new(),
+            spacing_m: POINTS_M,
+            search: None,
+            claim: None,
+            agreement: Agreement::NEW,
+            counted_m: 0.0,
+            verdict: None,
+        }
+    }
+
+    /// What the robot knows.
+    pub fn state(&self) -> State {
+        self.state
+    }
+
+    /// What the last search found.
+    pub fn verdict(&self) -> Option<&Verdict> {
+        self.verdict.as_ref()
+    }
+
+    /// The search under way, for a picture of it.
+    pub fn search(&self) -> Option<&Search> {
+        self.search.as_ref().map(|(_, search)| search)
+    }
+
+    /// Takes in a step of the robot with its map, the one that it is to find itself in, and about how many hypotheses may be
+    /// scored now. Where there is something to do, it is taken for done.
+    pub fn step(&mut self, own: &impl Kept, kept: &impl Kept, step: &Step, hypotheses: usize) -> Option<Event> {
+        self.path_m += step.travelled_m;
+        if self.state == State::Searching {
+            self.remember(step.position_m);
+            let found = self.work(own, kept, hypotheses)?;
+            self.become_state(State::Probation);
+            return Some(Event::Found(found));
+        }
+        if self.path_m - self.counted_m > COUNTED_EVERY_M {
+            self.counted_m = self.path_m;
+            self.agreement.take(step.readings);
+        }
+        let for_m = self.path_m - self.since_m;
+        match self.state {
+            State::Probation if self.agreement.is_poor() => return Some(self.lost()),
+            State::Probation if for_m > PROBATION_M => self.become_state(State::Tracking),
+            State::Tracking if self.agreement.is_poor() => self.become_state(State::Doubtful),
+            State::Doubtful if self.agreement.is_good() => self.become_state(State::Tracking),
+            State::Doubtful if for_m > DOUBT_M => return Some(self.lost()),
+            _ => {}
+        }
+        None
+    }
+
+    /// The robot does not know any more where it is: it was lifted.
+    pub fn lost(&mut self) -> Event {
+        *self = Self::new(State::Searching);
+        Event::Lost
+    }
+
+    fn become_state(&mut self, state: State) {
+        if state == State::Probation {
+            self.agreement = Agreement::NEW;
+        }
+        self.state = state;
+        self.since_m = self.path_m;
+    }
+
+    /// Keeps a point of the path, every other one where there is no room.
+    fn remember(&mut self, [x, y]: [f32; 2]) {
+        let is_far = |last: &[f32; 2]| libm::hypotf(last[0] - x, last[1] - y) > self.spacing_m;
+        if !self.trail.last().is_none_or(is_far) {
+            return;
+        }
+        if self.trail.is_full() {
+            let mut index = 0;
+            self.trail.retain(|_| {
+                index += 1;
+                index % 2 == 1
+            });
+            self.spacing_m *= 2.0;
+        }
+        let _ = self.trail.push([x, y]);
+    }
+
+    /// Goes on with the search, or begins one where it is time.
+    fn work(&mut self, own: &impl Kept, kept: &impl Kept, hypotheses: usize) -> Option<Match> {
+        if self.search.is_none() {
+            if self.path_m < self.next_search_m {
+                return None;
+            }
+            self.next_search_m = self.path_m + SEARCH_EVERY_M;
+            let fresh = sides(own);
+            if fresh.is_empty() {
+                return None;
+            }
+            let alpha_rad = own.mean(ALPHA);
+            let path_m = self.trail.iter().map(|point| path_on_grid(*point, alpha_rad)).collect();
+            self.search = Some((self.path_m, Search::new(fresh, sides(kept), path_m)));
+        }
+        let (begun_m, search) = self.search.as_mut()?;
+        if search.work(hypotheses) == Progress::Working {
+            return None;
+        }
+        let (begun_m, verdict) = (*begun_m, search.verdict());
+        self.search = None;
+        self.verdict = verdict;
+        self.judge(begun_m, &verdict?)
+    }
+
+    /// Whether a place can be claimed: it was found before, and is found again.
+    fn judge(&mut self, at_m: f32, verdict: &Verdict) -> Option<Match> {
+        let is_sure = calibrated(verdict) >= CLAIM;
+        let found = verdict.best.to_match().filter(|_| is_sure);
+        match (self.claim, found) {
+            (Some((since_m, claim)), Some(found)) if claim.is_same_place(&verdict.best) => {
+                (at_m - since_m >= CONFIRM_M).then_some(found)
+            }
+            (_, Some(_)) => {
+                self.claim = Some((at_m, verdict.best));
+                None
+            }
+            (_, None) => {
+                self.claim = None;
+                None
+            }
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! What is kept of a map when a drive ends, and how a later drive takes it up again.
+//!
+//! A kept map is the filter without the pose: grid, calibration and walls with their covariance. A drive that finds itself in
+//! it gives up the map that it made meanwhile, but for where the robot stands beside two walls that both maps have: these say
+//! where it stands in the kept one. So no stored wall moves, and nothing is counted twice.
+
+use crate::filter::layout::ALPHA;
+use crate::geometry::angle::wrap;
+use crate::geometry::pose::Pose;
+use crate::slam::Slam;
+use crate::walls::wall::{Direction, Wall};
+use core::f32::consts::FRAC_PI_2;
+
+/// States of the pose: they lead the filter's states and are not kept.
+pub const POSE_STATES: usize = 3;
+
+/// Where the direction of a kept wall comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KeptDirection {
+    /// The state with this index.
+    Free(u16),
+    /// The grid direction nearest to the state with this index.
+    Snapped(u16),
+    /// So many quarter turns from the grid's.
+    Grid(u8),
+    /// The state with this index, which was tied to so many quarter turns from the grid's.
+    NearGrid(u16, u8),
+}
+
+/// A wall as it is kept; states are named by their indices in the filter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KeptWall {
+    /// Identifier.
+    pub id: u16,
+    /// Index of the state that is the distance of its line from the filter's origin.
+    pub rho: u16,
+    /// Where its direction comes from.
+    pub direction: KeptDirection,
+    /// Start of its extent along (-sin beta, cos beta), metres.
+    pub lo_m: f32,
+    /// End of its extent, metres.
+    pub hi_m: f32,
+    /// Readings that updated it.
+    pub updates: u32,
+    /// Confidence in its existence.
+    pub score: i8,
+    /// How closely it was tied to the grid, in halvings of the first tolerance.
+    pub halvings: i8,
+    /// Its line when it was first drawn, where walls hold the map frame: distance from the origin (metres) and direction of the
+    /// normal (radians).
+    pub drawn: Option<[f32; 2]>,
+}
+
+/// What is kept beside walls and states.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KeptFrame {
+    /// States of the filter, with the pose's.
+    pub states: u16,
+    /// Of these, states that no wall has: pose, grid, calibration.
+    pub common: u16,
+    /// Walls.
+    pub walls: u16,
+    /// The next wall's identifier.
+    pub next_id: u16,
+    /// The grid was founded.
+    pub has_grid: bool,
+    /// How closely the home's walls stand on its grid, in halvings of the first tolerance.
+    pub halvings: i8,
+    /// The grid's direction at which models are differentiated, radians, in the filter's frame.
+    pub founded_rad: Option<f32>,
+    /// Where the first drive started, in the map frame.
+    pub start: Pose,
+    /// Where the filter's frame is in that of the start pose, with its covariance; none where they are one.
+    pub anchor: Option<(Pose, [[f32; 3]; 3])>,
+}
+
+/// A map that is kept, wherever it is.
+pub trait Kept {
+    /// What there is beside walls and states.
+    fn frame(&self) -> KeptFrame;
+
+    /// The wall at a place of the list.
+    fn wall(&self, index: usize) -> Option<KeptWall>;
+
+    /// Estimate of state `i`.
+    fn mean(&self, i: usize) -> f32;
+
+    /// Covariance of the states `i` and `j`.
+    fn covariance(&self, i: usize, j: usize) -> f32;
+
+    /// Distance of a wall's line from the filter's origin along its normal, metres, and the direction of that normal, radians.
+    fn line(&self, wall: &KeptWall) -> [f32; 2] {
+        let alpha_rad = self.mean(ALPHA);
+        let on_grid = |quarter: u8| wrap(alpha_rad + f32::from(quarter) * FRAC_PI_2);
+        let beta_rad = match wall.direction {
+            KeptDirection::Grid(quarter) => on_grid(quarter),
+            KeptDirection::Snapped(theta) => {
+                let quarters = libm::roundf((self.mean(usize::from(theta)) - alpha_rad) * (1.0 / FRAC_PI_2));
+                wrap(alpha_rad + quarters * FRAC_PI_2)
+            }
+            KeptDirection::Free(theta) | KeptDirection::NearGrid(theta, _) => self.mean(usize::from(theta)),
+        };
+        [self.mean(usize::from(wall.rho)), beta_rad]
+    }
+}
+
+impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Kept for Slam<S, W, B, ROWS> {
+    fn frame(&self) -> KeptFrame {
+        let of_wall = |wall: &Wall| 1 + usize::from(wall.direction.state().is_some());
+        let in_walls: usize = self.map.walls().iter().map(of_wall).sum();
+        KeptFrame {
+            states: self.ekf.len() as u16,
+            common: self.ekf.len().saturating_sub(in_walls) as u16,
+            walls: self.map.walls().len() as u16,
+            next_id: self.map.next_id(),
+            has_grid: self.map.has_grid,
+            halvings: self.map.squareness.halvings(),
+            founded_rad: self.first.grid.map(|grid| grid.alpha_rad),
+            start: self.map.start,
+            anchor: self.map.anchor.map(|anchor| (anchor.pose, anchor.covariance)),
+        }
+    }
+
+    fn wall(&self, index: usize) -> Option<KeptWall> {
+        self.map.walls().get(index).map(|wall| KeptWall {
+            id: wall.id,
+            rho: wall.rho as u16,
+            direction: match wall.direction {
+                Direction::Free(theta) => KeptDirection::Free(theta as u16),
+                Direction::Snapped(theta) => KeptDirection::Snapped(theta as u16),
+                Direction::Grid(quarter) => KeptDirection::Grid(quarter),
+                Direction::NearGrid(theta, quarter) => KeptDirection::NearGrid(theta as u16, quarter),
+            },
+            lo_m: wall.lo_m,
+            hi_m: wall.hi_m,
+            updates: wall.updates,
+            score: wall.score,
+            halvings: wall.squareness.halvings(),
+            drawn: wall.drawn.map(|line| [line.rho_m, line.beta_rad]),
+        })
+    }
+
+    fn mean(&self, i: usize) -> f32 {
+        self.ekf.mean(i)
+    }
+
+    fn covariance(&self, i: usize, j: usize) -> f32 {
+        self.ekf.covariance(i, j)
+    }
+}
