@@ -69,10 +69,39 @@ pub fn parse(file: &str, name: &str, text: &str) -> Result<Plan, FileError> {
     };
     add_areas(&toml, &keys, &mut plan)?;
     add_moving(&toml, &keys, &mut plan)?;
+    check_start(&toml, &keys, &plan.start)?;
     if plan.faces.is_empty() && plan.rounds.is_empty() {
         return Err(toml.error("outline", "is missing; a plan needs at least one outline, box, wall or round"));
     }
     Ok(plan)
+}
+
+/// The robot starts within one of the outlines, where there are any that close something in.
+fn check_start(toml: &TomlFile<'_>, file: &File, start: &Pose2) -> Result<(), FileError> {
+    let outlines = file.outline.iter().map(|outline| outline.points_m.iter().map(metres).collect::<Vec<_>>());
+    // One that runs clockwise is seen from outside: a pillar.
+    let mut outer = outlines.filter(|points_m| twice_area_m2(points_m) > 0.0).peekable();
+    if outer.peek().is_none() || outer.any(|points_m| encloses(&points_m, [start.x_m, start.y_m])) {
+        return Ok(());
+    }
+    Err(toml.error("start", "is outside the outline; the robot must start inside, where it can drive"))
+}
+
+/// Twice the area within a closed line, m^2: positive where it runs counter-clockwise.
+fn twice_area_m2(points_m: &[[f64; 2]]) -> f64 {
+    edges(points_m).map(|([ax, ay], [bx, by])| ax * by - bx * ay).sum()
+}
+
+/// Whether a ray from the point along x crosses a closed line an odd number of times.
+fn encloses(points_m: &[[f64; 2]], [x_m, y_m]: [f64; 2]) -> bool {
+    let crossed = |&([ax, ay], [bx, by]): &([f64; 2], [f64; 2])| {
+        (ay > y_m) != (by > y_m) && x_m < ax + (y_m - ay) / (by - ay) * (bx - ax)
+    };
+    edges(points_m).filter(crossed).count() % 2 == 1
+}
+
+fn edges(points_m: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
+    points_m.iter().copied().zip(points_m.iter().copied().cycle().skip(1))
 }
 
 fn metres(point: &Point) -> [f64; 2] {
@@ -212,6 +241,16 @@ mod tests {
     }
 
     #[test]
+    fn a_pillar_closes_nothing_in_and_one_of_several_outlines_is_enough() {
+        let pillar = "[[outline]]\npoints_m = [[2.0, 0.0], [2.0, 4.0], [4.0, 4.0], [4.0, 0.0]]";
+        let flats = "[[outline]]\npoints_m = [[2.0, 0.0], [4.0, 0.0], [4.0, 4.0]]\n\
+                     [[outline]]\npoints_m = [[0.0, 0.0], [3.0, 0.0], [0.0, 3.0]]";
+        for outlines in [pillar, flats] {
+            assert!(parse("home.toml", "home", &format!("{START}{outlines}")).is_ok(), "{outlines}");
+        }
+    }
+
+    #[test]
     fn errors_name_file_key_and_what_is_allowed() {
         let cases = [
             (
@@ -230,6 +269,17 @@ mod tests {
             (
                 format!("{START}[[wall]]\nfrom_m = [nan, 0.0]\nto_m = [1.0, 0.0]"),
                 "home.toml:5: wall[0].from_m[0]: is nan; it must be metres from",
+            ),
+            (
+                format!("{START}[[outline]]\npoints_m = [[2.0, 0.0], [4.0, 0.0], [4.0, 4.0], [2.0, 4.0]]"),
+                "home.toml:1: start: is outside the outline",
+            ),
+            (
+                // In the notch of an L.
+                format!(
+                    "{START}[[outline]]\npoints_m = [[0.0, 0.0], [0.5, 0.0], [0.5, 2.0], [2.0, 2.0], [2.0, 3.0], [0.0, 3.0]]"
+                ),
+                "home.toml:1: start: is outside the outline",
             ),
             (format!("{START}[[wal]]\n"), "home.toml:4: wal: is not known here; known are name, start, outline"),
             ("[start]\nx_m = 1.0\n".into(), "home.toml:1: start.y_m: is missing; it must be metres from"),

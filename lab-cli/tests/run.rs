@@ -158,3 +158,17 @@ fn every_built_in_robot_maps_and_its_log_replays_to_the_same_bits() {
         assert!(place.get("run/estimate.csv") == place.get("again/estimate.csv"), "{robot}: other bits");
     }
 }
+
+#[test]
+fn a_robot_that_cannot_get_away_is_said_to_be_stuck() {
+    let place = Place::new();
+    place.put(
+        "closet.toml",
+        "[start]\nx_m = 0.25\ny_m = 0.25\n[[outline]]\npoints_m = [[0.0, 0.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]]\n",
+    );
+    place.lab().args(["--plan", "closet.toml", "--minutes", "4"]).assert().stdout(contains("pilot stuck from"));
+    let stuck_from_s = place.summary("out/run")["stuck_from_s"].as_f64().expect("a time");
+    assert!(stuck_from_s < 150.0, "{stuck_from_s} s");
+    place.lab().args(["--plan", "room", "--minutes", "1"]).assert().success();
+    assert!(place.summary("out/run")["stuck_from_s"].is_null());
+}

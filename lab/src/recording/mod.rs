@@ -20,6 +20,8 @@ pub struct Recording {
     pub title: String,
     /// Seed of a simulated drive.
     pub seed: Option<u64>,
+    /// Since when the pilot of a simulated drive could not get away from where it was, to the end, seconds.
+    pub stuck_from_s: Option<f64>,
     /// Whether path and map are as they look from the end, see [`crate::evaluate::smoother`].
     pub looks_back: bool,
     /// The range sensors, in the rig's order.

@@ -1,7 +1,7 @@
 //! A simulated drive: the pilot steers by what the robot senses and estimates, and every sample is a log row.
 
 use hal_sim::{ClosedLoop, Estimate, Plan, SimError, SimOptions, Simulation};
-use robot::PilotConfig;
+use robot::{Activity, PilotConfig};
 
 use super::session::Session;
 use crate::evaluate::score;
@@ -9,13 +9,18 @@ use crate::evaluate::score::map::{LONG_M, PASSED_M, PassedWall};
 use crate::input::log::Row;
 use crate::input::rig_file::Robot;
 use crate::numbers::shortest;
-use crate::recording::{Recording, Segment, TruthFrame};
+use crate::recording::{Pose2, Recording, Segment, TruthFrame};
 
 /// A robot in a home, with the pilot that drives it.
 pub struct Drive {
     robot: ClosedLoop,
     plan: Vec<Segment>,
+    /// Since when, and where in the start frame, the pilot has been stuck.
+    stuck: Option<(f64, Pose2)>,
 }
+
+/// A robot that came so far from where it was stuck is not any more, metres: its own width.
+const AWAY_M: f64 = 0.35;
 
 impl Drive {
     /// A robot at the plan's start. Every random number follows from `seed`.
@@ -27,6 +32,7 @@ impl Drive {
         let faces = plan.faces_in_start_frame();
         Ok(Self {
             robot: ClosedLoop::new(simulation, &robot.rig, PilotConfig::default()),
+            stuck: None,
             plan: faces.iter().map(|face| Segment { from_m: face.from_m, to_m: face.to_m }).collect(),
         })
     }
@@ -47,6 +53,11 @@ impl Drive {
             self.robot.pilot.forget();
         }
         let t_s = frame.sample.time_us as f64 * 1e-6;
+        if self.robot.pilot.activity() == Activity::Stuck {
+            self.stuck.get_or_insert((t_s, frame.truth));
+        }
+        let stays = |place: &Pose2| (frame.truth.x_m - place.x_m).hypot(frame.truth.y_m - place.y_m) < AWAY_M;
+        self.stuck = self.stuck.filter(|(_, place)| stays(place));
         // Microseconds have six decimals: the text reads back as the same ones.
         let t_text = shortest((t_s * 1e6).round() / 1e6);
         let odometry = self.robot.simulation.odometry();
@@ -81,6 +92,7 @@ impl Drive {
         let mut recording = session.finish();
         recording.truth_frame = TruthFrame::Map;
         recording.true_walls = self.plan.clone();
+        recording.stuck_from_s = self.stuck.map(|(from_s, _)| from_s);
         self.reveal_calibration(&mut recording);
         score::score(&mut recording, &[], None);
         if let Some(alignment) = recording.figures.estimate.map(|score| score.alignment) {

@@ -52,6 +52,14 @@ fn write_filter(text: &mut String, recording: &Recording) -> std::fmt::Result {
         }
         writeln!(text)?;
     }
+    if let Some(from_s) = recording.stuck_from_s {
+        writeln!(
+            text,
+            "  {:<34}{:>12}   it cannot get away from where it is",
+            "pilot stuck from",
+            format!("{from_s:.1} s")
+        )?;
+    }
     for Illness { health, begin_s, end_s } in recording.illnesses() {
         let end = end_s.map_or("the end".to_owned(), |end_s| format!("{end_s:.1} s"));
         writeln!(text, "  {:<34}{:>12}   from {begin_s:.1} s to {end}", "estimator not well", health::name(health))?;

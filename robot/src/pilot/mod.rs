@@ -3,12 +3,13 @@
 //! It keeps a coarse picture of the floor in the estimated frame and always goes to the nearest stretch of wall that it
 //! has not been along, which is wall following that knows where it has been; where no such stretch is near, it goes to
 //! the nearest edge of unseen space, so that doors are found. When nothing is left it forgets where it has been and
-//! begins a new round. Bumps, cliffs and standing still lead to backing off and to a memory of the place.
+//! begins a new round; where it gets nowhere in twenty rounds, it stands and says that it is stuck. Bumps, cliffs and standing still lead to backing off and to a memory of the place.
 //!
 //! It takes the pose as it comes: an error of a few centimetres or a jump of ten blur the picture, and passing beams
 //! clear it again.
 
 mod beam;
+mod confinement;
 mod memory;
 mod patience;
 mod search;
@@ -19,6 +20,7 @@ use slam_core::{Pose, Rig};
 use crate::contact::Contacts;
 use crate::traits::WheelSpeeds;
 use beam::{Beam, draw_beam};
+use confinement::Confinement;
 use memory::{Cell, Memory};
 use patience::Patience;
 use search::{Route, Squeeze};
@@ -84,6 +86,8 @@ pub enum Activity {
     BackingOff,
     /// Turning away after backing off.
     TurningAway,
+    /// Standing: it cannot get away from where it is. It tries again once a minute.
+    Stuck,
 }
 
 /// Backing off ends after this long at the latest, microseconds: a round robot needs no more than a few centimetres to
@@ -91,6 +95,8 @@ pub enum Activity {
 const BACK_OFF_US: u64 = 320_000;
 /// Turning away ends after this long, microseconds.
 const TURN_AWAY_US: u64 = 1_200_000;
+/// A stuck robot tries again after this long, microseconds: a chair may have been moved.
+const STUCK_US: u64 = 60_000_000;
 /// A route is looked for this often, microseconds.
 const ROUTE_US: u64 = 250_000;
 /// Held up by something ahead for this long, the pilot takes the place to be blocked, microseconds.
@@ -114,6 +120,7 @@ pub struct Pilot<const S: usize, const N: usize = 80> {
     /// Direction of the next turn away: 1 counter-clockwise, -1 clockwise.
     turn_sign: f32,
     patience: Patience,
+    confinement: Confinement,
     steps: u8,
     /// When the robot was last told to move.
     moving_us: u64,
@@ -134,6 +141,7 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
             since_us: 0,
             turn_sign: 1.0,
             patience: Patience::new(),
+            confinement: Confinement::default(),
             steps: 0,
             moving_us: 0,
             rounds: 0,
@@ -203,7 +211,7 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
     }
 
     fn decide(&mut self, senses: &Senses<S>) -> (f32, f32) {
-        if senses.contacts.any() && !matches!(self.activity, Activity::BackingOff) {
+        if senses.contacts.any() && !matches!(self.activity, Activity::BackingOff | Activity::Stuck) {
             self.touch(senses);
         }
         let elapsed_us = senses.time_us.saturating_sub(self.since_us);
@@ -221,6 +229,13 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
                     self.next_route_us = 0;
                 }
                 (0.0, 0.7 * self.config.turn_radps * self.turn_sign)
+            }
+            Activity::Stuck => {
+                if elapsed_us > STUCK_US {
+                    self.confinement.forget();
+                    self.begin(Activity::Wandering, senses);
+                }
+                (0.0, 0.0)
             }
             _ => self.travel(senses),
         }
@@ -253,8 +268,11 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
     fn travel(&mut self, senses: &Senses<S>) -> (f32, f32) {
         let pose = &senses.pose;
         if senses.time_us >= self.next_route_us {
-            self.next_route_us = senses.time_us + ROUTE_US;
+            self.next_route_us = senses.time_us.saturating_add(ROUTE_US);
             self.look_for_route(senses);
+        }
+        if self.activity == Activity::Stuck {
+            return (0.0, 0.0);
         }
         let Some(route) = self.route else { return self.wander() };
         if self.patience.is_over(senses.time_us) {
@@ -291,6 +309,10 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
         self.route = search::find_route(memory, start, octant, Squeeze::Leave)
             .or_else(|| search::find_route(memory, start, octant, Squeeze::Through));
         if self.route.is_none() {
+            if self.confinement.attempt(pose, self.config.radius_m) {
+                self.begin(Activity::Stuck, senses);
+                return;
+            }
             self.rounds = self.rounds.saturating_add(1);
             self.memory.forget_visits();
             self.memory.visit(start, TRAIL);
@@ -331,6 +353,10 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
     }
 
     fn give_up(&mut self, route: Route, senses: &Senses<S>) {
+        if self.confinement.attempt(&senses.pose, self.config.radius_m) {
+            self.begin(Activity::Stuck, senses);
+            return;
+        }
         self.given_up = self.given_up.saturating_add(1);
         self.memory.visit(route.target, 1);
         self.route = None;

@@ -85,3 +85,35 @@ fn the_pilot_of_the_robot_fits_in_8_kib() {
     assert!(size_of::<Pilot<8>>() <= 8192, "{}", size_of::<Pilot<8>>());
     assert!(size_of::<Pilot<16>>() <= 8192, "{}", size_of::<Pilot<16>>());
 }
+
+#[test]
+fn a_robot_that_cannot_get_away_says_so_stands_and_tries_again() {
+    let mut pilot = pilot();
+    let mut step = 0;
+    let mut drive = |pilot: &mut Pilot<8>, seconds: u64| {
+        let mut moving = 0;
+        for _ in 0..25 * seconds {
+            step += 1;
+            // Walls all around, a hand's breadth from the body.
+            let speeds = pilot.step(&senses(step * 40_000, Pose::default(), [Some(0.25); 8], Contacts::default()));
+            moving += u32::from(speeds != WheelSpeeds::STOP);
+        }
+        moving
+    };
+    drive(&mut pilot, 60);
+    assert_eq!(pilot.activity(), Activity::Stuck);
+    assert!(pilot.rounds() <= 20, "{} rounds", pilot.rounds());
+    let tries = [(); 5].map(|()| drive(&mut pilot, 60));
+    assert!(tries.iter().all(|moving| *moving < 25 * 30), "{tries:?}");
+    assert!(tries.iter().any(|moving| *moving > 0), "it never tries again: {tries:?}");
+}
+
+#[test]
+fn the_end_of_time_is_a_time() {
+    let mut pilot = pilot();
+    for left in (0..100).rev() {
+        let speeds =
+            pilot.step(&senses(u64::MAX - left * 40_000, Pose::default(), [Some(1.0); 8], Contacts::default()));
+        assert!(speeds.left_mps.is_finite());
+    }
+}

@@ -39,6 +39,7 @@ pub fn summary(recording: &Recording, origin: &Origin) -> Value {
     put("walls", json!(figures.walls));
     let start = recording.start();
     put("health", health(recording));
+    put("stuck_from_s", json!(recording.stuck_from_s));
     put("start", json!([start.x_m, start.y_m, start.theta_rad]));
     put("updates", json!(figures.updates));
     put("latency_s", json!(figures.latency_s.map(|(value, sigma)| [value, sigma])));
