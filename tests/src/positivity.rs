@@ -30,12 +30,30 @@ pub fn flaw<const S: usize, const W: usize, const B: usize, const BLOCKS: usize>
 pub fn least_correlation_pivot<const S: usize, const W: usize, const B: usize, const BLOCKS: usize>(
     slam: &Slam<S, W, B, BLOCKS>,
 ) -> f64 {
+    least_pivot(slam.state_len(), |i, j| correlation(slam, i, j) + if i == j { JITTER } else { 0.0 })
+}
+
+/// Whether every eigenvalue of the state's correlation matrix is above a number: the matrix without so much on its diagonal
+/// has a Cholesky factor.
+pub fn eigenvalues_are_above<const S: usize, const W: usize, const B: usize, const BLOCKS: usize>(
+    slam: &Slam<S, W, B, BLOCKS>,
+    least: f64,
+) -> bool {
+    least_pivot(slam.state_len(), |i, j| correlation(slam, i, j) - if i == j { least } else { 0.0 }) > 0.0
+}
+
+/// Correlation of two states; none of one that is known exactly with another.
+fn correlation<const S: usize, const W: usize, const B: usize, const BLOCKS: usize>(
+    slam: &Slam<S, W, B, BLOCKS>,
+    i: usize,
+    j: usize,
+) -> f64 {
     let covariance = |i, j| f64::from(slam.state_covariance(i, j));
-    least_pivot(slam.state_len(), |i, j| match covariance(i, i) * covariance(j, j) {
-        _ if i == j => 1.0 + JITTER,
+    match covariance(i, i) * covariance(j, j) {
+        _ if i == j => 1.0,
         product if product > 0.0 => covariance(i, j) / product.sqrt(),
         _ => 0.0,
-    })
+    }
 }
 
 /// Smallest pivot of the Cholesky factorisation of a symmetric matrix; the first that is not positive ends it.

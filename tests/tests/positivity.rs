@@ -2,8 +2,8 @@
 
 use hal_sim::{ClosedLoop, Estimate, Plan, SimOptions, Simulation, default_rig};
 use robot::PilotConfig;
-use slam_core::{Config, HostSlam};
-use tests::positivity::flaw;
+use slam_core::{Config, HostSlam, SURFACE_M};
+use tests::positivity::{eigenvalues_are_above, flaw};
 
 /// An empty square with sides of so many metres, the robot in its middle.
 fn square(side_m: f64) -> Plan {
@@ -13,6 +13,15 @@ fn square(side_m: f64) -> Plan {
          points_m = [[0.0, 0.0], [{side:?}, 0.0], [{side:?}, {side:?}], [0.0, {side:?}]]\n"
     );
     hal_sim::plan_file::parse("square", "square", &text).expect("a good plan")
+}
+
+/// What the smallest eigenvalue of the correlation matrix stays above: sqrt(a R / (m J)), docs/explanation/estimator.md,
+/// "Numbers". Of a reading's noise the surface's share is always there; each step has a reading of eight sensors at most; a
+/// reading depends on three states as unsure as the least sure one.
+fn least_eigenvalue(slam: &HostSlam) -> f64 {
+    let largest = (0..slam.state_len()).map(|i| f64::from(slam.state_covariance(i, i))).fold(0.0, f64::max);
+    let given_back = if largest < 0.01 { 2f64.powi(-26) } else { 2f64.powi(-22) };
+    (given_back * f64::from(SURFACE_M).powi(2) / (8.0 * 3.0 * largest)).sqrt()
 }
 
 /// The covariance is looked at once in so many steps.
@@ -40,6 +49,8 @@ fn drive(plan: &Plan, minutes: f64, seed: u64) -> f64 {
         }
         if steps.is_multiple_of(LOOK_EVERY) {
             assert_eq!(flaw(&slam), None, "{}, seed {seed}, step {steps}", plan.name);
+            let least = least_eigenvalue(&slam);
+            assert!(eigenvalues_are_above(&slam, least), "{}, seed {seed}, step {steps}: {least:e}", plan.name);
         }
     }
     assert!(slam.walls().count() >= 2, "{}, seed {seed}: no wall was found", plan.name);
