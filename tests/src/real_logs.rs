@@ -13,6 +13,8 @@ pub struct RealLog {
     pub name: &'static str,
     /// The log within the folder.
     pub file: &'static str,
+    /// The robot's rig file within the folder.
+    pub rig: &'static str,
     /// Where it is from.
     pub about: &'static str,
 }
@@ -21,6 +23,7 @@ pub struct RealLog {
 pub const FREIBURG: RealLog = RealLog {
     name: "fr079-first",
     file: "log.csv",
+    rig: "rig.toml",
     about: "seven beams of a real laser in offices, up to 3 m; odometry with synthetic errors",
 };
 
@@ -28,6 +31,7 @@ pub const FREIBURG: RealLog = RealLog {
 pub const HALLWAYS: RealLog = RealLog {
     name: "olsson-demo",
     file: "log.csv",
+    rig: "rig.toml",
     about: "four time-of-flight beams of a drone in hallways, up to 2 m",
 };
 
@@ -35,10 +39,43 @@ pub const HALLWAYS: RealLog = RealLog {
 pub const CORRIDOR: RealLog = RealLog {
     name: "wean-1",
     file: "wean.log.gz",
+    rig: "rig.toml",
     about: "seven beams of a real laser in a corridor, up to 5 m; real wheel odometry",
 };
 
+/// The offices with the odometry that the robot's wheels made.
+pub const FREIBURG_WHEELS: RealLog = RealLog {
+    name: "fr079-first-realodo",
+    file: "log.csv",
+    rig: "rig.toml",
+    about: "the same offices with the odometry of the robot's wheels",
+};
+
+/// Three laps of office corridors, at one row a second.
+pub const INTEL: RealLog = RealLog {
+    name: "intel-loops",
+    file: "log.csv",
+    rig: "rig.toml",
+    about: "seven beams of a real laser in office corridors, one row a second, with the odometry of the robot's wheels",
+};
+
+/// A drone with eight beams of its time-of-flight sensors in an office.
+pub const DRONE_8: RealLog = RealLog {
+    name: "smcl-S8",
+    file: "log.csv",
+    rig: "rig.toml",
+    about: "eight time-of-flight beams of a drone in an office, up to 2.5 m",
+};
+
+/// Another flight of it.
+pub const DRONE_12: RealLog = RealLog { name: "smcl-S12", about: "another flight of that drone", ..DRONE_8 };
+
 impl RealLog {
+    /// The same log as a robot of two wheels has it: ticks instead of a pose.
+    pub const fn with_wheels(self) -> Self {
+        Self { rig: "rig-wheels.toml", ..self }
+    }
+
     /// The log's folder, in `SLAM_DATA` or in `shared/data` beside the repository.
     ///
     /// # Panics
@@ -61,7 +98,7 @@ impl RealLog {
         let out = tempfile::TempDir::new().expect("a temporary folder");
         let replay = Replay {
             log: folder.join(self.file),
-            rig: folder.join("rig.toml"),
+            rig: folder.join(self.rig),
             out: out.path().to_owned(),
             truth: None,
             map: None,

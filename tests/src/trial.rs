@@ -1,5 +1,6 @@
 //! A real log, read once and replayed in many ways.
 
+use hal_sim::rng::Rng;
 use lab::evaluate::score;
 use lab::evaluate::smoother;
 use lab::input::log::truth::{self, Truth};
@@ -7,7 +8,7 @@ use lab::input::log::{self, Row};
 use lab::input::rig_file::Robot;
 use lab::recording::Recording;
 use lab::run::Session;
-use slam_core::{Config, Increment, Motion, Pose, RangeInput, RangeModel};
+use slam_core::{Config, DriveModel, Increment, Motion, Pose, RangeInput, RangeModel};
 
 use crate::real_logs::RealLog;
 
@@ -26,11 +27,39 @@ pub struct Trial {
     pub every: usize,
     /// Of so many rows only the last is used, with the motion of all of them.
     pub rows: usize,
+    /// What the odometry has beyond the log's.
+    pub odometry: Disturbance,
+}
+
+/// What an odometry that is a pose has beyond the log's, and what the rig says of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Disturbance {
+    /// Turn per metre driven forwards, degrees.
+    pub drift_deg_per_m: f64,
+    /// Factor of distances.
+    pub scale: f64,
+    /// How far each row's pose is from the moment of its ranges, 1-sigma, seconds.
+    pub jitter_s: f64,
+    /// Factor of the variances that the rig states.
+    pub stated: f32,
+}
+
+impl Disturbance {
+    /// As logged.
+    pub const NONE: Self = Self { drift_deg_per_m: 0.0, scale: 1.0, jitter_s: 0.0, stated: 1.0 };
 }
 
 impl Default for Trial {
     fn default() -> Self {
-        Self { config: Config::real_rooms(), cap_m: f32::INFINITY, noise: 1.0, from_s: 0.0, every: 1, rows: 1 }
+        Self {
+            config: Config::real_rooms(),
+            cap_m: f32::INFINITY,
+            noise: 1.0,
+            from_s: 0.0,
+            every: 1,
+            rows: 1,
+            odometry: Disturbance::NONE,
+        }
     }
 }
 
@@ -49,7 +78,7 @@ impl LoadedLog {
     /// It is not at hand, or damaged.
     pub fn read(log: RealLog) -> Self {
         let folder = log.folder();
-        let mut robot = Robot::read(&folder.join("rig.toml")).unwrap_or_else(|error| panic!("{error}"));
+        let mut robot = Robot::read(&folder.join(log.rig)).unwrap_or_else(|error| panic!("{error}"));
         let rows = log::open(&folder.join(log.file), &mut robot).and_then(|rows| rows.collect::<Result<Vec<_>, _>>());
         let rows = rows.unwrap_or_else(|error| panic!("{error}"));
         let truth = folder.join("truth.csv");
@@ -66,7 +95,8 @@ impl LoadedLog {
         let begin_s = self.rows.first().map_or(0.0, |row| row.t_s + trial.from_s);
         let mut times_s = Vec::new();
         let begin = self.rows.partition_point(|row| row.t_s < begin_s);
-        for rows in self.rows[begin..].chunks(trial.rows) {
+        let disturbed = trial.odometry.of(&self.rows[begin..]);
+        for rows in disturbed.chunks(trial.rows) {
             let row = trial.row(rows);
             session.push(&row);
             times_s.push(row.t_s);
@@ -81,6 +111,12 @@ impl LoadedLog {
 impl Trial {
     fn robot(&self, own: &Robot) -> Robot {
         let mut robot = own.clone();
+        if let DriveModel::Odometry { noise_m2_per_m, noise_rad2_per_m, noise_rad2_per_rad, .. } = &mut robot.rig.drive
+        {
+            for variance in [noise_m2_per_m, noise_rad2_per_m, noise_rad2_per_rad] {
+                *variance *= self.odometry.stated;
+            }
+        }
         for sensor in &mut robot.rig.sensors {
             sensor.max_m = sensor.max_m.min(self.cap_m);
             match &mut sensor.model {
@@ -107,12 +143,70 @@ impl Trial {
     }
 }
 
+impl Disturbance {
+    /// The rows with this odometry. Jitter does not add up: each pose is moved along the way, to where the robot was at another
+    /// moment.
+    fn of(&self, rows: &[Row]) -> Vec<Row> {
+        let mut rows = rows.to_vec();
+        for row in &mut rows {
+            if let Motion::Increment(motion) = &mut row.sample.motion {
+                motion.turn_rad += self.drift_deg_per_m.to_radians() as f32 * motion.forward_m;
+                motion.forward_m *= self.scale as f32;
+                motion.left_m *= self.scale as f32;
+            }
+        }
+        let mut random = Rng::stream(1, "stamps", 0);
+        let shares: Vec<f64> = rows
+            .windows(2)
+            .map(|pair| (self.jitter_s * random.gaussian() / (pair[1].t_s - pair[0].t_s)).clamp(0.0, 1.0))
+            .collect();
+        let moved: Vec<Motion> = rows.iter().map(|row| row.sample.motion).collect();
+        // What is driven before a pose is latched late is taken from the next row's motion.
+        let mut taken = 0.0;
+        for (number, row) in rows.iter_mut().enumerate() {
+            let given = shares.get(number).copied().unwrap_or(0.0);
+            let (rest, next) = (part(&moved[number], taken, 1.0), moved.get(number + 1));
+            row.sample.motion = match next {
+                Some(next) if given > 0.0 => both(&rest, &part(next, 0.0, given)),
+                _ => rest,
+            };
+            taken = given;
+        }
+        rows
+    }
+}
+
+/// The part of a motion between two shares of its time. Wheel ticks stay as they are.
+fn part(motion: &Motion, from: f64, to: f64) -> Motion {
+    let share = (to - from) as f32;
+    match *motion {
+        Motion::Increment(i) => Motion::Increment(Increment {
+            forward_m: share * i.forward_m,
+            left_m: share * i.left_m,
+            turn_rad: share * i.turn_rad,
+        }),
+        ticks => ticks,
+    }
+}
+
+/// Two motions, one after the other.
+fn both(first: &Motion, second: &Motion) -> Motion {
+    match (first, second) {
+        (Motion::Increment(first), Motion::Increment(second)) => Motion::Increment(in_turn([*first, *second])),
+        _ => *first,
+    }
+}
+
 /// Motions one after the other, as one. Wheel ticks add up by themselves.
 fn together(rows: &[Row]) -> Increment {
-    let poses = rows.iter().filter_map(|row| match row.sample.motion {
-        Motion::Increment(i) => Some(Pose { x_m: i.forward_m, y_m: i.left_m, theta_rad: i.turn_rad }),
+    in_turn(rows.iter().filter_map(|row| match row.sample.motion {
+        Motion::Increment(i) => Some(i),
         Motion::Ticks(_) => None,
-    });
+    }))
+}
+
+fn in_turn(motions: impl IntoIterator<Item = Increment>) -> Increment {
+    let poses = motions.into_iter().map(|i| Pose { x_m: i.forward_m, y_m: i.left_m, theta_rad: i.turn_rad });
     let pose = poses.fold(Pose::ORIGIN, |all, pose| all.compose(&pose));
     Increment { forward_m: pose.x_m, left_m: pose.y_m, turn_rad: pose.theta_rad }
 }
@@ -154,5 +248,22 @@ mod tests {
         assert!(all.forward_m.abs() < 1e-5 && all.left_m.abs() < 1e-5 && all.turn_rad.abs() < 1e-5, "{all:?}");
         let two = together(&rows[..2]);
         assert!((two.forward_m - 1.0).abs() < 1e-5 && (two.left_m - 1.0).abs() < 1e-5, "{two:?}");
+    }
+
+    #[test]
+    fn a_disturbed_odometry_is_off_by_what_was_said() {
+        let mut rows = rows("room", 2.0, 1);
+        let straight = Motion::Increment(Increment { forward_m: 0.1, left_m: 0.0, turn_rad: 0.0 });
+        rows.iter_mut().for_each(|row| row.sample.motion = straight);
+        let metres = 0.1 * rows.len() as f32;
+        let drifting = Disturbance { drift_deg_per_m: 2.0, ..Disturbance::NONE }.of(&rows);
+        assert!((together(&drifting).turn_rad - 2.0f32.to_radians() * metres).abs() < 1e-3);
+        let long = Disturbance { scale: 1.05, ..Disturbance::NONE }.of(&rows);
+        assert!((together(&long).forward_m - 1.05 * metres).abs() < 1e-3);
+        // Rows are 40 ms apart, so that one of 20 ms may move half of a row's motion, and none in all.
+        let jittery = Disturbance { jitter_s: 0.02, ..Disturbance::NONE }.of(&rows);
+        let steps: Vec<f32> = jittery.iter().map(|row| together(std::slice::from_ref(row)).forward_m).collect();
+        assert!(steps.iter().any(|m| *m > 0.11) && steps.iter().any(|m| *m < 0.09), "{steps:?}");
+        assert!((together(&jittery).forward_m - metres).abs() < 0.01);
     }
 }

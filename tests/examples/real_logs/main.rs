@@ -1,13 +1,15 @@
 //! Writes `docs/results/real-logs.md`: `cargo run --release --package tests --example real_logs`.
 //!
 //! Each part of the estimator that can be switched off (`lab::input::part::PARTS`) is a row of each table. `-- NAME...` shows
-//! the rows of these parts only, on the standard output, and leaves the page alone; `-- default` shows no part's.
+//! the rows of these parts only, on the standard output, and leaves the page alone; `-- default` shows no part's, and `-- wheels`
+//! nothing but logs with real odometry.
 
 mod bars;
 mod cells;
 mod directions;
 mod outcomes;
 mod simulated;
+mod wheels;
 
 use std::fmt::Write as _;
 use std::fs;
@@ -68,8 +70,13 @@ const VARIATIONS: [Case; 10] = [
 impl Case {
     /// The replays of one row.
     fn replay(&self, config: Config) -> Vec<Recording> {
+        self.replay_with(config, Trial::default())
+    }
+
+    /// The replays of one row whose trials begin as this one.
+    fn replay_with(&self, config: Config, trial: Trial) -> Vec<Recording> {
         let log = LoadedLog::read(self.log);
-        let replay = |noise: &f32| log.replay(&(self.trial)(Trial { config, noise: *noise, ..Trial::default() }));
+        let replay = |noise: &f32| log.replay(&(self.trial)(Trial { config, noise: *noise, ..trial }));
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
         let some = |noises: &[f32]| noises.iter().map(replay).collect::<Vec<Recording>>();
         std::thread::scope(|scope| {
@@ -87,8 +94,17 @@ impl Case {
 /// A part's name on the command line that stands for the estimator with all of its parts.
 const DEFAULT: &str = "default";
 
+/// And for the logs with real odometry alone.
+const WHEELS: &str = "wheels";
+
 fn main() {
     let wanted: Vec<String> = std::env::args().skip(1).collect();
+    if wanted == [WHEELS] {
+        let mut text = String::new();
+        wheels::write(&mut text).expect("a String takes it all");
+        print!("{text}");
+        return;
+    }
     let part = |name: &String| {
         Part::of_name(name).unwrap_or_else(|| {
             eprintln!("error: no part {name}; it must be {DEFAULT} or one of {}", lab::input::part::names());
@@ -114,6 +130,7 @@ fn main() {
 fn write_all(text: &mut String, defaults: &[(Vec<Recording>, Case)], parts: &[&Part]) -> std::fmt::Result {
     bars::write(text, defaults)?;
     variations(text)?;
+    wheels::write(text)?;
     outcomes::write(text, defaults)?;
     directions::write(text, defaults)?;
     for (recordings, case) in defaults {
