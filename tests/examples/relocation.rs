@@ -1,0 +1,225 @@
+//! Prints `docs/results/relocation.md`: carried robots, how soon they find themselves, and what the odds of a claim are worth.
+//! `cargo run --release --package tests --example relocation -- CARRIES`, so many a home and number of sensors.
+
+use std::env;
+
+use hal_sim::{Plan, Pose2, plan_file};
+use lab::evaluate::score::path;
+use lab::evaluate::statistics::{mean, median};
+use relocate::{Event, FRESH_SIDES, KEPT_SIDES, Locator, Progress, Search, Side, State, Step, Verdict, sides};
+use slam_core::{HostSlam, angle};
+use tests::carries::{Driven, carried, drive, rig};
+
+const HOMES: [&str; 6] = ["room", "l-shape", "flat", "corridor-loop", "clutter", "diagonal"];
+
+/// Drives in which the robot has not found itself end here, metres.
+const ENOUGH_M: f64 = 20.0;
+
+/// Estimates are scored for so long after a claim, seconds and steps.
+const AFTER_S: f64 = 60.0;
+const STEPS: usize = 1500;
+
+/// Width of a class of log-odds.
+const CLASS: f32 = 2.0;
+const CLASSES: usize = 8;
+
+/// A home with its kept map.
+struct Home {
+    name: &'static str,
+    plan: Plan,
+    kept: Box<HostSlam>,
+    sides: heapless::Vec<Side, KEPT_SIDES>,
+    /// The map's frame in that of the plan's start, as its path lies on the true one best.
+    lies: Pose2,
+}
+
+/// What became of a carried robot.
+#[derive(Default)]
+struct Carry {
+    path_m: f64,
+    claimed_m: Option<f64>,
+    is_wrong: bool,
+    squares_m2: Vec<f64>,
+    nees: Vec<f64>,
+}
+
+/// Searches by the odds that the best place was given, and those of them in which it was right.
+#[derive(Default)]
+struct Odds([[u32; 2]; CLASSES + 1]);
+
+impl Odds {
+    fn add(&mut self, verdict: &Verdict, is_right: bool) {
+        let class = (verdict.log_odds / CLASS + 1.0).clamp(0.0, CLASSES as f32) as usize;
+        self.0[class][0] += 1;
+        self.0[class][1] += u32::from(is_right);
+    }
+}
+
+fn main() {
+    let carries: u64 = env::args().nth(1).map_or(5, |text| text.parse().expect("a number of carries"));
+    println!("{}", HEAD.replace("CARRIES", &carries.to_string()));
+    println!(
+        "| home | sensors | carries | drove 10 m | of these found | path to the claim, median | 95 % | wrong claims | RMSE after | NEES after |\n\
+         |---|---|---|---|---|---|---|---|---|---|"
+    );
+    let [mut own, mut other] = [Odds::default(), Odds::default()];
+    for sensors in [8, 4] {
+        let homes: Vec<Home> = HOMES.iter().map(|name| home(name, sensors)).collect();
+        for there in &homes {
+            // In the furnished flat the map of the empty one is kept, and the other way round, in every second carry.
+            let twin = homes.iter().find(|home| is_same(home, there) && home.name != there.name);
+            let done: Vec<Carry> = (0..carries)
+                .map(|carry| {
+                    let kept = twin.filter(|_| carry % 2 == 1).unwrap_or(there);
+                    carry_there(there, kept, &homes, sensors, 10_000 + carry, [&mut own, &mut other])
+                })
+                .collect();
+            row(there.name, sensors, &done);
+        }
+    }
+    println!(
+        "\n{ODDS}\n\n| log-odds | in the home's own map: searches | right | in another home's: searches | right |\n|---|---|---|---|---|"
+    );
+    for (class, ([n, right], [others, none])) in own.0.iter().zip(&other.0).enumerate() {
+        let from = CLASS * (class as f32 - 1.0);
+        let name = match class {
+            0 => "under 0".to_owned(),
+            CLASSES => format!("{from} and more"),
+            _ => format!("{from} to {}", from + CLASS),
+        };
+        println!("| {name} | {n} | {right} | {others} | {none} |");
+    }
+}
+
+fn home(name: &'static str, sensors: usize) -> Home {
+    let plan = plan_file::load(name).unwrap_or_else(|error| panic!("{error}"));
+    let mut pairs = Vec::new();
+    let kept = drive(&plan, &rig(sensors), 600.0, 1, |Driven { slam, in_plan, .. }| {
+        pairs.push((slam.pose().into(), plan.start.relative(&in_plan)));
+        true
+    });
+    let (sides, lies) = (sides(&*kept), path::align(&pairs));
+    Home { name, plan, kept, sides, lies }
+}
+
+/// The flat and the furnished flat are one home.
+fn is_same(a: &Home, b: &Home) -> bool {
+    let is_flat = |home: &Home| ["flat", "clutter"].contains(&home.name);
+    a.name == b.name || (is_flat(a) && is_flat(b))
+}
+
+fn carry_there(
+    there: &Home,
+    kept: &Home,
+    homes: &[Home],
+    sensors: usize,
+    seed: u64,
+    [own, other]: [&mut Odds; 2],
+) -> Carry {
+    let mut carry = Carry::default();
+    let mut locator = Locator::new(State::Searching);
+    let mut next_m = 2.0;
+    drive(&carried(&there.plan, seed), &rig(sensors), 300.0, seed, |Driven { slam, path_m, in_plan, .. }| {
+        let travelled_m = (path_m - std::mem::replace(&mut carry.path_m, path_m)) as f32;
+        let truth = kept.plan.start.relative(&in_plan);
+        if carry.claimed_m.is_some() {
+            carry.score(slam, &truth, &kept.lies);
+            return carry.nees.len() < STEPS && !carry.is_wrong;
+        }
+        if path_m >= next_m {
+            next_m += 1.0;
+            for home in homes {
+                let Some(verdict) = verdict(slam, home) else { continue };
+                let is_right =
+                    is_same(home, there) && is_there(slam, home, &verdict, &home.plan.start.relative(&in_plan));
+                if is_same(home, there) { &mut *own } else { &mut *other }.add(&verdict, is_right);
+            }
+        }
+        let position_m = [slam.state_mean(0), slam.state_mean(1)];
+        let step = Step { position_m, travelled_m, readings: [0; 2] };
+        if let Some(Event::Found(found)) = locator.step(&*slam, &*kept.kept, &step, usize::MAX) {
+            slam.take_up(&*kept.kept, &found).expect("a map to go on in");
+            let pose: Pose2 = slam.pose().into();
+            carry.claimed_m = Some(path_m);
+            carry.is_wrong = (pose.x_m - truth.x_m).hypot(pose.y_m - truth.y_m) > 0.3;
+        }
+        path_m < ENOUGH_M
+    });
+    carry
+}
+
+/// A search of this map in a home's.
+fn verdict(slam: &HostSlam, home: &Home) -> Option<Verdict> {
+    let fresh: heapless::Vec<Side, FRESH_SIDES> = sides(slam);
+    let mut search = Search::new(fresh, home.sides.clone(), heapless::Vec::new());
+    while search.work(1000) == Progress::Working {}
+    search.verdict()
+}
+
+/// Whether the robot is where a search puts it.
+fn is_there(slam: &HostSlam, home: &Home, verdict: &Verdict, truth: &Pose2) -> bool {
+    const ALPHA: usize = 3;
+    let (fresh_rad, kept_rad) = (slam.state_mean(ALPHA), home.kept.state_mean(ALPHA));
+    let turn_rad = f64::from(kept_rad - fresh_rad) + f64::from(verdict.best.quarters) * std::f64::consts::FRAC_PI_2;
+    let shift = verdict.best.shift_m.map(f64::from);
+    let [x_m, y_m] = Pose2::new(0.0, 0.0, kept_rad.into()).transform(shift);
+    let at = Pose2::new(x_m, y_m, turn_rad).compose(&slam.pose().into());
+    let off_rad = angle::wrap((at.theta_rad - truth.theta_rad) as f32);
+    (at.x_m - truth.x_m).hypot(at.y_m - truth.y_m) < 0.3 && off_rad.abs() < 0.3
+}
+
+impl Carry {
+    fn score(&mut self, slam: &HostSlam, truth: &Pose2, lies: &Pose2) {
+        let estimate = slam.estimate();
+        let pose: Pose2 = estimate.pose.into();
+        let off_rad = f64::from(angle::wrap((pose.theta_rad - truth.theta_rad) as f32));
+        let error = nalgebra::Vector3::new(pose.x_m - truth.x_m, pose.y_m - truth.y_m, off_rad);
+        let in_map = lies.compose(&pose);
+        self.squares_m2.push((in_map.x_m - truth.x_m).powi(2) + (in_map.y_m - truth.y_m).powi(2));
+        if let Some(inverse) = estimate.covariance.map(f64::from).try_inverse() {
+            self.nees.push((error.transpose() * inverse * error).x);
+        }
+    }
+}
+
+fn row(home: &str, sensors: usize, carries: &[Carry]) {
+    let drove: Vec<&Carry> = carries.iter().filter(|carry| carry.claimed_m.is_some() || carry.path_m > 10.0).collect();
+    let mut claimed_m: Vec<f64> = drove.iter().filter_map(|carry| carry.claimed_m).collect();
+    claimed_m.sort_by(f64::total_cmp);
+    let nth = |share: f64| claimed_m.get((share * claimed_m.len() as f64) as usize).copied();
+    let metres = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.1} m"));
+    let right = || carries.iter().filter(|carry| !carry.is_wrong);
+    let squares: Vec<f64> = right().flat_map(|carry| carry.squares_m2.iter().copied()).collect();
+    let nees: Vec<f64> = right().filter_map(|carry| mean(&carry.nees)).collect();
+    let centimetres =
+        mean(&squares).map_or_else(|| "-".to_owned(), |square| format!("{:.1} cm", 100.0 * square.sqrt()));
+    println!(
+        "| {home} | {sensors} | {} | {} | {} | {} | {} | {} | {centimetres} | {} |",
+        carries.len(),
+        drove.len(),
+        claimed_m.len(),
+        metres(median(&claimed_m)),
+        metres(nth(0.95)),
+        carries.iter().filter(|carry| carry.is_wrong).count(),
+        mean(&nees).map_or_else(|| "-".to_owned(), |nees| format!("{nees:.1}")),
+    );
+}
+
+const HEAD: &str = "\
+# Carried robots
+
+Printed by `cargo run --release --package tests --example relocation -- CARRIES`. A robot is put down at a random free place of a
+home, begins a fresh map and searches the map that a ten-minute drive left ([how](../explanation/kept-map.md)). Each carry is
+another robot of the same rig: its gains, wheels and track are drawn anew. In `flat` and `clutter`, one home with other furniture, every
+second robot has the other one's map. *Drove 10 m*: others were put down where the pilot found no way out, and had not
+found themselves before. Errors and NEES (3 is ideal) are those of the minute after the claim: *RMSE* with the map laid on the true
+home as its own path lies best on the true one, so that it is the error in the kept map; NEES in the frame of the map's start, which has that
+map's error, too.
+";
+
+const ODDS: &str = "\
+Every search, one a metre of path until the claim, by the natural logarithm of the odds that its best place was given against all
+others and elsewhere together; a claim needs 6.9, 1000 to 1, twice. What is right is within 0.3 m and 0.3 radians of the true place.
+";
+
+const _: () = assert!(AFTER_S as usize * 25 == STEPS);
