@@ -10,8 +10,7 @@ use crate::motion::dead_reckoning::DeadReckoning;
 use crate::sensing::latency::Timing;
 use crate::sensing::range::Reading;
 
-/// A length that a wall must have to be told from a chair leg, metres; what the buffer's room per sensor is spread over
-/// twice.
+/// Least length of a wall that can be told from a chair leg, metres. The buffer's room per sensor covers twice this length.
 pub const SHORTEST_WALL_M: f32 = 0.25;
 
 /// At most `B` readings that fit no wall.

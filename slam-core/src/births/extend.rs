@@ -20,7 +20,7 @@ use crate::walls::manhattan::GridDirection;
 use crate::walls::map::MapView;
 use crate::walls::wall::Wall;
 
-/// A short line that was seen with such a gap is a row of things, metres: chairs' legs stand 0.4 m apart.
+/// Gap between points from which a short line counts as a row of things, metres: chairs' legs stand 0.4 m apart.
 const ROW_GAP_M: f32 = 0.15;
 
 /// Clusterings per second, at most: one in each step of 25 Hz.

@@ -22,24 +22,24 @@ const FREE_LENGTH_M: f32 = 0.5;
 /// chair leg, and turns the heading.
 const ASKEW_LENGTH_M: f32 = 1.0;
 
-/// A shorter one may be furniture or a row of things, metres.
+/// Length below which a line may be furniture or a row of things, metres.
 pub const SHORT_M: f32 = 0.75;
 
 /// Fewest points of a free wall.
 const FREE_POINTS: u32 = 8;
 
-/// Two lines off the grid by the same angle show that it is the heading that is off, if both were seen within so much
-/// path, metres, while the heading wanders on.
+/// Length of path within which two lines off the grid by the same angle show that the heading is off, metres: over a
+/// longer one the heading itself wanders.
 const TOGETHER_M: f32 = 10.0;
 
-/// And if they are so far apart that they are not two sides of one thing that stands askew, metres.
+/// Least distance between two such lines, metres: nearer ones may be two sides of one thing that stands askew.
 const APART_M: f32 = 1.5;
 
 /// Heading sigma against the grid from which on one line does not tell that it stands on it, radians: four degrees. Beyond it
 /// the density of the grid's directions is less than nine times that of any other, which is the share of walls on the grid.
 const VAGUE_RAD: f32 = 0.07;
 
-/// And if the heading can be off by so many of its standard deviations.
+/// Largest angle of such lines off the grid, in standard deviations of the heading.
 const SIGMAS: f32 = 4.0;
 
 /// What a line is.

@@ -7,13 +7,13 @@ use crate::walls::manhattan::GridDirection;
 use crate::walls::wall::GAP_M;
 use crate::walls::wall::{Direction, Wall};
 
-/// One reading alone may prolong a wall by half of that, metres: over a wider gap it takes a line of them.
+/// Largest length by which one reading alone prolongs a wall, metres: half a gap, since a wider one takes a line of readings.
 const PROLONGATION_M: f32 = 0.5 * GAP_M;
 
-/// Nor by as much as the narrowest door, metres.
+/// Upper limit of a prolongation, metres: the narrowest door.
 const DOOR_M: f32 = 0.6;
 
-/// Where a robot drives along a wall, two readings of it that follow each other are a step apart, give or take what it turns.
+/// Prolongation in steps of the robot: successive readings along a wall are one step apart, and turns add to that.
 const STEPS: f32 = 1.25;
 
 /// Beams flatter than this (cosine of 85 degrees) neither hit nor cross a wall in any useful sense.
@@ -30,7 +30,7 @@ pub struct Candidate {
     pub range_m: f32,
     /// Cosine of the incidence angle.
     pub cos_incidence: f32,
-    /// Where along the wall the beam meets it, metres.
+    /// Coordinate along the wall at which the beam meets it, metres.
     pub along_m: f32,
     /// How far inside the wall's observed extent that is, metres; negative outside.
     pub inside_m: f32,

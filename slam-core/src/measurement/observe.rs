@@ -21,27 +21,28 @@ use crate::walls::manhattan::GridDirection;
 use crate::walls::map::MapView;
 use crate::walls::wall::{Direction, Wall};
 
-/// Walls that one beam is held against: beyond its end a wall may go on or not, and at a corner two may.
+/// Number of walls that one beam is compared with: a wall may go on beyond its end, and two may meet at a corner.
 const MAX_CANDIDATES: usize = 4;
 
-/// Readings are used from this share above the minimum range on: under it the curve bends before it folds back, and a
-/// folded reading looks like one just above it.
+/// Share above a sensor's minimum range from which readings are used: the curve bends before it folds back, and a folded
+/// reading looks like one just above the minimum.
 const NEAR_SHARE: f32 = 0.15;
 
-/// Within this distance of a wall's ends, and beyond them, another surface may be the one that was met, metres.
+/// Distance from a wall's ends within which the beam may have met another surface, metres.
 const END_M: f32 = 0.1;
 
-/// A wall nearer than this share of a sensor's maximum range is seen, if it is there.
+/// Share of a sensor's maximum range within which a wall that is there is seen.
 const ABSENCE_SHARE: f32 = 0.7;
 
-/// And if the beam meets it this far from its ends, metres: a beam that finds nothing tells less than one that goes on.
+/// Distance from a wall's ends beyond which a beam that finds nothing shows that the wall is gone, metres: it tells less
+/// than a beam that goes on.
 const ABSENCE_M: f32 = 0.08;
 
 /// Gate near a wall's ends: 95 % of a chi-square distribution with one degree of freedom.
 const END_GATE: f32 = 3.84;
 
-/// A beam that passes this far inside a wall's extent went through it: an extent is known to that, metres. A row of two
-/// chair legs is half a metre long, and beams go through most of it.
+/// Distance inside a wall's extent at which a passing beam went through the wall, metres: what an extent is known to. A row
+/// of two chair legs is half a metre long, and beams go through most of it.
 const PASS_M: f32 = 0.05;
 
 /// Where the pose tells a range to this share of the sensor's span, one reading can tell which wall it is of. Where it does

@@ -10,8 +10,8 @@ use crate::motion::travel::{Encoders, Travel};
 use crate::rig::DriveModel;
 use crate::sample::Motion;
 
-/// What scales multiply is an average of the motion over this time, seconds: noise of a fifteenth of a step's square, ten
-/// times a second, then draws them down by a hundredth (tests/paces.rs).
+/// Time over which the motion that scales multiply is averaged, seconds: dead-reckoning noise of a fifteenth of a step's
+/// square, ten times a second, then lowers the scales by a hundredth (tests/paces.rs).
 const TRAVEL_S: f32 = 1.0;
 
 /// Indices of the states that are a drive's calibration; a factor without one is known exactly.

@@ -169,15 +169,15 @@ fn wheel_step(track_m: f32, noise_m2_per_m: f32, left_m: f32, right_m: f32, fact
     }
 }
 
-/// For so long wheels keep their speed, seconds: a small gear motor's time constant is 50 to 100 ms.
+/// Time for which wheels keep their speed, seconds: a small gear motor's time constant is 50 to 100 ms.
 const STEADY_S: f32 = 0.1;
 
 /// Slips come in runs: over ten seconds they add up to so many times the variance that steps of a second have. From the dead
 /// reckoning of olsson-demo, held against a path on which all its passes agree (docs/notes/real-logs.md).
 pub const SLIP_RUNS: f32 = 4.0;
 
-/// What a robot slides while it turns, m^2 of each axis per radian: a point of rotation that is four centimetres off. From the
-/// same.
+/// Variance of each axis that sliding in a turn adds, m^2 per radian: a point of rotation four centimetres off. From the same
+/// log.
 pub const SLIP_M2_PER_RAD: f32 = 2e-3;
 
 impl Step {

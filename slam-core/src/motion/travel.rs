@@ -3,7 +3,7 @@
 use crate::rig::DriveModel;
 use crate::sample::{Increment, Motion, Ticks};
 
-/// Fastest motion that is believed, metres per second: no cleaning robot drives at 10 m/s, so more is a broken counter.
+/// Largest speed that is believed, metres per second: a faster motion is a broken counter.
 const MAX_SPEED_M_S: f32 = 10.0;
 
 /// Longest time over which that limit is taken, seconds: ten metres between two samples are no drive any more.

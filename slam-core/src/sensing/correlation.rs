@@ -8,17 +8,16 @@
 
 use core::ops::{Deref, DerefMut};
 
-/// Over this distance along a wall its surface departs from the plane in the same way, metres: the width of a door frame, a
-/// pilaster or a panel.
+/// Correlation length of a wall's departure from its plane, metres: the width of a door frame, a pilaster or a panel.
 pub const LENGTH_M: f32 = 0.25;
 
-/// A sensor is on a wall if it met it within so many steps.
+/// Number of steps within which a sensor that met a wall counts as on that wall.
 const RECENT: u32 = 10;
 
-/// Two hits farther apart than this say little of each other, metres.
+/// Largest distance between two hits that are compared, metres: farther ones say little of each other.
 const PAIRED_M: f32 = 0.3;
 
-/// Nor do two at the very same place: the map is wrong there for both.
+/// Least distance between two hits that are compared, metres: at one place the map is wrong for both.
 const APART_M: f32 = 0.01;
 
 /// Pairs that what is believed before any is worth, and over how many the mean is taken at most.
@@ -29,7 +28,7 @@ const MOST_PAIRS: f32 = 2000.0;
 /// for the surface's without limit they would make it lag more.
 const MOST_SHARE: f32 = 0.5;
 
-/// A robot that stands still learns next to nothing new.
+/// Largest number of readings that one repeats: a robot that stands still learns next to nothing new.
 const MOST: f32 = 200.0;
 
 /// A reading that was used.
@@ -95,7 +94,7 @@ impl SurfaceCorrelationView {
         (product / square.max(f32::MIN_POSITIVE)).clamp(0.0, MOST_SHARE)
     }
 
-    /// Of how many readings this is one, on a stretch of wall that has one thing to say; at least 1.
+    /// Effective number of readings that share the error of this stretch of wall, at least 1.
     pub fn count(&self, sensor: usize, wall: u16, along_m: f32, step: u32) -> f32 {
         let is_recent = |hit: &&Hit| hit.step > 0 && hit.wall == wall && step.wrapping_sub(hit.step) < RECENT;
         let sensors = self.last.iter().filter(is_recent).count().max(1) as f32;

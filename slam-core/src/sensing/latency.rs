@@ -28,10 +28,10 @@ const ANALOGUE_S: (f32, f32) = (0.0325, 0.016);
 const METRIC_PACE_S: f32 = 0.2;
 const ANALOGUE_PACE_S: f32 = 0.04;
 
-/// Of the typical time between samples each new one is so much.
+/// Weight of a new time between samples in the typical one.
 const TYPICAL_SHARE: f32 = 1.0 / 32.0;
 
-/// An age that is known better than this has been settled, seconds.
+/// Sigma below which an age counts as settled, seconds.
 const SETTLED_S: f32 = 1e-4;
 
 /// How late readings are: of the sensors that report metres, where there are any, or of the analogue ones.

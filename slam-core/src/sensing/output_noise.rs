@@ -13,7 +13,7 @@ const FIRST_CHANGES: f32 = 4.0;
 const MOST_CHANGE: f32 = 0.2;
 const LEAST_CHANGE: f32 = 0.005;
 
-/// A rig states no noise, 1-sigma, that is more than six times too small.
+/// Largest factor of the stated noise, 1-sigma: a rig is assumed to state at least a sixth of the true one.
 const MOST: f32 = 36.0;
 
 /// Factor of the stated variance of outputs, for all sensors together.

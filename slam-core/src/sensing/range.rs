@@ -14,7 +14,7 @@ pub const SHARP_HOLD_MAX_S: f32 = 0.0479;
 /// light of both is in it, and what the board's filter kept of the first.
 const SURFACE_STEP: f32 = 0.25;
 
-/// And noise makes such a step of so many standard deviations.
+/// Number of standard deviations of noise that such a step exceeds, too.
 const STEP_SIGMAS: f32 = 4.0;
 
 /// A wall's surface and a sensor's mount are true to this, metres (1-sigma): plaster, wallpaper, screws. It keeps a

@@ -7,17 +7,17 @@ use core::f32::consts::{FRAC_2_PI, PI};
 /// Share of a home's walls that stand on its grid, before any is seen: "mostly parallel or orthogonal".
 pub const GRID_SHARE: f32 = 0.9;
 
-/// The same for what is too short to be told from furniture: its direction must be known to a few degrees, or one of the
-/// many trials, one with every point, takes a chest that stands askew for a wall.
+/// Share of lines too short to be told from furniture that stand on the grid. It is the smaller one: each further point is
+/// another trial, and one of many trials takes a chest that stands askew for a wall.
 pub const SHORT_SHARE: f32 = 0.8;
 
 /// Posterior probability at which a wall is called on or off the grid.
 const DECISION: f32 = 0.95;
 
-/// Walls of one grid are parallel or orthogonal to within this, radians: a twentieth of a degree.
+/// Angle within which walls of an exact grid are parallel or orthogonal, 1-sigma, radians: a twentieth of a degree.
 pub const GRID_TOLERANCE: f32 = 1e-3;
 
-/// Built walls are to within this: half a degree. Those of the Freiburg offices scatter by 1.7 degrees along the path that
+/// Angle within which built walls are parallel or orthogonal, 1-sigma, radians: half a degree. Those of the Freiburg offices scatter by 1.7 degrees along the path that
 /// is given as true, which has its share of that; up to 0.03 the results there are the same.
 pub const BUILT_TOLERANCE: f32 = 0.01;
 

@@ -16,24 +16,24 @@ use crate::walls::map::MapView;
 use crate::walls::squareness::Squareness;
 use crate::walls::wall::{Direction, Wall, WallPolicy};
 
-/// Walls that say what is believed beforehand, and the ratio of found to expected mean square that halves or doubles: with so
-/// many, it takes five walls without deviation.
+/// Number of walls that the prior counts for: five walls without deviation then halve the sigma.
 const PRIOR_WALLS: f32 = 2.0;
+/// Ratio of found to expected mean square below which the sigma is halved.
 const HALVES: f32 = 0.3;
+/// Ratio of found to expected mean square above which the sigma is doubled.
 const DOUBLES: f32 = 3.0;
 
-/// A wall that is off by more of its standard deviations is none of those.
+/// Number of standard deviations off the grid beyond which a wall does not belong to it.
 const SIGMAS: f32 = 3.0;
 
-/// A wall that was found to stand on the grid but for a deviation: its direction's state, quarter turns, and that deviation
-/// with its variance.
+/// State, quarter turns, deviation (radians) and its variance (rad^2) of a near-grid wall; none for other walls.
 fn deviation_of(wall: &Wall, ekf: &EkfView) -> Option<(usize, u8, f32, f32)> {
     let Direction::NearGrid(theta, quarter) = wall.direction else { return None };
     let off_rad = wrap(ekf.mean(theta) - GridDirection::of(ekf).beta(quarter));
     Some((theta, quarter, off_rad, relative_variance(ekf, theta, ALPHA)))
 }
 
-/// What walls say of the squareness, once in a round of all, and what it says of one of them.
+/// Learns the squareness from all walls once a round, and ties wall `index` as closely as the squareness says.
 pub fn upkeep(map: &mut MapView, ekf: &mut EkfView, index: usize) {
     if index == 0 {
         map.squareness = learned(map, ekf);

@@ -12,23 +12,24 @@ use crate::walls::wall::{Direction, Wall};
 use core::ops::{Deref, DerefMut};
 use heapless::{Vec, VecView};
 
-/// Score of a new wall: so many more beams must pass through it than meet it before it goes.
+/// Score of a new wall: the excess of beams that pass through it over beams that meet it at which it is removed.
 const BIRTH_SCORE: i8 = 5;
-/// So many that a short run of wrong associations does not take a wall that was seen all day.
+/// Largest score of a wall, so that a short run of wrong associations does not remove one that was seen all day.
 const MAX_SCORE: i8 = 100;
 
-/// Readings of what stands beside a wall's end prolong the wall, each by a little; beams that pass show it up to here,
-/// metres.
+/// Largest overshoot of a wall's end that passing beams take back, metres: readings of what stands beside an end prolong
+/// the wall, each by a little.
 const OVERSHOOT_M: f32 = 0.3;
 
-/// Of an overshoot one beam that passes takes away so much.
+/// Share of an overshoot that one passing beam takes away.
 const CUT_SHARE: f32 = 0.1;
 
-/// A wall that was met by fewer readings than this, and not for [`FORGET_AFTER_M`] of path, was noise.
+/// Number of readings below which a wall that was not met for [`FORGET_AFTER_M`] counts as noise.
 const FORGET_BELOW: u32 = 10;
+/// Length of path after which a wall that few readings met is removed, metres.
 const FORGET_AFTER_M: f32 = 3.0;
 
-/// A newborn's points were picked, a known wall's readings were not: how many of these one of those outweighs.
+/// Number of readings of a known wall that one point of a newborn outweighs: the newborn's points were picked.
 const WORTH: u32 = 4;
 
 /// What holds the map frame once the robot has left its start.
@@ -149,7 +150,7 @@ impl MapView {
         &self.walls
     }
 
-    /// Wall `index` is drawn here, in the map frame, from now on.
+    /// Fixes where wall `index` is drawn in the map frame from now on.
     pub fn draw(&mut self, index: usize, line: Line) {
         if let Some(wall) = self.walls.get_mut(index) {
             wall.drawn = Some(line);
@@ -182,7 +183,7 @@ impl MapView {
         self.next_id = next_id;
     }
 
-    /// A reading met wall `index` at `along_m`.
+    /// Records that a reading met wall `index` at `along_m`, metres along the wall.
     pub fn met(&mut self, index: usize, along_m: f32, path_m: f32) {
         if let Some(wall) = self.walls.get_mut(index) {
             wall.lo_m = wall.lo_m.min(along_m);
@@ -295,7 +296,7 @@ impl MapView {
         }
     }
 
-    /// A wall was tied to the grid so closely.
+    /// Records how closely a wall was tied to the grid.
     pub fn tie(&mut self, index: usize, squareness: Squareness) {
         if let Some(wall) = self.walls.get_mut(index) {
             wall.squareness = squareness;

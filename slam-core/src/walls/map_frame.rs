@@ -17,20 +17,19 @@ use crate::walls::manhattan::GridDirection;
 use crate::walls::map::{MapFrame, MapView};
 use crate::walls::wall::Wall;
 
-/// Walls that are off by less than this stay, metres; those that are off by more have the less weight for it.
+/// Displacement up to which a wall has full weight, metres; a larger one lowers the weight in proportion.
 const STAY_M: f32 = 0.002;
 
-/// What the frame weighs itself: as much as an end of a wall that is a decimetre off. It holds the directions that no wall
-/// does.
+/// Weight of the frame's present place, that of a wall's end a decimetre off: it holds the directions that no wall holds.
 const INERTIA: f32 = 10.0;
 
-/// A wall is drawn once so many readings have met it: twice those without which it would be forgotten as noise.
+/// Number of readings after which a wall is drawn: twice the number below which it may be forgotten as noise.
 const DRAWN_AFTER: u32 = 20;
 
-/// A wall met within this length of path is in view, metres: about the range of the sensors.
+/// Length of path within which a wall that was met counts as in view, metres: about the range of the sensors.
 const IN_VIEW_M: f32 = 3.0;
 
-/// Weight of the others: there are many more of them than walls in view.
+/// Weight of a wall out of view against one in view, since there are many more of them.
 const OUT_OF_VIEW: f32 = 0.1;
 
 /// Rounds of least absolute deviations where the map was changed as a whole.
@@ -45,7 +44,7 @@ pub struct CommonMotion {
 }
 
 impl CommonMotion {
-    /// None yet, about a point.
+    /// Normal equations without any line, about a pivot point, metres.
     pub fn about(pivot: [f32; 2]) -> Self {
         let mut rows = [[0.0; 4]; 3];
         for (i, row) in rows.iter_mut().enumerate() {
@@ -54,7 +53,7 @@ impl CommonMotion {
         Self { pivot, rows }
     }
 
-    /// A point of a wall's line must come to lie on another one; of so much importance.
+    /// Adds the equation that a point of a wall's line comes to lie on another line, with a weight.
     pub fn add(&mut self, from: &Line, to: &Line, along_m: f32, importance: f32) {
         let point = from.at(along_m);
         let off_m = to.distance(point);

@@ -8,27 +8,27 @@ use crate::filter::layout::ALPHA;
 use crate::geometry::line::Line;
 use heapless::Vec;
 
-/// Two stretches of one wall stand in one plane to within this, metres: plaster, skirting boards.
+/// Distance within which two stretches of one wall stand in one plane, 1-sigma, metres: plaster, skirting boards.
 const FLUSH_M: f32 = 0.005;
 
 /// Merging gate: 99 % of a chi-square distribution with one degree of freedom.
 const MERGE_GATE: f32 = 6.63;
 
-/// The same for two places along them: 99 % of a chi-square distribution with two degrees of freedom.
+/// Merging gate for two places along the walls: 99 % of a chi-square distribution with two degrees of freedom.
 const JOINT_GATE: f32 = 9.21;
 
 /// Gate for a wall that is found again after a drift that the filter does not know of: five sigma, and less than
 /// [`REFIND_M`].
 const REFIND_GATE: f32 = 25.0;
 
-/// Farther apart, one may be a cupboard before the other, metres.
+/// Largest distance between a newborn twin and its older wall, metres: beyond it, one may be a cupboard before the other.
 const REFIND_M: f32 = 0.5;
 
-/// Where the distance between two walls is known less well than this, metres, readings were not held against the one that
-/// they may be of.
+/// Sigma of the distance between two walls above which they are vague twins, metres: readings were not held against the
+/// wall that they may belong to.
 const VAGUE_M: f32 = 0.15;
 
-/// Collinear walls are one where the unseen gap between them is too narrow for a door, metres.
+/// Largest unseen gap between collinear walls that are one, metres: too narrow for a door.
 const MERGE_GAP_M: f32 = super::wall::GAP_M;
 
 impl MapView {

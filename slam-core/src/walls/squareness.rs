@@ -3,8 +3,9 @@
 /// 1-sigma of a wall's direction about the grid's before any tells, radians: half a degree, as built walls are.
 const START_RAD: f32 = 0.008;
 
-/// So often it can be halved, down to the tolerance of an exact grid, and doubled, to two degrees.
+/// Number of halvings at which the grid counts as exact.
 const EXACT: i8 = 3;
+/// Number of halvings at the loosest, two degrees: doublings are negative.
 const LOOSEST: i8 = -2;
 
 /// How closely walls stand on the grid: the more, the closer.
