@@ -135,3 +135,20 @@ fn two_lines_agree_under_a_heading_that_wanders() {
     assert_eq!(both(1.0), [Verdict::Wait, Verdict::NearGrid(1)]);
     assert_eq!(both(2.5), [Verdict::Wait, Verdict::Wait]);
 }
+
+/// Off the grid a direction may be any of a quarter turn: the odds of nineteen to one are where the normal density on the grid
+/// is nineteen times that.
+#[test]
+fn a_line_is_on_the_grid_up_to_where_the_odds_are_nineteen_to_one() {
+    use crate::walls::decision::{GRID_TOLERANCE, decide};
+    for (sigma, share) in [(0.01_f64, 0.9_f64), (0.02, 0.8), (0.03, 0.7)] {
+        let variance = sigma * sigma + f64::from(GRID_TOLERANCE).powi(2);
+        let at_zero = share / (1.0 - share) * core::f64::consts::FRAC_PI_2 / (core::f64::consts::TAU * variance).sqrt();
+        let judged = |off: f64| decide(off as f32, (sigma * sigma) as f32, share as f32);
+        let angle = |odds: f64| (2.0 * variance * (at_zero / odds).ln()).sqrt();
+        assert_eq!(judged(0.99 * angle(19.0)), Some(true));
+        assert_eq!(judged(1.01 * angle(19.0)), None);
+        assert_eq!(judged(0.99 * angle(1.0 / 19.0)), None);
+        assert_eq!(judged(1.01 * angle(1.0 / 19.0)), Some(false));
+    }
+}
