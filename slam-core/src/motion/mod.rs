@@ -19,7 +19,8 @@ pub struct MotionSettings {
     pub slip: bool,
     /// The scales of dead reckoning that comes as a pose multiply its mean over a second, which has less noise.
     pub mean_travel: bool,
-    /// Odometry may say forwards where the robot drove backwards: the ranges of sensors that report metres tell.
+    /// Odometry has no sign and says forwards where the robot drove backwards: the ranges of sensors that report metres tell.
+    /// Off for odometry that may have one, since people who walk ahead of a robot look like a robot that drives backwards.
     pub find_sign: bool,
 }
 
@@ -29,7 +30,7 @@ impl MotionSettings {
 
     /// For floors and odometry as they are.
     pub fn real_rooms() -> Self {
-        Self { slip: true, mean_travel: true, find_sign: true, ..Self::default() }
+        Self { slip: true, mean_travel: true, ..Self::default() }
     }
 }
 
