@@ -16,7 +16,7 @@ use crate::motion::drive::DriveStates;
 use crate::report::NotTaken;
 use crate::rig::DriveModel;
 use crate::slam::Slam;
-use crate::walls::manhattan::GridDirection;
+use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::map::MapView;
 use crate::walls::wall::{Direction, Wall, WallPolicy};
 
@@ -102,7 +102,7 @@ struct Newborn {
 
 impl Newborn {
     fn of(wall: &Wall, ekf: &EkfView) -> Self {
-        let (pose, line) = (layout::pose(ekf), wall.line(ekf, &GridDirection::of(ekf)));
+        let (pose, line) = (layout::pose(ekf), wall.line(ekf, &ManhattanFrame::of(ekf)));
         let (distance_m, turn_rad) = seen_from(&pose, line.rho_m, line.beta_rad);
         let here_m = along(&pose, line.beta_rad);
         let extent_m = [wall.lo_m - here_m, wall.hi_m - here_m];
@@ -113,7 +113,7 @@ impl Newborn {
     fn put(&self, wall: &mut Wall, ekf: &mut EkfView) -> bool {
         let pose = layout::pose(ekf);
         let on_grid = match wall.direction {
-            Direction::Grid(quarter) => Some(GridDirection::of(ekf).beta(quarter)),
+            Direction::Grid(quarter) => Some(ManhattanFrame::of(ekf).beta(quarter)),
             _ => None,
         };
         let beta_rad = on_grid.unwrap_or_else(|| wrap(pose.theta_rad + self.turn_rad));
@@ -193,7 +193,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     /// Whether a wall lies to the robot as a hand-over has it.
     fn agrees(&self, wall: &Wall, found: &HandOver, index: usize) -> bool {
         let Some(placed) = found.walls.get(index) else { return false };
-        let (pose, line) = (layout::pose(&self.ekf), wall.line(&self.ekf, &GridDirection::of(&self.ekf)));
+        let (pose, line) = (layout::pose(&self.ekf), wall.line(&self.ekf, &ManhattanFrame::of(&self.ekf)));
         let (own_m, own_rad) = seen_from(&pose, line.rho_m, line.beta_rad);
         let (their_m, their_rad) = seen_from(&found.pose, placed.rho_m, placed.beta_rad);
         let [known_m2, known_rad2, _] = known_from_robot(wall, &self.ekf, line.beta_rad);
@@ -335,7 +335,7 @@ impl MapView {
         deviation: f32,
         add: &mut impl FnMut(Link),
     ) {
-        let grid = GridDirection::of(ekf);
+        let grid = ManhattanFrame::of(ekf);
         for (index, placed) in found.walls.iter().enumerate() {
             let quarter =
                 (placed.on_grid && self.has_grid && policy != WallPolicy::Free).then(|| grid.quarter(placed.beta_rad));

@@ -11,7 +11,7 @@ use crate::rig::DriveModel;
 use crate::slam::Slam;
 use crate::walls::anchor::Anchor;
 use crate::walls::decision::relative_variance;
-use crate::walls::manhattan::GridDirection;
+use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::map::MapFrame;
 use crate::walls::squareness::Squareness;
 use crate::walls::wall::{Direction, Wall};
@@ -83,7 +83,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.doubt_calibration();
         pose.initialise(&mut self.ekf);
         self.first.pose = layout::pose(&self.ekf);
-        self.first.grid = frame.founded_rad.map(|alpha_rad| GridDirection { alpha_rad, sin_cos: sin_cos(alpha_rad) });
+        self.first.grid = frame.founded_rad.map(|alpha_rad| ManhattanFrame { alpha_rad, sin_cos: sin_cos(alpha_rad) });
         self.shortfall = Shortfall::NONE;
         self.candidates.clear();
         Ok(())
@@ -123,7 +123,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
 
     /// Where the robot is beside the fresh walls of a match; none where one is not there.
     fn beside(&self, found: &Match) -> Option<Beside> {
-        let grid = GridDirection::of(&self.ekf);
+        let grid = ManhattanFrame::of(&self.ekf);
         let pose = layout::pose(&self.ekf);
         let distance = |id: u16| {
             let wall = self.map.walls().iter().find(|wall| wall.id == id)?;

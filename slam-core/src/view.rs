@@ -6,7 +6,7 @@ use crate::geometry::pose::Pose;
 use crate::report::{Counters, Health};
 use crate::rig::{DriveModel, Rig};
 use crate::slam::Slam;
-use crate::walls::manhattan::GridDirection;
+use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::wall::WallKind;
 use nalgebra::Matrix3;
 
@@ -135,7 +135,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
 
     /// The walls of the map.
     pub fn walls(&self) -> impl Iterator<Item = WallView> + '_ {
-        let grid = GridDirection::of(&self.ekf);
+        let grid = ManhattanFrame::of(&self.ekf);
         self.map.walls().iter().map(move |wall| {
             let (line, origin_m) = self.map.in_map(&wall.line(&self.ekf, &grid));
             WallView {

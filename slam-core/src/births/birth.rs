@@ -6,7 +6,7 @@ use crate::filter::ekf::{EkfView, Jacobian};
 use crate::filter::layout::{ALPHA, THETA, X, Y};
 use crate::geometry::angle::wrap;
 use crate::walls::founding::{self};
-use crate::walls::manhattan::GridDirection;
+use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::wall::Direction;
 
 /// Adds the states of a wall; one near the grid has that variance about it, rad^2. None, and nothing changed, where the state is full.
@@ -16,7 +16,7 @@ pub fn add_states(ekf: &mut EkfView, verdict: Verdict, line: &LocalLine, deviati
         Verdict::OnGrid(quarter) => add_grid(ekf, line, quarter),
         Verdict::NearGrid(quarter) => {
             let (rho, theta) = add_line(ekf, line)?;
-            let off = wrap(ekf.mean(theta) - GridDirection::of(ekf).beta(quarter));
+            let off = wrap(ekf.mean(theta) - ManhattanFrame::of(ekf).beta(quarter));
             // Where that is numerically impossible it is a free wall.
             let tied = founding::tie(ekf, theta, off, deviation);
             Some((rho, if tied { Direction::NearGrid(theta, quarter) } else { Direction::Free(theta) }))
@@ -45,7 +45,7 @@ fn arm(ekf: &EkfView, line: &LocalLine) -> [f32; 2] {
 
 /// rho = (p + R(theta) q) . n(alpha + k pi/2) for the centroid q in the robot's frame.
 fn add_grid(ekf: &mut EkfView, line: &LocalLine, quarter: u8) -> Option<(usize, Direction)> {
-    let normal = GridDirection::of(ekf).normal(quarter);
+    let normal = ManhattanFrame::of(ekf).normal(quarter);
     let arm = arm(ekf, line);
     let centroid = [ekf.mean(X) + arm[0], ekf.mean(Y) + arm[1]];
     let mut jacobian = Jacobian::new();

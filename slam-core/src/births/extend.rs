@@ -16,7 +16,7 @@ use crate::report::Changes;
 use crate::sensing::latency::Latency;
 use crate::walls::WallSettings;
 use crate::walls::anchor::Anchor;
-use crate::walls::manhattan::GridDirection;
+use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::map::MapView;
 use crate::walls::wall::Wall;
 
@@ -144,7 +144,7 @@ impl<const B: usize> Extension<'_, B> {
         };
         let wall = Wall { rho, direction, ..Wall::NEW };
         let centroid = layout::pose(self.ekf).transform(local.centroid_m);
-        let along_m = wall.line(self.ekf, &GridDirection::of(self.ekf)).along(centroid);
+        let along_m = wall.line(self.ekf, &ManhattanFrame::of(self.ekf)).along(centroid);
         let extent = (along_m + line.lo_m, along_m + line.hi_m);
         self.map.add(rho, direction, extent, line.count, path_m);
         self.candidates.buffer.retain(|i, _| !members.get(i).copied().unwrap_or(false));

@@ -6,7 +6,7 @@ use crate::filter::layout::{ALPHA, THETA};
 use crate::geometry::angle::wrap;
 use crate::walls::decision;
 use crate::walls::decision::{GRID_SHARE, SHORT_SHARE, decide};
-use crate::walls::manhattan::GridDirection;
+use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::wall::WallPolicy;
 
 /// Largest sigma of the direction of a free line, or of one that tells of the heading, relative to the robot that saw it,
@@ -109,7 +109,7 @@ pub fn judge(
     ekf: &EkfView,
     policy: WallPolicy,
     deviation: f32,
-    grid: Option<&GridDirection>,
+    grid: Option<&ManhattanFrame>,
     line: &LocalLine,
     doubts: &mut Doubts,
 ) -> Verdict {

@@ -12,7 +12,7 @@ use crate::filter::layout::{THETA, X, Y};
 use crate::geometry::line::Line;
 use crate::geometry::pose::Pose;
 use crate::measurement::beam::Prediction;
-use crate::walls::manhattan::GridDirection;
+use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::wall::{Direction, Wall};
 
 /// At which estimates the models are differentiated.
@@ -37,7 +37,7 @@ pub struct FirstEstimates {
     /// The pose as it was predicted in this step.
     pub pose: Pose,
     /// The grid's direction as it was founded.
-    pub grid: Option<GridDirection>,
+    pub grid: Option<ManhattanFrame>,
 }
 
 impl FirstEstimates {
@@ -53,9 +53,10 @@ impl FirstEstimates {
     }
 
     /// Takes in the pose as this step predicted it, and the grid where it was founded since or turned out far off.
-    pub fn follow(&mut self, predicted: Pose, grid: Option<GridDirection>) {
+    pub fn follow(&mut self, predicted: Pose, grid: Option<ManhattanFrame>) {
         self.pose = predicted;
-        let is_off = |first: GridDirection, now: GridDirection| (now.alpha_rad - first.alpha_rad).abs() > GRID_OFF_RAD;
+        let is_off =
+            |first: ManhattanFrame, now: ManhattanFrame| (now.alpha_rad - first.alpha_rad).abs() > GRID_OFF_RAD;
         if let Some(now) = grid
             && self.grid.is_none_or(|first| is_off(first, now))
         {
@@ -64,7 +65,7 @@ impl FirstEstimates {
     }
 
     /// The estimate was replaced as a whole: its first ones are those of now.
-    pub fn begin_anew(&mut self, pose: Pose, grid: Option<GridDirection>) {
+    pub fn begin_anew(&mut self, pose: Pose, grid: Option<ManhattanFrame>) {
         *self = Self { pose, grid };
     }
 

@@ -3,7 +3,7 @@
 use crate::filter::ekf::EkfView;
 use crate::geometry::line::Line;
 use crate::measurement::beam::Beam;
-use crate::walls::manhattan::GridDirection;
+use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::wall::GAP_M;
 use crate::walls::wall::{Direction, Wall};
 
@@ -45,7 +45,7 @@ pub fn prolongation_m(step_m: f32) -> f32 {
 /// `prolongation_m` more.
 pub fn first_met(
     ekf: &EkfView,
-    grid: &GridDirection,
+    grid: &ManhattanFrame,
     walls: &[Wall],
     beam: &Beam,
     beyond_m: f32,

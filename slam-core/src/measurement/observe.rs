@@ -17,7 +17,7 @@ use crate::sensing::correlation::{Hit, SurfaceCorrelationView};
 use crate::sensing::latency::Timing;
 use crate::sensing::noise_level::{Expected, NoiseLevels};
 use crate::sensing::range::{Noise, Reading, SURFACE_M};
-use crate::walls::manhattan::GridDirection;
+use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::map::MapView;
 use crate::walls::wall::{Direction, Wall};
 
@@ -211,7 +211,7 @@ impl Observer<'_> {
     }
 
     fn first_met(&self, beam: &Beam, beyond_m: f32, within_m: f32) -> Option<Candidate> {
-        let grid = GridDirection::of(self.ekf);
+        let grid = ManhattanFrame::of(self.ekf);
         let prolongation_m = prolongation_m(self.timing.step.path_m);
         first_met(self.ekf, &grid, self.map.walls(), beam, beyond_m, within_m, prolongation_m)
     }

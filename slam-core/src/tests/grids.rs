@@ -7,7 +7,7 @@ use crate::filter::layout::{ALPHA, THETA};
 use crate::geometry::angle::wrap;
 use crate::walls::decision::{GRID_SHARE, decide};
 use crate::walls::founding::upkeep;
-use crate::walls::manhattan::GridDirection;
+use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::map::Map;
 use crate::walls::wall::WallPolicy;
 use crate::walls::wall::{Direction, WallKind};
@@ -64,7 +64,7 @@ fn walls_that_agree_found_the_grid_and_stand_on_it() {
         "the last is a sofa set askew"
     );
     assert_eq!(ekf.len(), states - 3, "the directions that the grid gives are states no more");
-    let grid = GridDirection::of(&ekf);
+    let grid = ManhattanFrame::of(&ekf);
     for (wall, direction) in map.walls().iter().zip(directions) {
         let beta = wall.line(&ekf, &grid).beta_rad;
         assert!(wrap(beta - direction * DEGREE).abs() < 0.4 * DEGREE, "{beta} of {direction}");
@@ -119,7 +119,7 @@ fn built_walls_keep_a_deviation_of_their_own() {
     }
     assert!(map.has_grid);
     assert_eq!(ekf.len(), states);
-    let grid = GridDirection::of(&ekf);
+    let grid = ManhattanFrame::of(&ekf);
     for (wall, direction) in map.walls().iter().zip(directions).take(3) {
         let Direction::NearGrid(theta, quarter) = wall.direction else { panic!("{direction}: {:?}", wall.direction) };
         // Tied to half a degree, not to the spot: each stays nearer to where it was seen than the grid is.

@@ -7,7 +7,7 @@ use crate::births::verdict::{Doubts, Verdict, judge};
 use crate::filter::ekf::{Ekf, Jacobian, storage};
 use crate::filter::layout::THETA;
 use crate::walls::decision::deviation;
-use crate::walls::manhattan::GridDirection;
+use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::wall::WallPolicy;
 
 const DEGREE: f32 = PI / 180.0;
@@ -45,7 +45,7 @@ impl Case {
 
     fn judge(&mut self, quarter: f32, off_deg: f32, seen_m: [f32; 2], path_m: f32) -> Verdict {
         let line = Self::line(quarter, off_deg, seen_m, path_m);
-        let grid = GridDirection::of(&self.ekf);
+        let grid = ManhattanFrame::of(&self.ekf);
         judge(&self.ekf, self.policy, deviation(self.policy), Some(&grid), &line, &mut self.doubts)
     }
 }
@@ -127,7 +127,7 @@ fn two_lines_agree_under_a_heading_that_wanders() {
         let wandering =
             |line| LocalLine { direction_variance: square(3.0), seen_direction_variance: square(seen_deg), ..line };
         case.doubts = Doubts::NONE;
-        let grid = GridDirection::of(&case.ekf);
+        let grid = ManhattanFrame::of(&case.ekf);
         [Case::line(0.0, 9.5, [2.0, 0.0], 1.0), Case::line(1.0, 9.0, [0.0, 2.0], 2.0)].map(|line| {
             judge(&case.ekf, case.policy, deviation(case.policy), Some(&grid), &wandering(line), &mut case.doubts)
         })

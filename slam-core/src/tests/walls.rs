@@ -10,7 +10,7 @@ use crate::filter::layout::ALPHA;
 use crate::geometry::angle::{sin_cos, wrap};
 use crate::measurement::beam::FixedMount;
 use crate::measurement::line_of_sight::first_met;
-use crate::walls::manhattan::GridDirection;
+use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::map::Map;
 use crate::walls::wall::Direction;
 
@@ -56,7 +56,7 @@ fn a_grid_direction_is_the_nearest_and_has_its_own_normal() {
     let mut random = Random::new(1);
     for _ in 0..500 {
         let alpha_rad = random.uniform(-0.78, 0.78) as f32;
-        let grid = GridDirection { alpha_rad, sin_cos: sin_cos(alpha_rad) };
+        let grid = ManhattanFrame { alpha_rad, sin_cos: sin_cos(alpha_rad) };
         let theta = random.uniform(-3.1, 3.1) as f32;
         let beta = grid.beta(grid.quarter(theta));
         assert!(wrap(theta - beta).abs() <= 0.5 * FRAC_PI_2 + 1e-5, "{theta} {beta}");
@@ -75,7 +75,7 @@ fn a_grid_direction_is_the_nearest_and_has_its_own_normal() {
 
 /// What a wall is, apart from where its states stand.
 fn signature(map: &Map<CAPACITY>, ekf: &Filter) -> Vec<(u16, [u32; 6])> {
-    let grid = GridDirection::of(ekf);
+    let grid = ManhattanFrame::of(ekf);
     map.walls()
         .iter()
         .map(|wall| {
@@ -201,7 +201,7 @@ fn merging_walls_side_by_side_turns_neither() {
     let mut ekf = filter(&mut Random::new(9));
     let mut map = two_free_walls(&mut ekf, 2.2, 0.0);
     assert!(map.merge(&mut ekf, 0, false));
-    let line = map.walls()[0].line(&ekf, &GridDirection::of(&ekf));
+    let line = map.walls()[0].line(&ekf, &ManhattanFrame::of(&ekf));
     assert!(line.beta_rad.abs() < 1e-4, "turned by {} rad", line.beta_rad);
     assert!((line.rho_m - 2.1).abs() < 2e-3, "moved to {} m", line.rho_m);
 }
@@ -246,7 +246,7 @@ fn the_first_wall_met_is_the_nearest_that_faces_the_beam() {
     for _ in 0..100 {
         let mut ekf = filter(&mut random);
         let map = map(&mut random, &mut ekf);
-        let grid = GridDirection::of(&ekf);
+        let grid = ManhattanFrame::of(&ekf);
         for _ in 0..40 {
             let phi = random.uniform(-f64::from(PI), f64::from(PI)) as f32;
             let at = [0, 1].map(|_| random.uniform(-1.5, 1.5) as f32);

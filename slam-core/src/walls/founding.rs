@@ -9,7 +9,7 @@ use crate::filter::layout::ALPHA;
 use crate::geometry::angle::wrap;
 use crate::walls::decision::{GRID_SHARE, GRID_TOLERANCE, decide, relative_variance};
 use crate::walls::learned_grid;
-use crate::walls::manhattan::GridDirection;
+use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::map::MapView;
 use crate::walls::wall::WallPolicy;
 use crate::walls::wall::{Direction, Wall};
@@ -84,7 +84,7 @@ fn founder(walls: &[Wall], ekf: &EkfView, deviation: f32) -> Option<usize> {
 /// Takes a free wall into the grid where the odds are for it.
 fn take_in(map: &mut MapView, ekf: &mut EkfView, policy: WallPolicy, index: usize) {
     let Some(Direction::Free(theta)) = map.walls().get(index).map(|w| w.direction) else { return };
-    let grid = GridDirection::of(ekf);
+    let grid = ManhattanFrame::of(ekf);
     let quarter = grid.quarter(ekf.mean(theta));
     let off = wrap(ekf.mean(theta) - grid.beta(quarter));
     let variance = relative_variance(ekf, theta, ALPHA);

@@ -11,7 +11,7 @@ use crate::filter::ekf::{EkfView, Jacobian};
 use crate::filter::layout::ALPHA;
 use crate::geometry::angle::wrap;
 use crate::walls::decision::{self, relative_variance};
-use crate::walls::manhattan::GridDirection;
+use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::map::MapView;
 use crate::walls::squareness::Squareness;
 use crate::walls::wall::{Direction, Wall, WallPolicy};
@@ -29,7 +29,7 @@ const SIGMAS: f32 = 3.0;
 /// State, quarter turns, deviation (radians) and its variance (rad^2) of a near-grid wall; none for other walls.
 fn deviation_of(wall: &Wall, ekf: &EkfView) -> Option<(usize, u8, f32, f32)> {
     let Direction::NearGrid(theta, quarter) = wall.direction else { return None };
-    let off_rad = wrap(ekf.mean(theta) - GridDirection::of(ekf).beta(quarter));
+    let off_rad = wrap(ekf.mean(theta) - ManhattanFrame::of(ekf).beta(quarter));
     Some((theta, quarter, off_rad, relative_variance(ekf, theta, ALPHA)))
 }
 

@@ -5,16 +5,16 @@ use crate::filter::layout::ALPHA;
 use crate::geometry::angle::sin_cos;
 use core::f32::consts::FRAC_PI_2;
 
-/// Sine and cosine of the grid direction, taken once a step.
+/// Direction of the Manhattan frame with its sine and cosine, taken once a step.
 #[derive(Clone, Copy, Debug)]
-pub struct GridDirection {
+pub struct ManhattanFrame {
     /// alpha, radians.
     pub alpha_rad: f32,
     /// (sin alpha, cos alpha).
     pub sin_cos: (f32, f32),
 }
 
-impl GridDirection {
+impl ManhattanFrame {
     /// At the filter's present estimate.
     pub fn of(ekf: &EkfView) -> Self {
         let alpha_rad = ekf.mean(ALPHA);

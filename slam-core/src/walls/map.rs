@@ -6,7 +6,7 @@ use crate::geometry::line::Line;
 use crate::geometry::pose::Pose;
 use crate::walls::anchor::Anchor;
 use crate::walls::decision::relative_variance;
-use crate::walls::manhattan::GridDirection;
+use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::squareness::Squareness;
 use crate::walls::wall::{Direction, Wall};
 use core::ops::{Deref, DerefMut};
@@ -136,8 +136,8 @@ impl MapView {
     }
 
     /// The grid's direction at the filter's present estimate, once it was founded.
-    pub fn grid(&self, ekf: &EkfView) -> Option<GridDirection> {
-        self.has_grid.then(|| GridDirection::of(ekf))
+    pub fn grid(&self, ekf: &EkfView) -> Option<ManhattanFrame> {
+        self.has_grid.then(|| ManhattanFrame::of(ekf))
     }
 
     /// Variance of the heading against what the robot drives by: the grid, or the filter's frame before there is one, rad^2.

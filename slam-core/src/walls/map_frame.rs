@@ -13,7 +13,7 @@ use crate::filter::layout::{X, Y};
 use crate::geometry::angle::{sin_cos, wrap};
 use crate::geometry::line::Line;
 use crate::geometry::pose::Pose;
-use crate::walls::manhattan::GridDirection;
+use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::map::{MapFrame, MapView};
 use crate::walls::wall::Wall;
 
@@ -116,7 +116,7 @@ impl MapView {
     }
 
     fn draw_all(&mut self, ekf: &EkfView, is_wanted: impl Fn(&Wall) -> bool) {
-        let grid = GridDirection::of(ekf);
+        let grid = ManhattanFrame::of(ekf);
         for index in 0..self.walls().len() {
             let Some(wall) = self.walls().get(index).filter(|wall| is_wanted(wall)) else { continue };
             let (line, _) = self.in_map(&wall.line(ekf, &grid));
@@ -126,7 +126,7 @@ impl MapView {
 
     /// The motion of the map that brings the walls back to where they were drawn.
     fn motion_of_drawn(&self, ekf: &EkfView, path_m: f32) -> Option<Pose> {
-        let grid = GridDirection::of(ekf);
+        let grid = ManhattanFrame::of(ekf);
         let mut motion = CommonMotion::about(self.point_in_map([ekf.mean(X), ekf.mean(Y)]));
         for (wall, drawn) in self.walls().iter().filter_map(|wall| Some((wall, wall.drawn?))) {
             let (line, origin_m) = self.in_map(&wall.line(ekf, &grid));

@@ -1,6 +1,6 @@
 //! Walls that are one: merging them, and the statement that they lie in one plane.
 
-use super::manhattan::GridDirection;
+use super::manhattan::ManhattanFrame;
 use super::map::MapView;
 use super::wall::{Direction, Wall};
 use crate::filter::ekf::{EkfView, Jacobian};
@@ -35,7 +35,7 @@ impl MapView {
     /// Merges wall `index` with the first other wall that is the same one: collinear within the uncertainty of both, and
     /// overlapping or nearly so. True where there was one.
     pub fn merge(&mut self, ekf: &mut EkfView, index: usize, newborn: bool) -> bool {
-        let grid = GridDirection::of(ekf);
+        let grid = ManhattanFrame::of(ekf);
         let Some(&wall) = self.walls().get(index) else { return false };
         let line = wall.line(ekf, &grid);
         let mut twins = self.walls().iter().enumerate().filter_map(|(other, candidate)| {
@@ -81,7 +81,7 @@ struct Tie {
 impl Tie {
     fn between(
         ekf: &EkfView,
-        grid: &GridDirection,
+        grid: &ManhattanFrame,
         (wall, line): (&Wall, &Line),
         other: &Wall,
         newborn: bool,

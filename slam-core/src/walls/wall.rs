@@ -3,7 +3,7 @@
 use crate::filter::ekf::EkfView;
 use crate::geometry::angle::sin_cos;
 use crate::geometry::line::Line;
-use crate::walls::manhattan::GridDirection;
+use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::squareness::Squareness;
 
 /// Which kinds of wall the map may have.
@@ -117,7 +117,7 @@ impl Wall {
     };
 
     /// Its line at the filter's present estimate.
-    pub fn line(&self, ekf: &EkfView, grid: &GridDirection) -> Line {
+    pub fn line(&self, ekf: &EkfView, grid: &ManhattanFrame) -> Line {
         let rho_m = ekf.mean(self.rho);
         let on_grid = |quarter| Line { rho_m, beta_rad: grid.beta(quarter), normal: grid.normal(quarter) };
         match self.direction {
