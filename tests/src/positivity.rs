@@ -17,7 +17,10 @@ pub fn flaw<const S: usize, const W: usize, const B: usize, const BLOCKS: usize>
             return Some(format!("variance of state {i} of {n} is {variance:e}"));
         }
         for j in 0..i {
-            if !covariance(i, j).is_finite() || covariance(i, j) != 0.0 && variance * covariance(j, j) == 0.0 {
+            // A variance under f32's smallest number is stored as zero; no larger covariance fits one of those.
+            let largest = f64::from(f32::MIN_POSITIVE) * variance.max(covariance(j, j));
+            let is_certain = variance * covariance(j, j) == 0.0;
+            if !covariance(i, j).is_finite() || is_certain && covariance(i, j).powi(2) > largest {
                 return Some(format!("covariance of states {i} and {j} is {:e}", covariance(i, j)));
             }
         }
