@@ -35,6 +35,7 @@ pub mod plan_file;
 pub mod pose;
 pub mod rig;
 pub mod rng;
+pub mod scanner;
 mod sensor;
 pub mod sharp;
 mod sim_error;

@@ -12,9 +12,10 @@ use indicatif::{ProgressBar, ProgressStyle};
 use lab::evaluate::compare::Compare;
 use lab::input::settings::{Settings, VariantArgs};
 use lab::recording::{Pose2, Recording};
-use lab::run::{Progress, Replay, Replayed, Run};
+use lab::run::{Progress, RelativeReplay, Replay, Replayed, Run};
 use lab::show::closing;
 use monte_carlo::command::ExperimentArgs;
+use relatives::Kind;
 use robot::rig::BuiltIn;
 use robot_tools::doctor::Doctor;
 use robot_tools::hil::{Hil, Target};
@@ -97,6 +98,9 @@ struct ReplayArgs {
     /// Begin in this kept map, the map.bin of an earlier run or replay, not knowing where.
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
+    /// Another system instead of the estimator, for comparison (docs/reference/relatives.md).
+    #[arg(long, value_name = "NAME", value_parser = Kind::of_name, conflicts_with_all = ["map", "trace"])]
+    with: Option<Kind>,
     /// Also write readings.csv: what became of every reading.
     #[arg(long)]
     trace: bool,
@@ -191,10 +195,16 @@ fn run(args: RunArgs) -> Result<(), Box<dyn Error>> {
 }
 
 fn replay(args: ReplayArgs) -> Result<(), Box<dyn Error>> {
-    let ReplayArgs { log, rig, out, truth, map, trace, variant } = args;
+    let ReplayArgs { log, rig, out, truth, map, with, trace, variant } = args;
     let bar = ProgressBar::new_spinner().with_style(style("{spinner} {pos} rows, {elapsed}"));
     let replay = Replay { log, rig, out, truth, map, settings: Settings::ForRig(variant), trace };
-    let replayed = replay.run(|progress| show(&bar, progress));
+    let replayed = match with {
+        Some(with) => {
+            let Replay { log, rig, out, truth, .. } = replay.clone();
+            RelativeReplay { log, rig, out, truth, with }.run(|progress| show(&bar, progress))
+        }
+        None => replay.run(|progress| show(&bar, progress)),
+    };
     bar.finish_and_clear();
     let Replayed { recording, notes, error } = replayed?;
     for note in notes {

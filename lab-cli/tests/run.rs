@@ -172,3 +172,22 @@ fn a_robot_that_cannot_get_away_is_said_to_be_stuck() {
     place.lab().args(["--plan", "room", "--minutes", "1"]).assert().success();
     assert!(place.summary("out/run")["stuck_from_s"].is_null());
 }
+
+#[test]
+fn another_system_replays_a_log_into_the_same_outputs() {
+    let place = Place::new();
+    place.lab().args(["run", "--plan", "room", "--minutes", "1", "--out", "one"]).assert().success();
+    let replay = |with: &str, out: &str| {
+        place.lab().args(["replay", "one/log.csv", "--rig", "one/rig.toml", "--out", out, "--with", with]).assert()
+    };
+    replay("dead-reckoning", "odometry").success();
+    let summary = place.summary("odometry");
+    let [own, odometry] = [&summary["ate_m"], &summary["odometry"]["ate_m"]].map(|ate| ate.as_f64().expect("a score"));
+    assert!((own - odometry).abs() < 1e-6, "{own} {odometry}");
+    replay("choi-2008", "choi").success();
+    let summary = place.summary("choi");
+    assert!(summary["walls"].as_u64().is_some_and(|walls| walls >= 3), "{summary}");
+    assert!(summary["consistency"]["entropy_nats"].is_number());
+    assert!(place.path("choi/report.html").exists());
+    replay("nobody", "none").failure().stderr(contains("it must be one of dead-reckoning, abrate"));
+}

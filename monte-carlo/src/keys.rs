@@ -58,6 +58,21 @@ pub struct Variant {
     #[serde(default)]
     pub without: Vec<Text>,
     pub buffer: Option<Whole<1, 255>>,
+    pub relative: Option<Text>,
+    pub senses: Option<SensesName>,
+    pub rays: Option<Whole<2, 720>>,
+}
+
+/// With what a variant senses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SensesName {
+    /// The rig's sensors.
+    Rig,
+    /// A laser.
+    Laser,
+    /// A ring of sonar cones.
+    Sonar,
 }
 
 /// A `[[door]]`.

@@ -31,13 +31,19 @@ pub enum Metric {
     Invented,
     /// Readings used.
     Updates,
+    /// RMS distance of the readings' end points, placed by the aligned path, from the nearest true wall, at most 0.3 m each.
+    EndPoints,
+    /// RMSE of position of the whole path as it is known in the end, after the best rigid alignment, metres.
+    Back,
+    /// Memory of the state in the end, kilobytes of 1024.
+    Memory,
     /// Estimator time per step, microseconds of this machine.
     StepCost,
 }
 
 impl Metric {
     /// Every metric, in the order of the columns.
-    pub const ALL: [Metric; 14] = [
+    pub const ALL: [Metric; 17] = [
         Self::Path,
         Self::RoomsVisited,
         Self::RoomsMissed,
@@ -51,6 +57,9 @@ impl Metric {
         Self::Missed,
         Self::Invented,
         Self::Updates,
+        Self::EndPoints,
+        Self::Back,
+        Self::Memory,
         Self::StepCost,
     ];
 
@@ -70,6 +79,9 @@ impl Metric {
             Self::Missed => "missed",
             Self::Invented => "invented",
             Self::Updates => "updates",
+            Self::EndPoints => "end_points_m",
+            Self::Back => "back_m",
+            Self::Memory => "memory_kb",
             Self::StepCost => "step_us",
         }
     }

@@ -22,6 +22,10 @@ pub struct Track {
     pub walls: Vec<WallView>,
     /// Time that the estimator took.
     pub time: Duration,
+    /// Memory that its state takes, bytes; zero where there is none.
+    pub bytes: usize,
+    /// RMSE of the whole path as it is known in the end, after the best alignment, metres; none where the past is not corrected.
+    pub back_m: Option<f64>,
 }
 
 /// The workbench's estimator with room for `B` outliers.
@@ -78,6 +82,7 @@ impl<const B: usize> Tracker<B> {
     /// The track, with the truth of the frames that it was made from.
     pub fn finish(mut self, frames: &[Frame]) -> Track {
         self.track.walls = self.slam.walls().collect();
+        self.track.bytes = size_of_val(&*self.slam);
         let used = self.track.innovations.len();
         self.track.mean_nis = (used > 0).then(|| self.nis_sum / used as f64);
         self.track.reveal(frames);

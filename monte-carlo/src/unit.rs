@@ -2,20 +2,23 @@
 
 use std::fmt;
 
-use hal_sim::{ClosedLoop, Frame, Plan, SimError, Simulation, TrueCalibration};
+use hal_sim::{ClosedLoop, Frame, Plan, SimError, Simulation, TrueCalibration, nominal_ranges};
 use slam_core::{Config, RigError};
 
 use crate::file::{Case, Experiment};
 use crate::floor;
 use crate::key::Key;
 use crate::plan::changed;
+use crate::relative;
 use crate::row::{Metric, RunKey, RunRow};
+use crate::senses::{Scanned, Senses};
 use crate::track::{Track, Tracker, replay};
 use crate::variant::{Buffer, Method, Variant};
 use input_file::FileError;
 use lab::evaluate::score::map::{LONG_M, PASSED_M, PassedWall};
 use lab::evaluate::score::path::length_m;
 use lab::evaluate::score::{map, path};
+use lab::evaluate::statistics::mean;
 use lab::input::rig_file::Robot;
 use lab::recording::{Pose2, Segment, Step};
 
@@ -109,10 +112,11 @@ impl Unit<'_> {
         let mut steering = Some(steering);
         let mut outcomes = Vec::new();
         for variant in variants {
-            let is_steering = variant.method == Method::Slam(Config::default(), Buffer::B128);
+            let is_steering =
+                variant.method == Method::Slam(Config::default(), Buffer::B128) && variant.senses == Senses::Rig;
             let track = match steering.take_if(|_| is_steering) {
                 Some(track) => track,
-                None => driven.track(variant)?,
+                None => driven.track(variant, self.seed)?,
             };
             outcomes.push(Outcome { row: driven.score(self.key(variant), variant, &track), track });
         }
@@ -144,9 +148,30 @@ impl Unit<'_> {
 }
 
 impl Driven {
-    fn track(&self, variant: &Variant) -> Result<Track, UnitError> {
+    /// The true walls in the start frame.
+    pub fn walls(&self) -> &[Segment] {
+        &self.walls
+    }
+
+    fn track(&self, variant: &Variant, seed: u64) -> Result<Track, UnitError> {
+        let scanned = match variant.senses {
+            Senses::Rig => None,
+            Senses::Scanner(kind) => Some(Scanned::of(self, kind, seed)),
+        };
+        let cannot = |why: &str| UnitError(format!("{}: {why}", variant.name));
         let (robot, frames) = (&self.robot, &self.frames[..]);
+        let own = match (&scanned, variant.method) {
+            (Some(scanned), Method::Slam(..)) => {
+                Some(scanned.as_rig(robot, frames).ok_or_else(|| cannot("a sample has room for 16 readings"))?)
+            }
+            _ => None,
+        };
+        if let Some((robot, frames)) = own {
+            // Such a robot's settings are those of any rig that reports metres.
+            return Ok(replay::<128>(&robot, Config::for_rig(&robot.rig), &frames)?);
+        }
         Ok(match variant.method {
+            Method::Relative(kind) => relative::track(self, kind, scanned.as_ref(), seed).map_err(cannot)?,
             Method::DeadReckoning => {
                 let step = |pose: &Pose2| Step { pose: *pose, ..Step::default() };
                 let mut track = Track { steps: self.dead_reckoning.iter().map(step).collect(), ..Track::default() };
@@ -172,6 +197,7 @@ impl Driven {
         row.set(Metric::Ate, score.ate_m);
         row.set(Metric::Start, score.start_m);
         row.set(Metric::Heading, score.heading_deg);
+        row.set(Metric::EndPoints, self.end_points_m(track, &score.alignment).unwrap_or(f64::NAN));
         if variant.method == Method::DeadReckoning {
             return row;
         }
@@ -179,6 +205,8 @@ impl Driven {
         row.set(Metric::Nis, track.mean_nis.unwrap_or(f64::NAN));
         row.set(Metric::Updates, track.innovations.len() as f64);
         row.set(Metric::StepCost, 1e6 * track.time.as_secs_f64() / track.steps.len().max(1) as f64);
+        row.set(Metric::Back, track.back_m.unwrap_or(f64::NAN));
+        row.set(Metric::Memory, track.bytes as f64 / 1024.0);
         if variant.method != Method::Floor {
             let map = map::score(&track.walls, &self.walls, &self.passed, &score.alignment);
             row.set(Metric::Offset, map.offset_m);
@@ -189,9 +217,41 @@ impl Driven {
         row
     }
 
+    /// RMS distance of the rig's end points, placed by the aligned path, from the true walls; each counts up to 0.3 m.
+    fn end_points_m(&self, track: &Track, alignment: &Pose2) -> Option<f64> {
+        let mut squares = Vec::new();
+        for (step, frame) in track.steps.iter().zip(&self.frames).step_by(END_POINTS_EVERY) {
+            let pose = alignment.compose(&step.pose);
+            let ranges = nominal_ranges(&self.robot.rig, &frame.sample);
+            for (sensor, range_m) in self.robot.rig.sensors.iter().zip(ranges) {
+                let Some(range_m) = range_m else { continue };
+                let mount =
+                    Pose2::new(sensor.mount.x_m.into(), sensor.mount.y_m.into(), sensor.mount.bearing_rad.into());
+                let end = pose.compose(&mount).transform([range_m.into(), 0.0]);
+                let off_m = self.walls.iter().map(|wall| distance_m(wall, end)).fold(END_POINT_M, f64::min);
+                squares.push(off_m * off_m);
+            }
+        }
+        mean(&squares).map(f64::sqrt)
+    }
+
     fn rooms_visited(&self) -> usize {
         let in_plan: Vec<[f64; 2]> =
             self.frames.iter().map(|frame| self.plan.start.transform([frame.truth.x_m, frame.truth.y_m])).collect();
         self.plan.rooms.iter().filter(|room| in_plan.iter().any(|[x_m, y_m]| room.contains(*x_m, *y_m))).count()
     }
+}
+
+/// Of so many samples one gives its end points to the score.
+const END_POINTS_EVERY: usize = 10;
+
+/// An end point counts with this distance from a wall at most, metres.
+const END_POINT_M: f64 = 0.3;
+
+/// Distance of a point from a wall, metres.
+fn distance_m(wall: &Segment, point: [f64; 2]) -> f64 {
+    let [ax, ay] = [wall.to_m[0] - wall.from_m[0], wall.to_m[1] - wall.from_m[1]];
+    let [px, py] = [point[0] - wall.from_m[0], point[1] - wall.from_m[1]];
+    let share = ((px * ax + py * ay) / (ax * ax + ay * ay).max(1e-18)).clamp(0.0, 1.0);
+    (px - share * ax).hypot(py - share * ay)
 }

@@ -2,7 +2,11 @@
 
 use slam_core::{Config, Linearisation, WallPolicy};
 
-use crate::keys;
+use hal_sim::scanner::ScannerKind;
+use relatives::Kind;
+
+use crate::keys::{self, SensesName};
+use crate::senses::Senses;
 use input_file::{FileError, Number, TomlFile, Whole};
 use lab::input::part::{self, Part};
 use lab::input::settings::{Groups, Jacobians, Walls};
@@ -16,6 +20,8 @@ pub enum Method {
     Slam(Config, Buffer),
     /// Localisation alone: the true map, the true gains, scales and track are given.
     Floor,
+    /// Another system.
+    Relative(Kind),
 }
 
 /// Room for outliers: a const generic of the estimator, so there are a few sizes only.
@@ -38,7 +44,12 @@ pub struct Variant {
     pub name: String,
     /// How it works.
     pub method: Method,
+    /// With what it senses.
+    pub senses: Senses,
 }
+
+/// Rays of a laser where nothing else is said: one a degree over the half circle ahead.
+const LASER_RAYS: usize = 181;
 
 /// The estimator as it works by default, which also steers the drive.
 pub const DEFAULT: &str = "grid, calibrated";
@@ -81,7 +92,7 @@ impl Variant {
             Method::Floor,
         ];
         let found = NAMED.iter().position(|named| *named == name)?;
-        Some(Self { name: name.to_owned(), method: methods[found] })
+        Some(Self { name: name.to_owned(), method: methods[found], senses: Senses::Rig })
     }
 
     /// The variant of a `[[variant]]` at this place: the default, changed.
@@ -115,7 +126,17 @@ impl Variant {
                 return Err(toml.error(&format!("{place}.buffer"), message));
             }
         };
-        Ok(Self { name: keys::table_name(toml, place, keys.name)?, method: Method::Slam(config, buffer) })
+        let kind = keys.relative.map(|name| {
+            Kind::of_name(name.as_ref()).map_err(|allowed| toml.error(&format!("{place}.relative"), allowed))
+        });
+        let method = kind.transpose()?.map_or(Method::Slam(config, buffer), Method::Relative);
+        let rays = keys.rays.map_or(LASER_RAYS, |rays| rays.get() as usize);
+        let senses = match keys.senses {
+            None | Some(SensesName::Rig) => Senses::Rig,
+            Some(SensesName::Laser) => Senses::Scanner(ScannerKind::Laser(rays)),
+            Some(SensesName::Sonar) => Senses::Scanner(ScannerKind::Sonar),
+        };
+        Ok(Self { name: keys::table_name(toml, place, keys.name)?, method, senses })
     }
 }
 

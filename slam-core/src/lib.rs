@@ -57,6 +57,15 @@ mod tests;
 mod view;
 mod walls;
 
+/// What every estimator on these rigs begins with, for those that are compared with this one: checked readings, and motion by
+/// the rig's nominal calibration.
+pub mod front_end {
+    pub use crate::motion::step::{Factor, Factors, Step, step};
+    pub use crate::motion::travel::{Encoders, Travel};
+    pub use crate::sensing::output_noise::OutputNoise;
+    pub use crate::sensing::range::{FrontEnd, Innovation, Noise, Reading, SHARP_HOLD_S};
+}
+
 pub use births::BirthSettings;
 pub use births::cluster::Clustering;
 pub use births::dbscan;

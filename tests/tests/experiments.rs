@@ -25,14 +25,24 @@ fn every_file_is_good() {
 
 #[test]
 fn the_smaller_sweep_holds() {
-    let experiment = Experiment::read(&folder().join("ci.toml")).expect("a good file");
+    holds("ci.toml", 40);
+}
+
+#[test]
+fn each_relative_beats_the_motion_alone() {
+    holds("relatives-small.toml", 3);
+}
+
+/// Runs an experiment, and all of its bars, at least so many, hold.
+fn holds(file: &str, bars: usize) {
+    let experiment = Experiment::read(&folder().join(file)).expect("a good file");
     let out = tempfile::tempdir().expect("a temporary folder");
     let jobs = std::thread::available_parallelism().map_or(1, usize::from);
     let runner = Runner { out: out.path().to_owned(), shard: Shard::WHOLE, jobs };
     runner.run(&experiment, &|_, _| {}).expect("it runs");
     let written = page::write(out.path(), &experiment).expect("it is written");
     println!("{}\n{}", table::markdown(&written.lines), table::verdicts_markdown(&written.verdicts));
-    assert!(written.verdicts.len() >= 40, "{}", written.verdicts.len());
+    assert!(written.verdicts.len() >= bars, "{}", written.verdicts.len());
     let broken: Vec<_> = written.verdicts.iter().filter(|verdict| !verdict.holds).collect();
     assert!(broken.is_empty(), "{broken:#?}");
 }

@@ -3,12 +3,14 @@
 
 mod drive;
 mod life;
+mod relative;
 mod replay;
 mod session;
 mod simulate;
 
 pub use drive::Drive;
 pub use life::Searched;
+pub use relative::{RelativeReplay, RelativeSession, covariance_of, look_back, to_record, views};
 pub use replay::{Replay, Replayed};
 pub use session::Session;
 pub use simulate::Run;

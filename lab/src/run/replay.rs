@@ -58,7 +58,7 @@ impl Replay {
         let rig_toml = input_file::read(&self.rig)?;
         let mut robot = Robot::parse(&self.rig, &rig_toml)?;
         let mut rows = log::open(&self.log, &mut robot)?;
-        let truth = self.read_truth()?;
+        let truth = truth_of(&self.log, self.truth.as_deref())?;
         let config = self.settings.config(&robot.rig);
         let mut session = Session::new(&robot, config, title_of(&self.log)).map_err(|e| rig_error(&self.rig, &e))?;
         begin_in(&mut session, self.map.as_deref())?;
@@ -91,14 +91,15 @@ impl Replay {
         output::finish(&mut folder, &recording, looking_back.as_ref(), &origin)?;
         Ok(Replayed { recording, notes: rows.notes(), error })
     }
+}
 
-    fn read_truth(&self) -> Result<Option<Truth>, FileError> {
-        let beside = self.log.with_file_name("truth.csv");
-        match &self.truth {
-            Some(file) => truth::read(file).map(Some),
-            None if beside.is_file() => truth::read(&beside).map(Some),
-            None => Ok(None),
-        }
+/// The true poses of a log: of a file, or of `truth.csv` beside it.
+pub(super) fn truth_of(log: &Path, file: Option<&Path>) -> Result<Option<Truth>, FileError> {
+    let beside = log.with_file_name("truth.csv");
+    match file {
+        Some(file) => truth::read(file).map(Some),
+        None if beside.is_file() => truth::read(&beside).map(Some),
+        None => Ok(None),
     }
 }
 
@@ -124,7 +125,7 @@ fn feed(
 }
 
 /// A log's name for people: its folder's and its own.
-fn title_of(log: &Path) -> String {
+pub(super) fn title_of(log: &Path) -> String {
     let own = log.file_name().unwrap_or(log.as_os_str()).to_string_lossy();
     match log.parent().and_then(Path::file_name) {
         Some(folder) => format!("{}/{own}", folder.to_string_lossy()),

@@ -263,7 +263,8 @@ fn innovation(outcome: &Outcome, sensor: &SensorInfo) -> Option<nis::Innovation>
     possible.then(|| nis::Innovation { value_m: innovation_m.into(), variance_m2: variance_m2.into(), span_m })
 }
 
-fn sensor_info((sensor, name): (&slam_core::RangeSensor, &String)) -> SensorInfo {
+/// What a record says of a sensor.
+pub(super) fn sensor_info((sensor, name): (&slam_core::RangeSensor, &String)) -> SensorInfo {
     SensorInfo {
         name: name.clone(),
         x_m: sensor.mount.x_m.into(),

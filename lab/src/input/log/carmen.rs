@@ -34,6 +34,7 @@ pub struct Reader {
     differencer: Differencer,
     out_of_order: usize,
     failed: bool,
+    scan_m: Vec<f32>,
 }
 
 impl Reader {
@@ -63,7 +64,7 @@ impl Reader {
             sensor.mount.bearing_rad = (scan.bearing_deg(beam) as f32).to_radians();
         }
         let (clock, differencer) = (Clock::default(), Differencer::default());
-        Ok(Self { lines, bearings, first, clock, differencer, out_of_order: 0, failed: false })
+        Ok(Self { lines, bearings, first, clock, differencer, out_of_order: 0, failed: false, scan_m: Vec::new() })
     }
 
     /// The row of a scan; none where its time does not increase.
@@ -76,14 +77,9 @@ impl Reader {
         }
         let motion = Motion::Increment(self.differencer.step(scan.odometry));
         let sample = Sample { time_us, motion, ranges };
-        Ok(Some(Row {
-            t_text: scan.t_text.to_owned(),
-            t_s: scan.t_s,
-            sample,
-            odometry: None,
-            truth: None,
-            lifted: false,
-        }))
+        let (t_text, t_s) = (scan.t_text.to_owned(), scan.t_s);
+        self.scan_m = scan.ranges_m;
+        Ok(Some(Row { t_text, t_s, sample, odometry: None, truth: None, lifted: false }))
     }
 }
 
@@ -126,6 +122,16 @@ impl Iterator for Reader {
 }
 
 impl Rows for Reader {
+    fn has_scans(&self) -> bool {
+        true
+    }
+
+    fn whole_scan(&self) -> Option<super::Scan<'_>> {
+        let first_rad = -std::f64::consts::FRAC_PI_2;
+        let step_rad = std::f64::consts::PI / self.scan_m.len() as f64;
+        (!self.scan_m.is_empty()).then_some(super::Scan { ranges_m: &self.scan_m, first_rad, step_rad })
+    }
+
     fn notes(&self) -> Vec<String> {
         match self.out_of_order {
             0 => Vec::new(),

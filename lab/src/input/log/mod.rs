@@ -33,8 +33,29 @@ pub struct Row {
     pub lifted: bool,
 }
 
+/// A whole scan of evenly spaced beams, of which the rig's sensors are some.
+#[derive(Clone, Copy, Debug)]
+pub struct Scan<'a> {
+    /// The ranges, metres.
+    pub ranges_m: &'a [f32],
+    /// Direction of the first beam in the robot's frame, radians.
+    pub first_rad: f64,
+    /// Angle from one beam to the next, radians.
+    pub step_rad: f64,
+}
+
 /// The rows of a log, in order. After an error there are none.
 pub trait Rows: Iterator<Item = Result<Row, FileError>> {
+    /// Whether rows come with whole scans.
+    fn has_scans(&self) -> bool {
+        false
+    }
+
+    /// The whole scan of the row read last, where the log has one.
+    fn whole_scan(&self) -> Option<Scan<'_>> {
+        None
+    }
+
     /// What a user should know about the log though it is no error, so far.
     fn notes(&self) -> Vec<String>;
 }

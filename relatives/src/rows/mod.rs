@@ -1,0 +1,4 @@
+//! The systems.
+
+pub mod line_ekf;
+pub mod reckoning;
