@@ -53,6 +53,11 @@ impl Browser {
         program.map(|program| Self { program, width_px: 1200 })
     }
 
+    /// The program.
+    pub fn program(&self) -> &Path {
+        &self.program
+    }
+
     /// Opens `html` with `hash` behind its address, runs `probe` (the body of an asynchronous function) when it has
     /// loaded, and returns what that returned. There is no network. The page and the browser's profile go into `dir`,
     /// which is emptied first.

@@ -2,6 +2,7 @@
 
 pub mod browser;
 pub mod carries;
+pub mod devtools;
 pub mod frames;
 pub mod fuzzing;
 pub mod long_drive;

@@ -13,9 +13,11 @@ mod real_logs;
 mod run;
 mod setup;
 mod size;
+mod studio;
 mod test;
 mod thumb;
 mod timing;
+mod wasm;
 
 use std::process::ExitCode;
 
@@ -27,6 +29,8 @@ cargo xtask panic-check      show that slam-core has no panic path on the robot'
 cargo xtask size             flash, RAM and stack of the robot's program, against their budgets
 cargo xtask timing           count the instructions of slam-core's routines and compare with docs/results/timing.csv
 cargo xtask timing --update  write the counts into docs/results/timing.csv
+cargo xtask studio           build the studio, a page for browsers, and print its folder last
+cargo xtask studio --serve   build it and serve it on this machine
 cargo xtask figures          write docs/results/on-target.md: size, timing and the drive in the loop";
 
 fn main() -> ExitCode {
@@ -38,6 +42,8 @@ fn main() -> ExitCode {
         ["panic-check"] => panic_check::panic_check(),
         ["figures"] => figures::figures(),
         ["size"] => size::size(),
+        ["studio"] => studio::studio(),
+        ["studio", "--serve"] => studio::serve(),
         ["timing"] => timing::timing(false),
         ["timing", "--update"] => timing::timing(true),
         [] | ["help" | "--help" | "-h"] => {

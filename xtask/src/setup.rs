@@ -3,6 +3,7 @@
 use crate::apt;
 use crate::run::{Result, on_path, output, run};
 use crate::thumb::{DEBIAN_PACKAGES, TARGET, Thumb};
+use crate::wasm::{self, Wasm};
 use std::io::{IsTerminal, Write};
 use std::process::Command;
 
@@ -17,6 +18,8 @@ pub enum Tool {
     Lints,
     /// A compiler for the robot's processor.
     Thumb,
+    /// A compiler for browsers.
+    Wasm,
     /// The emulator that runs the firmware.
     Qemu,
     /// The browser that checks report pages.
@@ -24,7 +27,7 @@ pub enum Tool {
 }
 
 impl Tool {
-    const ALL: [Tool; 4] = [Tool::Lints, Tool::Thumb, Tool::Qemu, Tool::Chromium];
+    const ALL: [Tool; 5] = [Tool::Lints, Tool::Thumb, Tool::Wasm, Tool::Qemu, Tool::Chromium];
 
     fn present(self) -> bool {
         match self {
@@ -32,6 +35,7 @@ impl Tool {
                 ["fmt", "clippy"].iter().all(|part| output(Command::new("cargo").args([part, "--version"])).is_ok())
             }
             Self::Thumb => Thumb::find().is_some(),
+            Self::Wasm => Wasm::find().is_some(),
             Self::Qemu => qemu_major().is_some_and(|major| major >= OLDEST_QEMU),
             Self::Chromium => BROWSERS.iter().any(|name| on_path(name)),
         }
@@ -45,6 +49,7 @@ impl Tool {
                 "a compiler for {TARGET}: `rustup target add {TARGET}`, or on Debian `apt-get install {}`",
                 DEBIAN_PACKAGES.join(" ")
             ),
+            Self::Wasm => format!("a compiler for {}: {}", wasm::TARGET, Wasm::need()),
             Self::Qemu => format!(
                 "qemu-system-arm, version {OLDEST_QEMU} or newer: on Debian `apt-get install qemu-system-arm`, where \
                  that is older from the release's backports suite; elsewhere built from its source, or a container of \
@@ -57,7 +62,8 @@ impl Tool {
     fn install(self) -> Result {
         match self {
             Self::Lints => run(Command::new("rustup").args(["component", "add", "rustfmt", "clippy"])),
-            Self::Thumb => install_thumb(),
+            Self::Thumb => install_target(TARGET, || Thumb::find().is_some()),
+            Self::Wasm => install_target(wasm::TARGET, || Wasm::find().is_some()),
             Self::Qemu => install_qemu(),
             Self::Chromium => install_packages(&["chromium"], None),
         }
@@ -99,11 +105,12 @@ fn confirm() -> Result {
     if matches!(answer.trim(), "y" | "Y" | "yes") { Ok(()) } else { Err("not installed, as you wish".into()) }
 }
 
-fn install_thumb() -> Result {
+/// A compiler for a target: rustup's, else Debian's.
+fn install_target(target: &str, is_there: fn() -> bool) -> Result {
     if on_path("rustup") {
-        let added = run(Command::new("rustup").args(["target", "add", TARGET]));
+        let added = run(Command::new("rustup").args(["target", "add", target]));
         match added {
-            Ok(()) if Thumb::find().is_some() => return Ok(()),
+            Ok(()) if is_there() => return Ok(()),
             Ok(()) => println!("rustup has the target, but for another compiler than the one in use"),
             Err(error) if apt::available() => println!("{error}: trying Debian's compiler"),
             Err(error) => return Err(error),

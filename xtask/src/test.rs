@@ -7,6 +7,7 @@ use crate::real_logs;
 use crate::run::{Result, cargo, run, target_dir};
 use crate::setup;
 use crate::size;
+use crate::studio;
 use crate::thumb::Thumb;
 use crate::timing;
 use std::time::Instant;
@@ -28,6 +29,7 @@ const STEPS: &[Step] = &[
     step("doc", doc),
     step("no-std", no_std),
     step("host", host),
+    step("studio", studio::test),
     Step { name: "real-logs", run: real_logs::test, missing: real_logs::missing },
     step("firmware-lint", firmware_lint),
     step("firmware-host", firmware_host),

@@ -11,7 +11,8 @@ pub const DEBIAN_PACKAGES: [&str; 4] = ["rustc-web", "cargo-web", "rust-web-src"
 /// Setting this variable to `debian` or `rustup` takes that compiler and no other.
 const CHOICE: &str = "THUMB_COMPILER";
 
-const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
+/// Debian's compiler.
+pub const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
 const DEBIAN_LINKER: &str = "/usr/bin/lld-22";
 const OLDEST: (u32, u32) = (1, 95);
 
@@ -28,7 +29,7 @@ impl Thumb {
     /// The compiler to use, if there is one.
     pub fn find() -> Option<Self> {
         let wanted = std::env::var(CHOICE).unwrap_or_default();
-        let host = (wanted != "debian" && host_has_target()).then_some(Self::Host);
+        let host = (wanted != "debian" && host_has(TARGET)).then_some(Self::Host);
         host.or_else(|| (wanted != "rustup" && debian_is_complete()).then_some(Self::Debian))
     }
 
@@ -87,12 +88,14 @@ fn host_rustc() -> PathBuf {
     beside.unwrap_or_else(|| "rustc".into())
 }
 
-fn host_has_target() -> bool {
+/// Whether the library for this target is installed beside the compiler that also builds for the host.
+pub fn host_has(target: &str) -> bool {
     let sysroot = output(Command::new(host_rustc()).args(["--print", "sysroot"]).current_dir(root()));
-    sysroot.is_ok_and(|dir| Path::new(dir.trim()).join("lib/rustlib").join(TARGET).join("lib").is_dir())
+    sysroot.is_ok_and(|dir| Path::new(dir.trim()).join("lib/rustlib").join(target).join("lib").is_dir())
 }
 
-fn debian_is_complete() -> bool {
+/// Whether Debian's compiler is here with everything that it needs for a target without a library.
+pub fn debian_is_complete() -> bool {
     let Ok(version) = output(Command::new(DEBIAN_RUSTC).arg("--version").env_remove("LD_LIBRARY_PATH")) else {
         return false;
     };

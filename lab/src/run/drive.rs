@@ -9,7 +9,7 @@ use crate::evaluate::score::map::{LONG_M, PASSED_M, PassedWall};
 use crate::input::log::Row;
 use crate::input::rig_file::Robot;
 use crate::numbers::shortest;
-use crate::recording::{Pose2, Recording, Segment, TruthFrame};
+use crate::recording::{Figures, Pose2, Recording, Segment, TruthFrame};
 
 /// A robot in a home, with the pilot that drives it.
 pub struct Drive {
@@ -102,6 +102,37 @@ impl Drive {
         recording
     }
 
+    /// The figures so far, with every score of path and map against what is true here.
+    pub fn figures(&self, session: &Session) -> Figures {
+        let mut figures = session.figures();
+        (figures.estimate, figures.odometry) = score::against_truth(session.recording());
+        if let Some(alignment) = figures.estimate.map(|score| score.alignment) {
+            let map = score::map::score(session.recording().walls(), &self.plan, &self.passed(), &alignment);
+            figures.map = Some(map);
+        }
+        figures
+    }
+
+    /// The robot in its home, to be looked at and meddled with.
+    pub fn simulation(&mut self) -> &mut Simulation {
+        &mut self.robot.simulation
+    }
+
+    /// The true values of the calibration by the parameters' names: what [`Recording::parameters`] calls them.
+    pub fn true_calibration(&self, recording: &Recording) -> Vec<(String, f64)> {
+        let truth = self.robot.simulation.calibration();
+        let drive = [
+            ("scale_left", truth.drive.scale_left),
+            ("scale_right", truth.drive.scale_right),
+            ("track", truth.drive.track),
+            ("scale_distance", truth.scale_distance),
+            ("scale_turn", truth.scale_turn),
+        ];
+        let gains =
+            recording.sensors.iter().zip(&truth.gains).map(|(sensor, gain)| (format!("gain_{}", sensor.name), *gain));
+        drive.map(|(name, value)| (name.to_owned(), value)).into_iter().chain(gains).collect()
+    }
+
     /// The true plan in the map frame.
     pub fn plan(&self) -> &[Segment] {
         &self.plan
@@ -115,18 +146,7 @@ impl Drive {
 
     /// Puts the true values of the calibration into a record.
     fn reveal_calibration(&self, recording: &mut Recording) {
-        let truth = self.robot.simulation.calibration();
-        let drive = [
-            ("scale_left", truth.drive.scale_left),
-            ("scale_right", truth.drive.scale_right),
-            ("track", truth.drive.track),
-            ("scale_distance", truth.scale_distance),
-            ("scale_turn", truth.scale_turn),
-        ];
-        let gains =
-            recording.sensors.iter().zip(&truth.gains).map(|(sensor, gain)| (format!("gain_{}", sensor.name), *gain));
-        let all: Vec<(String, f64)> =
-            drive.map(|(name, value)| (name.to_owned(), value)).into_iter().chain(gains).collect();
+        let all = self.true_calibration(recording);
         for parameter in &mut recording.parameters {
             parameter.truth = all.iter().find(|(name, _)| *name == parameter.name).map(|(_, value)| *value);
         }

@@ -13,7 +13,9 @@ use crate::evaluate::score::{nis, path};
 use crate::evaluate::statistics;
 use crate::input::log::Row;
 use crate::input::rig_file::{MAX_SENSORS, Robot};
-use crate::recording::{CalibrationSnapshot, HandOver, MapSnapshot, ParameterInfo, Pose2, Recording, SensorInfo, Step};
+use crate::recording::{
+    CalibrationSnapshot, Figures, HandOver, MapSnapshot, ParameterInfo, Pose2, Recording, SensorInfo, Step,
+};
 use crate::show::output::folder::Folder;
 use input_file::FileError;
 
@@ -95,9 +97,9 @@ impl Session {
     /// Gives one sample to the estimator.
     pub fn estimate(&mut self, sample: &Sample<MAX_SENSORS>) -> StepReport<MAX_SENSORS> {
         self.take_over();
-        let before = Instant::now();
+        let before = now();
         let mut report = self.slam.step(sample);
-        self.estimator_time += before.elapsed();
+        self.estimator_time += before.map_or(Duration::ZERO, |before| before.elapsed());
         if let Some(back) = &mut self.back {
             back.record(&self.slam, &report);
             let since_us = sample.time_us.saturating_sub(self.last_us.unwrap_or(sample.time_us));
@@ -169,17 +171,25 @@ impl Session {
         {
             self.snapshot(last);
         }
-        let recording = &mut self.recording;
-        recording.counters = *self.slam.counters();
-        recording.searches = self.life.searches().to_vec();
-        recording.lost = self.life.lost();
-        let figures = &mut recording.figures;
-        figures.estimator_s = self.estimator_time.as_secs_f64();
-        figures.duration_s = recording.steps.last().map_or(0.0, |step| step.t_s);
-        figures.path_m = path::length_m(recording.steps.iter().map(|step| step.dead_reckoning));
-        figures.walls = recording.steps.last().map_or(0, |step| step.walls);
+        self.recording.counters = *self.slam.counters();
+        self.recording.searches = self.life.searches().to_vec();
+        self.recording.lost = self.life.lost();
+        self.recording.figures = self.figures();
+        self.recording
+    }
+
+    /// The figures so far that need no truth.
+    pub fn figures(&self) -> Figures {
+        let recording = &self.recording;
+        let mut figures = Figures {
+            estimator_s: self.estimator_time.as_secs_f64(),
+            duration_s: recording.steps.last().map_or(0.0, |step| step.t_s),
+            path_m: path::length_m(recording.steps.iter().map(|step| step.dead_reckoning)),
+            walls: recording.steps.last().map_or(0, |step| step.walls),
+            latency_s: self.slam.latency().map(|(value, sigma)| (value.into(), sigma.into())),
+            ..Figures::default()
+        };
         let (mut used, mut all) = (Vec::new(), Vec::new());
-        let mut outliers = 0;
         let mut innovations = Vec::new();
         let sensors = recording.sensors.iter().cycle();
         for (reading, sensor) in recording.readings.iter().zip(sensors) {
@@ -188,19 +198,17 @@ impl Session {
             all.extend(finite);
             match reading.outcome {
                 Outcome::Updated { .. } => used.push(finite.unwrap_or(0.0)),
-                Outcome::Gated { .. } | Outcome::Unexplained => outliers += 1,
+                Outcome::Gated { .. } | Outcome::Unexplained => figures.outliers += 1,
                 Outcome::Missing | Outcome::Refused(_) => {}
             }
         }
         figures.updates = used.len() as u64;
-        figures.outliers = outliers;
         figures.mean_nis = statistics::mean(&used);
         figures.nis_before_gate = statistics::mean(&all);
         figures.outside_gate = (!all.is_empty()).then(|| 1.0 - used.len() as f64 / all.len() as f64);
         figures.median_nis_before_gate = statistics::median(&all);
         figures.nis_associated = nis::of_associated(&innovations);
-        figures.latency_s = self.slam.latency().map(|(value, sigma)| (value.into(), sigma.into()));
-        self.recording
+        figures
     }
 
     fn is_due(&self, t_s: f64) -> bool {
@@ -219,6 +227,11 @@ impl Session {
         let values = self.parameters.iter().map(value).collect();
         self.recording.calibration.push(CalibrationSnapshot { step, values });
     }
+}
+
+/// The time; none in a browser, whose clock the standard library does not know.
+fn now() -> Option<Instant> {
+    (!cfg!(target_family = "wasm")).then(Instant::now)
 }
 
 /// Begins in the kept map of a file, if there is one.

@@ -10,7 +10,7 @@ pub mod path;
 mod surfels;
 
 use crate::input::log::truth::{Truth, pair};
-use crate::recording::{Pose2, Recording, Step, TruthFrame};
+use crate::recording::{PathScore, Pose2, Recording, Step, TruthFrame};
 
 /// Puts the truth into the record, moved into the frame that the estimate should be in, and scores both paths against it.
 ///
@@ -34,6 +34,12 @@ pub fn score(recording: &mut Recording, times_s: &[f64], truth: Option<&Truth>) 
     for truth in recording.steps.iter_mut().filter_map(|step| step.truth.as_mut()) {
         *truth = origin.relative(truth);
     }
+    (recording.figures.estimate, recording.figures.odometry) = against_truth(recording);
+}
+
+/// The scores of both paths, the estimate's first, against true poses in the frame that the estimate should be in; none where
+/// none is known.
+pub fn against_truth(recording: &Recording) -> (Option<PathScore>, Option<PathScore>) {
     let against_truth = |path: fn(&Step) -> Pose2| -> Vec<(Pose2, Pose2)> {
         recording.steps.iter().filter_map(|step| Some((path(step), step.truth?))).collect()
     };
@@ -43,6 +49,5 @@ pub fn score(recording: &mut Recording, times_s: &[f64], truth: Option<&Truth>) 
         score.start_m = from_start.map_or(score.start_m, |from_start| from_start.start_m);
         score
     });
-    recording.figures.odometry = path::score(&against_truth(|step| step.dead_reckoning));
-    recording.figures.estimate = estimate;
+    (estimate, path::score(&against_truth(|step| step.dead_reckoning)))
 }

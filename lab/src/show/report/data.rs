@@ -124,7 +124,7 @@ fn steps(recording: &Recording, shown: &[usize]) -> Value {
 }
 
 /// 0 none, 1 used, 2 outside the gate, 3 met no wall, 4 and on: refused, in the order of [`Refusal::ALL`].
-fn code(outcome: &Outcome) -> usize {
+pub(super) fn code(outcome: &Outcome) -> usize {
     match outcome {
         Outcome::Missing => 0,
         Outcome::Updated { .. } => 1,
@@ -134,7 +134,7 @@ fn code(outcome: &Outcome) -> usize {
     }
 }
 
-fn refusal_text(reason: Refusal) -> &'static str {
+pub(super) fn refusal_text(reason: Refusal) -> &'static str {
     match reason {
         Refusal::Invalid => "not a valid reading",
         Refusal::TooNear => "too near",
@@ -206,7 +206,7 @@ fn sensor(recording: &Recording, shown: &[usize], index: usize) -> Value {
 }
 
 /// Length of the beam from the sensor to its hit, metres. The page finds the hit again from pose, mount and this.
-fn hit_range(recording: &Recording, step: usize, index: usize, reading: &ReadingReport) -> Option<f64> {
+pub(super) fn hit_range(recording: &Recording, step: usize, index: usize, reading: &ReadingReport) -> Option<f64> {
     let [hit_x, hit_y] = reading.hit_m?.map(f64::from);
     let pose = recording.steps[step].pose;
     let mount = &recording.sensors[index];
@@ -260,17 +260,21 @@ fn walls(recording: &Recording, shown: &[usize]) -> Vec<Value> {
     tracks.iter().map(|(id, track)| track_json(*id, track, seen.get(id).copied())).collect()
 }
 
-fn track_json(id: u16, track: &Track, seen: Option<&SeenWall>) -> Value {
-    let kind = match track.kind {
+/// The word for a kind of wall.
+pub(super) fn kind_text(kind: WallKind) -> &'static str {
+    match kind {
         WallKind::Free => "free",
         WallKind::Snapped => "snapped",
         WallKind::Grid => "grid",
-    };
+    }
+}
+
+fn track_json(id: u16, track: &Track, seen: Option<&SeenWall>) -> Value {
     let states = &track.states;
     let end = |k: usize| column(states.iter().map(|state| Some(state.1[k])), MM);
     json!({
         "id": id,
-        "kind": kind,
+        "kind": kind_text(track.kind),
         "updates": track.updates,
         "visits": seen.map_or(0, |wall| wall.visits.len()),
         "thickness": seen.map(|wall| wall.thickness_m),
@@ -304,7 +308,8 @@ fn calibration(recording: &Recording) -> Value {
     })
 }
 
-fn figures(figures: &Figures) -> Value {
+/// The figures as the page has them.
+pub fn figures(figures: &Figures) -> Value {
     json!({
         "path_m": figures.path_m,
         "duration_s": figures.duration_s,

@@ -1,12 +1,14 @@
 //! The report: one self-contained HTML page of a run, and a still picture of its map.
 //!
-//! The page is a template with a style sheet, a script (the files under `js/`, in order) and the recording as compact
-//! JSON (`data.rs`). It needs no network and no other file.
+//! The page is a template with a style sheet, scripts (the view modules of the crate `pages` and `js/main.js`) and the
+//! recording as compact JSON (`data.rs`). It needs no network and no other file.
 
 mod data;
+pub mod growing;
 mod picture;
 mod series;
 
+pub use data::figures;
 pub use picture::map_svg;
 
 use super::svg::escape;
@@ -14,28 +16,8 @@ use crate::recording::Recording;
 use std::{fs, io, path::Path};
 
 const PAGE: &str = include_str!("page.html");
-const STYLE: &str = include_str!("style.css");
-
-/// In the order in which they build on each other.
-const SCRIPTS: [&str; 17] = [
-    include_str!("js/errors.js"),
-    include_str!("js/format.js"),
-    include_str!("js/theme.js"),
-    include_str!("js/decode.js"),
-    include_str!("js/display.js"),
-    include_str!("js/hits.js"),
-    include_str!("js/clock.js"),
-    include_str!("js/layers.js"),
-    include_str!("js/view.js"),
-    include_str!("js/apart.js"),
-    include_str!("js/map.js"),
-    include_str!("js/robot.js"),
-    include_str!("js/chart.js"),
-    include_str!("js/charts.js"),
-    include_str!("js/figures.js"),
-    include_str!("js/tables.js"),
-    include_str!("js/main.js"),
-];
+/// Puts the view modules together.
+const MAIN: &str = include_str!("js/main.js");
 
 /// What the map shows.
 const AT_THE_TIME: &str = "Walls and hits as they were estimated up to the moment on the slider.";
@@ -55,15 +37,16 @@ pub fn html(recording: &Recording) -> String {
     // "</script" inside a string would end the element that holds the data.
     let json = json.replace('<', "\\u003c");
     let title = if recording.title.is_empty() { "Untitled run" } else { &recording.title };
+    let map_note = if recording.looks_back { LOOKING_BACK } else { AT_THE_TIME };
     fill(
         PAGE,
         &[
             ("TITLE", &escape(title)),
-            ("MAP_NOTE", if recording.looks_back { LOOKING_BACK } else { AT_THE_TIME }),
-            ("STYLE", STYLE),
+            ("VIEWS", &fill(pages::SECTIONS, &[("MAP_NOTE", map_note)])),
+            ("STYLE", pages::STYLE),
             ("MAP_SVG", &map_svg(recording)),
             ("DATA", &json),
-            ("SCRIPT", &SCRIPTS.concat()),
+            ("SCRIPT", &(pages::VIEWS.concat() + MAIN)),
         ],
     )
 }

@@ -1,7 +1,7 @@
 //! Series over the steps of a run that the page shows but cannot compute from its reduced data.
 
 use crate::recording::{Recording, nis};
-use slam_core::Outcome;
+use slam_core::{Outcome, ReadingReport};
 use std::collections::VecDeque;
 
 /// Span of the running mean of NIS, seconds.
@@ -9,21 +9,29 @@ const NIS_WINDOW_S: f64 = 30.0;
 
 /// Mean NIS of the last 30 seconds at each step: of the readings used, and of those outside the gate too.
 pub fn running_nis(recording: &Recording) -> (Vec<Option<f64>>, Vec<Option<f64>>) {
-    let mut used = RunningMean::default();
-    let mut all = RunningMean::default();
-    let mut out = (Vec::new(), Vec::new());
-    for (i, step) in recording.steps.iter().enumerate() {
-        for reading in recording.readings(i) {
+    let mut running = RunningNis::default();
+    recording.steps.iter().enumerate().map(|(i, step)| running.push(step.t_s, recording.readings(i))).unzip()
+}
+
+/// Mean NIS of the last 30 seconds, step by step.
+#[derive(Default)]
+pub struct RunningNis {
+    used: RunningMean,
+    all: RunningMean,
+}
+
+impl RunningNis {
+    /// Takes in the readings of the next step: the mean of the readings used, and with those outside the gate.
+    pub fn push(&mut self, t_s: f64, readings: &[ReadingReport]) -> (Option<f64>, Option<f64>) {
+        for reading in readings {
             let Some(value) = nis(&reading.outcome).filter(|value| value.is_finite()) else { continue };
-            all.push(step.t_s, value);
+            self.all.push(t_s, value);
             if matches!(reading.outcome, Outcome::Updated { .. }) {
-                used.push(step.t_s, value);
+                self.used.push(t_s, value);
             }
         }
-        out.0.push(used.mean(step.t_s));
-        out.1.push(all.mean(step.t_s));
+        (self.used.mean(t_s), self.all.mean(t_s))
     }
-    out
 }
 
 #[derive(Default)]

@@ -1,0 +1,10 @@
+//! The studio: a page in which the estimator maps a simulated home, replays a log or watches a robot.
+//!
+//! Everything here runs in the browser as WebAssembly and on a desk as it is, which is how it is tested. The page's own
+//! scripts are in `page`; `cargo xtask studio` puts both together. One rule: nothing waits and nothing is without bound. The
+//! page asks for a little work a frame, and gets what has come since.
+
+mod bindings;
+mod simulated;
+
+pub use simulated::{Scene, Simulated};
