@@ -103,6 +103,20 @@ impl Fate {
         }
     }
 
+    /// Adds what befalls the robot beyond what the plan had in store.
+    pub(crate) fn add(&mut self, more: Mishaps) {
+        self.mishaps.kidnaps.extend(more.kidnaps);
+        self.mishaps.kicks.extend(more.kicks);
+        self.mishaps.holds.extend(more.holds);
+        self.on_rug.extend(more.rugs.iter().map(|_| false));
+        self.mishaps.rugs.extend(more.rugs);
+    }
+
+    /// The rooms in which free places are drawn from now on.
+    pub(crate) fn furnish(&mut self, rooms: &[Room]) {
+        self.rooms = rooms.to_vec();
+    }
+
     /// Whether nothing ever happens.
     pub(crate) fn is_kind(&self) -> bool {
         self.mishaps == Mishaps::default()

@@ -14,6 +14,8 @@ pub(crate) struct SimSensor {
     pub cos_lost: f64,
     /// Reported range = gain x true range.
     pub gain: f64,
+    /// Something is over it: it sees nothing.
+    pub is_covered: bool,
     pub analogue: Option<Analogue>,
     pub noise: Rng,
     pub spikes: Rng,
@@ -62,7 +64,7 @@ impl SimSensor {
             noise_v: sharp.noise_v.unwrap_or(stated_v),
         });
         let spikes = Rng::stream(seed, "spike", index);
-        Self { sensor: *sensor, cos_lost: libm::cos(lost_rad), gain, analogue, noise, spikes }
+        Self { sensor: *sensor, cos_lost: libm::cos(lost_rad), gain, is_covered: false, analogue, noise, spikes }
     }
 
     /// A new reading of this true range, volts; zero for a sensor that reports metres.

@@ -1,5 +1,7 @@
 //! The simulated robot in its home: commands in, what its sensors and encoders show out, and the truth beside it.
 
+mod meddle;
+
 use robot::{Contacts, Duty, WheelControl, WheelControlConfig, WheelCounter, WheelSpeeds};
 use slam_core::{Adc, Motion, RangeInput, RangeModel, RangeSensor, Rig, Sample, Ticks};
 
@@ -146,7 +148,10 @@ impl Simulation {
         if self.body.contacts.lifted {
             return None;
         }
-        let SimSensor { sensor, cos_lost, .. } = &self.sensors[sensor];
+        let SimSensor { sensor, cos_lost, is_covered, .. } = &self.sensors[sensor];
+        if *is_covered {
+            return None;
+        }
         let mount = sensor.mount;
         let origin_m = pose.transform([mount.x_m.into(), mount.y_m.into()]);
         let (s, c) = libm::sincos(pose.theta_rad + f64::from(mount.bearing_rad));

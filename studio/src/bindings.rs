@@ -3,67 +3,215 @@
 
 use wasm_bindgen::prelude::wasm_bindgen;
 
-use crate::simulated;
+use crate::watched::command;
+use crate::{Files, Knobs, Replayed, Scene, Simulated, Watched, tuned};
 
-/// A simulated drive.
+/// A simulated drive; each function is the one of this name of [`Simulated`].
 #[wasm_bindgen]
-pub struct Simulation(simulated::Simulated);
+pub struct Simulation(Simulated);
 
 #[wasm_bindgen]
 impl Simulation {
-    /// A robot at its start, in the built-in plan of this name or in the plan of this text; `rig` likewise.
-    ///
-    /// # Errors
-    /// What is wrong with plan or rig.
     #[wasm_bindgen(constructor)]
     pub fn new(plan: String, rig: String, seed: u32) -> Result<Simulation, String> {
-        simulated::Simulated::new(&simulated::Scene { plan, rig, seed: seed.into() }).map(Simulation)
+        Simulated::new(&Scene { plan, rig, seed: seed.into() }).map(Simulation)
     }
 
-    /// Drives on until this time, seconds since the start, but for at most so many samples.
     pub fn advance(&mut self, until_s: f64, most: usize) {
         self.0.advance(until_s, most);
     }
 
-    /// The time of the last sample, seconds since the start; none before the first.
     pub fn time(&self) -> Option<f64> {
         self.0.time_s()
     }
 
-    /// What stays as it is over the drive.
     pub fn head(&self) -> String {
         self.0.head().to_string()
     }
 
-    /// What stands where in the home.
     pub fn home(&self) -> String {
         self.0.home().to_string()
     }
 
-    /// The steps that the page has not got.
     pub fn steps(&mut self) -> Vec<f64> {
         self.0.steps()
     }
 
-    /// Map and calibration, where the page has older ones.
     pub fn map(&mut self) -> Option<String> {
         self.0.map().map(|map| map.to_string())
     }
 
-    /// The figures so far.
     pub fn figures(&self) -> String {
         self.0.figures().to_string()
     }
 
-    /// What the robot sensed so far, as a `log.csv`.
+    pub fn state(&mut self) -> String {
+        self.0.state().to_string()
+    }
+
+    pub fn carry(&mut self) -> Result<(), String> {
+        self.0.carry(None)
+    }
+
+    pub fn carry_to(&mut self, x_m: f64, y_m: f64) -> Result<(), String> {
+        self.0.carry(Some([x_m, y_m]))
+    }
+
+    pub fn kick(&mut self) {
+        self.0.kick();
+    }
+
+    pub fn hold(&mut self) {
+        self.0.hold();
+    }
+
+    pub fn cover(&mut self, sensor: usize, is_covered: bool) {
+        self.0.cover(sensor, is_covered);
+    }
+
+    pub fn cut_power(&mut self) -> Result<(), String> {
+        self.0.cut_power()
+    }
+
+    pub fn rebuild(&mut self, plan: &str) -> Result<(), String> {
+        self.0.rebuild(plan)
+    }
+
     pub fn log(&self) -> String {
         self.0.log().to_owned()
     }
 
-    /// The robot as a rig file.
     pub fn rig(&self) -> String {
         self.0.rig_toml().to_owned()
     }
+
+    pub fn kept_map(&self) -> Vec<u8> {
+        self.0.kept_map()
+    }
+
+    pub fn report(&self, looks_back: bool) -> Option<String> {
+        self.0.report(looks_back)
+    }
+}
+
+/// The estimator over a log; each function is the one of this name of [`Replayed`].
+#[wasm_bindgen]
+pub struct Replay(Replayed);
+
+#[wasm_bindgen]
+impl Replay {
+    /// Of files, each as its name and its content; what is not there has no name.
+    #[wasm_bindgen(constructor)]
+    #[expect(clippy::too_many_arguments, reason = "the page has the files one by one")]
+    pub fn new(
+        log_name: String,
+        log: Vec<u8>,
+        rig_name: String,
+        rig: Vec<u8>,
+        truth_name: String,
+        truth: Vec<u8>,
+        map_name: String,
+        map: Vec<u8>,
+    ) -> Result<Replay, String> {
+        let named = |name: String, content| (!name.is_empty()).then_some((name, content));
+        let (truth, map) = (named(truth_name, truth), named(map_name, map));
+        let files = Files { log: (log_name, log), rig: (rig_name, rig), truth, map };
+        Replayed::new(files).map(Replay).map_err(|error| error.to_string())
+    }
+
+    pub fn advance(&mut self, most: usize) {
+        self.0.advance(most);
+    }
+
+    pub fn is_over(&self) -> bool {
+        self.0.is_over()
+    }
+
+    pub fn head(&self) -> String {
+        self.0.head().to_string()
+    }
+
+    pub fn state(&self) -> String {
+        self.0.state().to_string()
+    }
+
+    pub fn steps(&mut self) -> Vec<f64> {
+        self.0.steps()
+    }
+
+    pub fn map(&mut self) -> Option<String> {
+        self.0.map().map(|map| map.to_string())
+    }
+
+    pub fn maps(&self) -> String {
+        self.0.maps().to_string()
+    }
+
+    pub fn figures(&self) -> String {
+        self.0.figures().to_string()
+    }
+
+    pub fn estimate(&self) -> String {
+        self.0.estimate().to_owned()
+    }
+
+    pub fn kept_map(&self) -> Vec<u8> {
+        self.0.kept_map()
+    }
+
+    pub fn report(&self, looks_back: bool) -> Option<String> {
+        self.0.report(looks_back)
+    }
+}
+
+/// A robot at the other end of a line; each function is the one of this name of [`Watched`].
+#[wasm_bindgen]
+pub struct Robot(Watched);
+
+#[wasm_bindgen]
+impl Robot {
+    #[wasm_bindgen(constructor)]
+    pub fn new(rig: &str) -> Result<Robot, String> {
+        Watched::new(rig).map(Robot)
+    }
+
+    pub fn take(&mut self, bytes: &[u8]) {
+        self.0.take(bytes);
+    }
+
+    pub fn head(&self) -> String {
+        self.0.head().to_string()
+    }
+
+    pub fn state(&self) -> String {
+        self.0.state().to_string()
+    }
+
+    pub fn steps(&mut self) -> Vec<f64> {
+        self.0.steps()
+    }
+
+    pub fn map(&mut self) -> Option<String> {
+        self.0.map().map(|map| map.to_string())
+    }
+
+    pub fn figures(&self) -> String {
+        self.0.figures().to_string()
+    }
+
+    pub fn log(&self) -> String {
+        self.0.log().to_owned()
+    }
+
+    pub fn rig(&self) -> String {
+        self.0.rig_toml().to_owned()
+    }
+}
+
+/// The bytes that tell a robot what to do: `start`, `stop`, `reset`, or `spin` with a share of the supply for each wheel.
+#[wasm_bindgen]
+pub fn robot_command(name: &str, left: f32, right: f32) -> Vec<u8> {
+    command(name, [left, right])
 }
 
 /// The built-in plans and their texts.
@@ -71,4 +219,14 @@ impl Simulation {
 pub fn built_in_plans() -> String {
     let plans = hal_sim::plan_file::BUILT_IN.iter().map(|(name, text)| (*name, serde_json::json!(text)));
     serde_json::Value::Object(plans.map(|(name, text)| (name.to_owned(), text)).collect()).to_string()
+}
+
+/// The rig file of a built-in robot with some of its numbers changed, see [`Knobs`].
+///
+/// # Errors
+/// What is impossible.
+#[wasm_bindgen]
+pub fn tuned_rig(rig: &str, knobs: &str) -> Result<String, String> {
+    let knobs: Knobs = serde_json::from_str(knobs).map_err(|error| format!("the sliders: {error}"))?;
+    tuned(rig, knobs)
 }

@@ -5,6 +5,12 @@
 //! page asks for a little work a frame, and gets what has come since.
 
 mod bindings;
+mod replayed;
+mod rig;
 mod simulated;
+mod watched;
 
+pub use replayed::{File, Files, Replayed};
+pub use rig::{Knobs, tuned};
 pub use simulated::{Scene, Simulated};
+pub use watched::Watched;

@@ -2,20 +2,29 @@
 
 use std::path::Path;
 
-use hal_sim::{Plan, SimOptions, plan_file};
+use hal_sim::{Plan, Pose2, SimOptions, plan_file};
+use lab::evaluate::smoother;
 use lab::input::log::writer;
 use lab::input::rig_file::{Robot, rig_error};
-use lab::input::{built_in, built_in_robot};
-use lab::recording::Recording;
+use lab::recording::{Recording, health};
 use lab::run::{Drive, Session};
 use lab::show::report::growing::Growing;
 use lab::show::report::{self};
-use robot::rig::BuiltIn;
 use serde_json::{Value, json};
 use slam_core::Config;
 
+use crate::rig::robot_of;
+
 /// Longest drive that is kept, seconds: an hour, so that the page's memory has a bound.
 pub const LONGEST_S: f64 = 3600.0;
+
+/// How long a robot is carried, seconds.
+const CARRIED_S: f64 = 5.0;
+/// How far a kick moves the robot, metres, and turns it, radians.
+const KICK_M: f64 = 0.1;
+const KICK_RAD: f64 = 0.25;
+/// How long a robot is held, seconds.
+const HELD_S: f64 = 4.0;
 
 /// What is simulated.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -115,6 +124,109 @@ impl Simulated {
         &self.log
     }
 
+    /// Somebody lifts the robot, carries it for five seconds and puts it down: here, metres in the plan's frame, or somewhere in
+    /// one of the plan's rooms.
+    ///
+    /// # Errors
+    /// There is no room for it.
+    pub fn carry(&mut self, to_m: Option<[f64; 2]>) -> Result<(), String> {
+        let simulation = self.drive.simulation();
+        let theta_rad = simulation.pose_in_plan().theta_rad;
+        if to_m.is_none() && self.plan.rooms.is_empty() {
+            return Err("the plan names no [[room]] to put the robot down in; choose a place on the map".to_owned());
+        }
+        let to = to_m.map(|[x_m, y_m]| Pose2 { x_m, y_m, theta_rad });
+        simulation.carry(to, CARRIED_S).map_err(|_| "there is no room for the robot; choose a free place".to_owned())
+    }
+
+    /// Something kicks the robot.
+    pub fn kick(&mut self) {
+        self.drive.simulation().kick(KICK_M, KICK_RAD);
+    }
+
+    /// Something holds the robot for four seconds, while its wheels turn.
+    pub fn hold(&mut self) {
+        self.drive.simulation().hold(HELD_S);
+    }
+
+    /// Covers a range sensor or uncovers it.
+    pub fn cover(&mut self, sensor: usize, is_covered: bool) {
+        self.drive.simulation().cover(sensor, is_covered);
+    }
+
+    /// Cuts the robot's power and gives it back: of all that it knew it has the map that it kept, and it is not told where it is.
+    ///
+    /// # Errors
+    /// There is no map yet, or none that a place can be found in.
+    pub fn cut_power(&mut self) -> Result<(), String> {
+        let map =
+            self.session.map().ok_or("there is no map yet that could be kept; let the robot find a wall first")?;
+        let mut session = Session::new(&self.robot, Config::for_rig(&self.robot.rig), self.plan.name.clone())
+            .map_err(|error| rig_error(Path::new("rig"), &error).to_string())?;
+        session.begin_in(map).map_err(|what| format!("the kept map {what}"))?;
+        (self.session, self.growing) = (session, Growing::default());
+        self.log = writer::header(&self.robot) + "\n";
+        self.drive.reboot();
+        Ok(())
+    }
+
+    /// Rebuilds the home after a plan file's text. The robot stays where it is.
+    ///
+    /// # Errors
+    /// What is wrong with the text, where, and what would be right.
+    pub fn rebuild(&mut self, plan: &str) -> Result<(), String> {
+        self.plan = plan_of(plan)?;
+        self.drive.rebuild(&self.plan);
+        Ok(())
+    }
+
+    /// How things are now: the robot's true pose in the frame of its start, what is done to it, and what it searches.
+    pub fn state(&mut self) -> Value {
+        let searched = self.session.searches().last().copied();
+        let step = self.recording().steps.last();
+        let (searching, health) = (step.is_some_and(|step| step.searching), step.map(|step| health::name(step.health)));
+        let complaint = self.recording().complaint();
+        let simulation = self.drive.simulation();
+        let (pose, contacts, time_s) = (simulation.pose(), simulation.contacts(), simulation.time_s());
+        let people = self.plan.people.iter().map(|person| {
+            let [x_m, y_m] = person.position(time_s);
+            [x_m, y_m, person.radius_m]
+        });
+        let is_closed = |door: &&hal_sim::plan::Door| (door.closes_at_s..door.opens_at_s).contains(&time_s);
+        let doors = self.plan.doors.iter().filter(is_closed).map(|door| [door.from_m, door.to_m].concat());
+        json!({
+            "truth": [pose.x_m, pose.y_m, pose.theta_rad],
+            "lifted": contacts.lifted,
+            "bumped": contacts.bump_left || contacts.bump_right,
+            "covered": simulation.covered().collect::<Vec<_>>(),
+            "people": people.collect::<Vec<_>>(),
+            "doors": doors.collect::<Vec<_>>(),
+            "searching": searching,
+            "health": health,
+            "complaint": complaint,
+            "searched": searched.map(|searched| json!({
+                "log_odds": searched.log_odds,
+                "walls": searched.walls[0],
+                "matched": searched.walls[1],
+            })),
+        })
+    }
+
+    /// `map.bin`: the record that the robot would keep; empty where there is no map.
+    pub fn kept_map(&self) -> Vec<u8> {
+        self.session.map().unwrap_or_default()
+    }
+
+    /// The page that `lab run` writes: `report.html`, or `looking-back.html` where the path is to be placed once more with the
+    /// whole drive at hand; none where that cannot be.
+    pub fn report(&self, looks_back: bool) -> Option<String> {
+        let mut recording = self.drive.so_far(&self.session);
+        if looks_back {
+            return smoother::add(&mut recording, &self.robot.rig, &mut |_| {}).map(|back| report::html(&back));
+        }
+        Some(report::html(&recording))
+    }
+
     /// The robot as a rig file.
     pub fn rig_toml(&self) -> &str {
         &self.rig_toml
@@ -125,16 +237,6 @@ fn plan_of(plan: &str) -> Result<Plan, String> {
     let built_in = plan_file::BUILT_IN.iter().find(|(name, _)| *name == plan);
     let (name, text) = built_in.copied().unwrap_or(("your plan", plan));
     plan_file::parse("plan", name, text).map_err(|error| error.to_string())
-}
-
-fn robot_of(rig: &str) -> Result<(Robot, String), String> {
-    let named = BuiltIn::ALL.into_iter().find(|kind| kind.name() == rig);
-    let found = match (named, rig) {
-        (Some(kind), _) => built_in(kind),
-        (None, "") => built_in_robot(),
-        (None, text) => Robot::parse(Path::new("rig"), text).map(|robot| (robot, text.to_owned())),
-    };
-    found.map_err(|error| error.to_string())
 }
 
 #[cfg(test)]
@@ -152,7 +254,7 @@ mod tests {
             pieces.advance(f64::from(i) * 0.3, 5);
             pieces.steps();
         }
-        let (robot, _) = built_in_robot().unwrap();
+        let (robot, _) = robot_of("").unwrap();
         let plan = plan_file::load("room").unwrap();
         let mut drive = Drive::new(&plan, &robot, SimOptions::default(), 1).unwrap();
         let mut session = Session::new(&robot, Config::for_rig(&robot.rig), "room").unwrap();
@@ -161,6 +263,51 @@ mod tests {
         }
         assert!(pieces.recording().steps.len() > 400, "{}", pieces.recording().steps.len());
         assert_eq!(pieces.recording().steps, session.recording().steps);
+    }
+
+    #[test]
+    fn a_robot_that_was_carried_says_so_and_finds_its_map_again() {
+        let mut simulated = Simulated::new(&scene("flat")).unwrap();
+        simulated.advance(200.0, 10_000);
+        assert!(simulated.carry(Some([-3.0, 0.0])).is_ok(), "outside is free, if odd");
+        assert!(simulated.carry(Some([0.0, 0.0])).is_err(), "a corner has no room");
+        let mut simulated = Simulated::new(&scene("flat")).unwrap();
+        simulated.advance(200.0, 10_000);
+        simulated.carry(Some([2.5, 1.0])).unwrap();
+        simulated.advance(202.0, 100);
+        assert_eq!((&simulated.state()["lifted"], &simulated.state()["searching"]), (&json!(true), &json!(true)));
+        simulated.advance(400.0, 10_000);
+        assert_eq!(simulated.state()["searching"], false);
+        let error = simulated.recording().steps.last().and_then(|step| step.error()).expect("it is located");
+        assert!(error.x_m.hypot(error.y_m) < 0.1, "{error:?}");
+    }
+
+    #[test]
+    fn a_robot_without_power_begins_anew_in_its_map() {
+        let mut simulated = Simulated::new(&scene("flat")).unwrap();
+        assert!(simulated.cut_power().is_err());
+        simulated.advance(120.0, 10_000);
+        simulated.cut_power().unwrap();
+        simulated.advance(1.0, 30);
+        assert!(
+            simulated.recording().steps.len() <= 30 && simulated.recording().steps.iter().all(|step| step.searching)
+        );
+    }
+
+    #[test]
+    fn a_covered_sensor_sees_nothing_and_a_new_wall_is_seen() {
+        let mut simulated = Simulated::new(&scene("room")).unwrap();
+        (0..8).for_each(|sensor| simulated.cover(sensor, true));
+        simulated.advance(5.0, 1000);
+        assert_eq!(simulated.recording().walls().len(), 0);
+        (0..8).for_each(|sensor| simulated.cover(sensor, false));
+        let (_, text) = plan_file::BUILT_IN[0];
+        let faces = simulated.plan.faces.len();
+        simulated.rebuild(&format!("{text}\n[[wall]]\nfrom_m = [1.0, 2.0]\nto_m = [2.0, 2.0]\n")).unwrap();
+        assert_eq!(simulated.plan.faces.len(), faces + 1);
+        assert!(simulated.rebuild("[[wall]]").is_err());
+        simulated.advance(30.0, 1000);
+        assert!(simulated.recording().walls().len() > 1);
     }
 
     #[test]

@@ -38,8 +38,9 @@ pub fn serve(folder: &Path) -> String {
 }
 
 impl Page {
-    /// Opens an address in a window of this size, CSS pixels. `dir` is for the browser's profile and is emptied first.
-    pub fn open(browser: &Browser, dir: &Path, address: &str, [width, height]: [u32; 2]) -> Self {
+    /// Opens an address in a window of this size, CSS pixels, after a script of ours has run in the page. `dir` is for the browser's
+    /// profile and is emptied first.
+    pub fn open(browser: &Browser, dir: &Path, address: &str, [width, height]: [u32; 2], first: &str) -> Self {
         let _ = fs::remove_dir_all(dir);
         fs::create_dir_all(dir).expect("a folder for the profile");
         let mut child = Command::new(browser.program())
@@ -79,6 +80,7 @@ impl Page {
         for domain in ["Page", "Runtime", "Log", "Network"] {
             page.call(&format!("{domain}.enable"), &json!({}));
         }
+        page.call("Page.addScriptToEvaluateOnNewDocument", &json!({ "source": first }));
         page.call("Page.navigate", &json!({ "url": address }));
         page
     }

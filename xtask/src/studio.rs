@@ -16,11 +16,23 @@ use crate::wasm::{TARGET, Wasm};
 const PROGRAM_BUDGET: usize = 1_500_000;
 
 /// The studio's own scripts, in the order in which they build on each other; those of the crate `pages` come before.
-const SCRIPTS: [&str; 7] =
-    ["files.js", "live.js", "live_clock.js", "live_map.js", "live_charts.js", "simulate.js", "main.js"];
+const SCRIPTS: [&str; 11] = [
+    "files.js",
+    "live.js",
+    "live_clock.js",
+    "live_map.js",
+    "live_charts.js",
+    "plan_text.js",
+    "tools.js",
+    "simulate.js",
+    "replay.js",
+    "watch.js",
+    "main.js",
+];
 
 /// What the scripts use of the program.
-const IMPORT: &str = "import init, { Simulation, built_in_plans } from \"./program.js\";\n";
+const IMPORT: &str =
+    "import init, { Replay, Robot, Simulation, built_in_plans, robot_command, tuned_rig } from \"./program.js\";\n";
 
 /// Builds the page and prints its folder last.
 pub fn studio() -> Result {

@@ -89,7 +89,15 @@ impl Drive {
 
     /// Ends the session: the record with every score against what is true here.
     pub fn finish(&self, session: Session) -> Recording {
-        let mut recording = session.finish();
+        self.judged(session.finish())
+    }
+
+    /// The record as it would be if the drive ended now.
+    pub fn so_far(&self, session: &Session) -> Recording {
+        self.judged(session.so_far())
+    }
+
+    fn judged(&self, mut recording: Recording) -> Recording {
         recording.truth_frame = TruthFrame::Map;
         recording.true_walls = self.plan.clone();
         recording.stuck_from_s = self.stuck.map(|(from_s, _)| from_s);
@@ -111,6 +119,20 @@ impl Drive {
             figures.map = Some(map);
         }
         figures
+    }
+
+    /// The robot's program begins anew where the robot stands: its pilot knows nothing of before.
+    pub fn reboot(&mut self) {
+        self.robot.pilot.forget();
+        self.stuck = None;
+    }
+
+    /// Holds what is estimated from now on against this plan, which the robot's home was rebuilt by.
+    pub fn rebuild(&mut self, plan: &Plan) {
+        self.robot.simulation.rebuild(plan);
+        let start = self.robot.simulation.start_in_plan();
+        let faces = plan.faces.iter().map(|face| face.seen_from(&start));
+        self.plan = faces.map(|face| Segment { from_m: face.from_m, to_m: face.to_m }).collect();
     }
 
     /// The robot in its home, to be looked at and meddled with.

@@ -8,7 +8,7 @@ use kept_map::{Record, rig_hash};
 use look_back::RobotBackEnd;
 use slam_core::{Config, DriveModel, HostSlam, Outcome, Parameter, RigError, Sample, StepReport, Unfit};
 
-use super::life::Life;
+use super::life::{Life, Searched};
 use crate::evaluate::score::{nis, path};
 use crate::evaluate::statistics;
 use crate::input::log::Row;
@@ -82,6 +82,11 @@ impl Session {
         self.life.frames()
     }
 
+    /// What the searches for the place in the kept map found so far.
+    pub fn searches(&self) -> &[Searched] {
+        self.life.searches()
+    }
+
     /// Takes in what the wheel-drop switches say.
     pub fn lift(&mut self, is_lifted: bool) {
         self.life.lift(&mut self.slam, is_lifted);
@@ -148,7 +153,9 @@ impl Session {
         self.recording.readings.extend_from_slice(&report.readings[..self.recording.sensors.len()]);
         let changed = step.births > 0 || step.merges > 0 || step.prunes > 0;
         if changed || self.is_due(step.t_s) {
-            self.snapshot(index);
+            let (map, calibration) = self.snapshot(index);
+            self.recording.maps.push(map);
+            self.recording.calibration.push(calibration);
         }
         self.recording.steps.push(step);
         &self.recording.steps[index]
@@ -166,16 +173,29 @@ impl Session {
 
     /// Ends the session: the record with the figures that need no truth.
     pub fn finish(mut self) -> Recording {
-        if let Some(last) = self.recording.steps.len().checked_sub(1)
-            && self.recording.maps.last().is_none_or(|map| map.step != last)
+        let figures = self.figures();
+        let recording = core::mem::take(&mut self.recording);
+        self.closed(recording, figures)
+    }
+
+    /// The record as it would be if the session ended now.
+    pub fn so_far(&self) -> Recording {
+        self.closed(self.recording.clone(), self.figures())
+    }
+
+    fn closed(&self, mut recording: Recording, figures: Figures) -> Recording {
+        if let Some(last) = recording.steps.len().checked_sub(1)
+            && recording.maps.last().is_none_or(|map| map.step != last)
         {
-            self.snapshot(last);
+            let (map, calibration) = self.snapshot(last);
+            recording.maps.push(map);
+            recording.calibration.push(calibration);
         }
-        self.recording.counters = *self.slam.counters();
-        self.recording.searches = self.life.searches().to_vec();
-        self.recording.lost = self.life.lost();
-        self.recording.figures = self.figures();
-        self.recording
+        recording.counters = *self.slam.counters();
+        recording.searches = self.life.searches().to_vec();
+        recording.lost = self.life.lost();
+        recording.figures = figures;
+        recording
     }
 
     /// The figures so far that need no truth.
@@ -216,8 +236,8 @@ impl Session {
         last.is_none_or(|last_s| t_s - last_s >= SNAPSHOT_EVERY_S)
     }
 
-    fn snapshot(&mut self, step: usize) {
-        self.recording.maps.push(MapSnapshot { step, walls: self.slam.walls().collect() });
+    /// Map and calibration after this step.
+    fn snapshot(&self, step: usize) -> (MapSnapshot, CalibrationSnapshot) {
         // A parameter that is no state is known exactly.
         let value = |parameter: &Parameter| {
             let found = self.slam.calibration().find(|(state, ..)| state == parameter);
@@ -225,7 +245,7 @@ impl Session {
             found.map_or((known, 0.0), |(_, estimate, sigma)| (estimate, sigma))
         };
         let values = self.parameters.iter().map(value).collect();
-        self.recording.calibration.push(CalibrationSnapshot { step, values });
+        (MapSnapshot { step, walls: self.slam.walls().collect() }, CalibrationSnapshot { step, values })
     }
 }
 

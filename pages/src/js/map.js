@@ -228,7 +228,7 @@ class MapView {
       const px = originX + path.x[i] * scale;
       const py = originY - path.y[i] * scale;
       if (!Number.isFinite(px) || !Number.isFinite(py)) continue;
-      if (this.run.t[i] - lastT > GAP_S) open = false;
+      if (this.run.t[i] - lastT > GAP_S || this.run.breaks?.has(i)) open = false;
       lastT = this.run.t[i];
       if (open && i < to && Math.abs(px - lastX) < 1.5 && Math.abs(py - lastY) < 1.5) continue;
       if (open) context.lineTo(px, py);

@@ -49,10 +49,15 @@ class LiveRun {
   // Begins anew; `turn` is how the map frame is turned on the screen, radians.
   reset(head, turn) {
     this.turn = turn;
+    this.plan = [];
     this.columns = Object.fromEntries([...STEP_NAMES, ...PLACED_NAMES].map((name) => [name, new Column()]));
     const sensors = head?.sensors ?? [];
     this.readings = sensors.map(() => Object.fromEntries(READING_NAMES.map((name) => [name, new Column(Float32Array)])));
     this.tracks = new Map();
+    this.allTracks = [];
+    // How the map frame lies on the first one: not at all elsewhere, but for a fresh map of a robot that is lost.
+    this.frame = { x: 0, y: 0, theta: 0 };
+    this.breaks = new Set();
     this.width = STEP_NAMES.length + READING_NAMES.length * sensors.length;
     if (head && (head.step_numbers !== STEP_NAMES.length || head.reading_numbers !== READING_NAMES.length)) {
       throw new Error("The page and its program are of different versions: reload the page without its cache.");
@@ -104,11 +109,15 @@ class LiveRun {
       this.columns[`${name}Theta`].push(theta);
     };
     const turn = mover({ x: 0, y: 0, theta: this.turn });
+    const here = now.searching ? composed({ x: 0, y: 0, theta: this.turn }, this.frame) : { x: 0, y: 0, theta: this.turn };
     const start = { x: now.startX, y: now.startY, theta: now.startTheta };
     const toStart = mover(inverseMove(start));
     const truth = [now.x - now.errorX, now.y - now.errorY];
     const truthTheta = now.theta - now.errorTheta;
-    put("shown", turn(now.x, now.y), now.theta + this.turn);
+    // Where the frame changed, the path is broken.
+    if (this.isBroken) this.breaks.add(this.columns.t.length - 1);
+    this.isBroken = false;
+    put("shown", mover(here)(now.x, now.y), now.theta + here.theta);
     put("shownOdometry", turn(...mover(start)(now.odometryX, now.odometryY)), now.odometryTheta + start.theta + this.turn);
     put("shownTruth", turn(...truth), truthTheta + this.turn);
     put("fromStart", toStart(now.x, now.y), now.theta - start.theta);
@@ -118,7 +127,7 @@ class LiveRun {
   // Takes the map and the calibration of a step.
   takeMap({ step, walls, calibration }) {
     const here = new Set();
-    const turn = mover({ x: 0, y: 0, theta: this.turn });
+    const turn = mover(composed({ x: 0, y: 0, theta: this.turn }, this.frame));
     for (const { id, kind, ends, sigma, updates } of walls) {
       here.add(id);
       const track = this.tracks.get(id) ?? this.newTrack(id, step);
@@ -159,7 +168,26 @@ class LiveRun {
     });
     const track = { run: wall(), shown: wall(), last: null };
     this.tracks.set(id, track);
+    this.allTracks.push(track);
     return track;
+  }
+
+  // Poses and walls are in another frame from now on: the walls so far are of the old one.
+  newFrame(frame) {
+    this.frame = frame;
+    this.isBroken = true;
+    for (const { run, shown } of this.tracks.values()) {
+      const gone = Math.min(run.gone, this.run.count);
+      run.gone = gone;
+      shown.gone = gone;
+    }
+    this.tracks = new Map();
+  }
+
+  // The walls in the map now, as the screen shows them.
+  wallsNow() {
+    const walls = this.shown.walls.map((wall) => wallAt(wall, Math.max(0, this.run.count - 1))).filter(Boolean);
+    return walls.map(({ x0, y0, x1, y1 }) => [x0, y0, x1, y1]);
   }
 
   // The true plan: segments in the start frame, x0, y0, x1, y1.
@@ -195,7 +223,7 @@ class LiveRun {
         })),
       },
     };
-    const tracks = [...this.tracks.values()];
+    const tracks = this.allTracks;
     const start = count
       ? { x: view.startX[count - 1], y: view.startY[count - 1], theta: view.startTheta[count - 1] } : { x: 0, y: 0, theta: 0 };
     Object.assign(this.run, common, {
@@ -210,11 +238,13 @@ class LiveRun {
     const plan = movedPlan(movedPlan(this.plan ?? [], start), { x: 0, y: 0, theta: this.turn });
     const truth = this.knowsTruth ? path("shownTruth") : null;
     Object.assign(this.shown, common, {
+      breaks: this.breaks,
       estimate: path("shown"),
       odometry: path("shownOdometry"),
       truth,
       walls: tracks.map((track) => track.shown),
       plan,
+      start,
       truths: { start: { truth, plan }, fit: null },
     });
   }

@@ -8,8 +8,6 @@ class LiveClock extends Clock {
   constructor(run) {
     super(run);
     this.source = null;
-    this.reached = 0;
-    this.frames = [];
   }
 
   get atEnd() {
@@ -29,15 +27,14 @@ class LiveClock extends Clock {
       if (!this.playing) return;
       // A page in the background gets no frames: what it missed is not caught up with.
       const elapsed = before === null ? 0 : Math.min(0.25, (now - before) / 1000);
-      if (before !== null) this.frames.push(now - before);
-      if (this.frames.length > 240) this.frames.shift();
       this.advance(elapsed);
       if (this.playing) this.tick(now);
     });
   }
 
   advance(elapsed) {
-    const wanted = this.seconds + elapsed * this.speed;
+    // Without a limit, as fast as there is time for.
+    const wanted = this.speed === Infinity ? Infinity : this.seconds + elapsed * this.speed;
     if (wanted > this.run.end || !this.run.count) this.source?.reach(wanted, performance.now() + FRAME_WORK_MS);
     this.seek(wanted);
     if (this.source?.ended && this.seconds >= this.run.end) this.play(false);

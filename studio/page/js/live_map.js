@@ -1,22 +1,41 @@
 // The map with what only a live page shows: how sure each wall is.
 
-LAYERS.splice(2, 0, { id: "sigma", label: "Walls, 2 sigma either way", swatch: "glow", colour: "estimate" });
+LAYERS.splice(2, 0, { id: "sigma", label: "Walls, 2 sigma, drawn tenfold", swatch: "glow", colour: "estimate" });
 
 class LiveMap extends MapView {
+  // Walls of a kept map while the robot searches it, and what is being drawn; x0, y0, x1, y1.
+  ghost = [];
+  sketch = [];
+
+  paint() {
+    super.paint();
+    this.paintSegments(this.ghost, this.theme.estimate, 2.5);
+    this.paintSegments(this.sketch, this.theme.estimate, 4);
+  }
+
+  paintSegments(segments, colour, width) {
+    const { context } = this;
+    context.strokeStyle = colour;
+    context.lineWidth = width;
+    context.setLineDash([7, 5]);
+    for (const segment of segments) this.stroke(...segment);
+    context.setLineDash([]);
+  }
+
   paintWalls() {
     if (this.shown.sigma) this.paintSigmas();
     super.paintWalls();
   }
 
-  // A band as wide as the wall's place is unsure.
+  // A band ten times as wide as the wall's place is unsure: to scale it would be hidden by the wall's line.
   paintSigmas() {
     const { context, theme, view } = this;
     context.lineCap = "butt";
-    context.strokeStyle = translucent(theme.estimate, 0.25);
+    context.strokeStyle = translucent(theme.estimate, 0.16);
     for (const wall of this.run.walls) {
       const ends = wallAt(wall, this.clock.step);
       if (!ends) continue;
-      context.lineWidth = Math.max(3, 4 * ends.sigma * view.scale);
+      context.lineWidth = Math.min(0.5 * view.scale, 10 * 4 * ends.sigma * view.scale);
       this.stroke(ends.x0, ends.y0, ends.x1, ends.y1);
     }
   }

@@ -38,16 +38,30 @@ class Studio {
     requestAnimationFrame(frame);
   }
 
+  // Says what is wrong with what a user gave; nothing where all is well.
+  say(words) {
+    const problem = document.getElementById("problem");
+    problem.textContent = words;
+    problem.hidden = !words;
+  }
+
   // Runs what may fail on what a user gave; says why it failed.
   attempt(what) {
-    const problem = document.getElementById("problem");
-    problem.hidden = true;
+    this.say("");
     try {
       return what();
     } catch (error) {
-      problem.textContent = String(error?.message ?? error);
-      problem.hidden = false;
+      this.say(String(error?.message ?? error));
       return null;
+    }
+  }
+
+  async attemptLater(what) {
+    this.say("");
+    try {
+      await what();
+    } catch (error) {
+      this.say(String(error?.message ?? error));
     }
   }
 
@@ -58,14 +72,47 @@ class Studio {
     this.clock.source = source;
     this.live.reset(head, turn);
     this.clock.seek(0);
-    this.trace = new TraceTable(this.live.run);
+    this.map.ghost = [];
     document.getElementById("eyebrow").textContent = eyebrow;
     document.getElementById("title").textContent = head.title;
     document.getElementById("foot").textContent = `${head.program}. Everything is computed in this page; it sends nothing anywhere.`;
+    this.adopt();
+    if (this.clock.speed === Infinity) this.clock.speed = 10;
+    this.showSpeed();
+  }
+
+  // The views take the run's new sensors and colours.
+  adopt() {
+    this.trace = new TraceTable(this.live.run);
     document.getElementById("map-empty").hidden = true;
     for (const id of ["play", "step-back", "step-on", "time"]) document.getElementById(id).disabled = false;
     this.kinds = "";
+    this.countedSteps = -1;
     this.map.redrawHits();
+  }
+
+  showSpeed() {
+    for (const button of document.querySelectorAll("#speeds button")) {
+      button.setAttribute("aria-pressed", String(Number(button.dataset.speed) === this.clock.speed));
+    }
+  }
+
+  // A mode: its controls are shown, and its run goes on.
+  choose(mode) {
+    if (document.documentElement.dataset.mode === mode) return;
+    document.documentElement.dataset.mode = mode;
+    for (const button of document.querySelectorAll("[data-mode-choice]")) {
+      button.setAttribute("aria-pressed", String(button.dataset.modeChoice === mode));
+    }
+    this.say("");
+    this.clock.play(false);
+    this.modes[mode].enter();
+  }
+
+  // Everything is there: figures and charts at once.
+  finish() {
+    this.showFigures();
+    this.charts.finish();
   }
 
   showMoment() {
@@ -81,6 +128,12 @@ class Studio {
   everyFrame() {
     const now = performance.now();
     const { live, clock, trace } = this;
+    if (now - (this.toldAt ?? 0) > 250) {
+      this.toldAt = now;
+      const words = this.modes?.[document.documentElement.dataset.mode].status() ?? "";
+      const status = document.getElementById("status");
+      if (status.textContent !== words) status.textContent = words;
+    }
     if (!trace || !live.run.count) return;
     if (now - (this.traced ?? 0) > 100 && this.tracedStep !== clock.step) {
       this.traced = now;
@@ -118,14 +171,38 @@ class Studio {
     this.charts.setTheme(theme);
     drawBirths(document.getElementById("births"), this.live.run, theme);
   }
+
+  // The page that the workbench writes of a run, of what was run here.
+  saveReport(looksBack) {
+    this.attempt(() => {
+      const page = this.source?.report?.(looksBack);
+      if (!page) throw new Error(looksBack ? "There is nothing to look back on: a run in one frame, with walls, is needed." : "There is no run to report on.");
+      save(looksBack ? "looking-back.html" : "report.html", page, "text/html");
+    });
+  }
 }
 
 async function start() {
   await init();
   const studio = new Studio();
-  const simulate = new Simulate(studio);
   studio.redraw();
+  const simulate = new Simulate(studio);
+  studio.modes = { simulate, replay: new ReplayMode(studio), robot: new RobotMode(studio) };
+  for (const button of document.querySelectorAll("[data-mode-choice]")) {
+    button.addEventListener("click", () => studio.choose(button.dataset.modeChoice));
+  }
+  document.getElementById("save-report").addEventListener("click", () => studio.saveReport(false));
+  document.getElementById("save-look-back").addEventListener("click", () => studio.saveReport(true));
+  const scene = new URLSearchParams(location.hash.slice(1)).get("scene");
+  if (scene) {
+    try {
+      await simulate.open(scene);
+    } catch {
+      studio.linkFault = "The link's scene cannot be read; this is the built-in one.";
+    }
+  }
   simulate.restart();
+  if (studio.linkFault) studio.say(studio.linkFault);
   document.documentElement.dataset.ready = "true";
 }
 

@@ -20,10 +20,15 @@ pub struct Lines {
 }
 
 impl Lines {
-    /// Opens a file; gzip is recognised by its first two bytes.
+    /// Opens a file.
     pub fn open(file: &Path) -> Result<Self, FileError> {
+        let content = File::open(file).map_err(|cause| FileError::system(file, "read", &cause))?;
+        Self::of(file, BufReader::new(content))
+    }
+
+    /// The lines of a file's content; gzip is recognised by its first two bytes.
+    pub fn of(file: &Path, mut plain: impl BufRead + 'static) -> Result<Self, FileError> {
         let system = |cause| FileError::system(file, "read", &cause);
-        let mut plain = BufReader::new(File::open(file).map_err(system)?);
         let gzipped = plain.fill_buf().map_err(system)?.starts_with(&[0x1f, 0x8b]);
         let input: Box<dyn BufRead> =
             if gzipped { Box::new(BufReader::new(MultiGzDecoder::new(plain))) } else { Box::new(plain) };

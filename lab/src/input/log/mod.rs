@@ -7,6 +7,7 @@ mod odometry;
 pub mod truth;
 pub mod writer;
 
+use std::io::Cursor;
 use std::path::Path;
 
 use slam_core::Sample;
@@ -65,7 +66,18 @@ pub trait Rows: Iterator<Item = Result<Row, FileError>> {
 /// # Errors
 /// The file cannot be read, is no log, or does not fit the robot.
 pub fn open(file: &Path, robot: &mut Robot) -> Result<Box<dyn Rows>, FileError> {
-    let mut lines = Lines::open(file)?;
+    rows(Lines::open(file)?, file, robot)
+}
+
+/// The rows of a log whose content is in memory; `file` is what errors call it.
+///
+/// # Errors
+/// It is no log, or does not fit the robot.
+pub fn of_bytes(file: &Path, content: Vec<u8>, robot: &mut Robot) -> Result<Box<dyn Rows>, FileError> {
+    rows(Lines::of(file, Cursor::new(content))?, file, robot)
+}
+
+fn rows(mut lines: Lines, file: &Path, robot: &mut Robot) -> Result<Box<dyn Rows>, FileError> {
     let first = lines.peek_content()?;
     match first.as_deref().map(carmen::is_message) {
         Some(true) => Ok(Box::new(carmen::Reader::new(lines, robot)?)),

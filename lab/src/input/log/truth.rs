@@ -1,5 +1,6 @@
 //! `truth.csv`: true poses for scoring, and their pairing in time with log rows.
 
+use std::io::Cursor;
 use std::path::Path;
 
 use super::lines::Lines;
@@ -20,7 +21,18 @@ pub type Truth = Vec<(f64, Pose2)>;
 /// # Errors
 /// The file cannot be read, or a line is bad.
 pub fn read(file: &Path) -> Result<Truth, FileError> {
-    let mut lines = Lines::open(file)?;
+    parse(Lines::open(file)?, file)
+}
+
+/// The truth file whose content is in memory; `file` is what errors call it.
+///
+/// # Errors
+/// A line is bad.
+pub fn of_bytes(file: &Path, content: Vec<u8>) -> Result<Truth, FileError> {
+    parse(Lines::of(file, Cursor::new(content))?, file)
+}
+
+fn parse(mut lines: Lines, file: &Path) -> Result<Truth, FileError> {
     let Some((number, header)) = lines.next_content()? else {
         return Err(FileError::new(file, format!("is empty; its header must name {}", COLUMNS.join(", "))));
     };

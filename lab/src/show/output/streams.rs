@@ -9,7 +9,8 @@ use crate::numbers::shortest;
 use crate::recording::Step;
 use input_file::FileError;
 
-const ESTIMATE_HEADER: &str =
+/// The header line of `estimate.csv`.
+pub const ESTIMATE_HEADER: &str =
     "t_s,x_m,y_m,theta_rad,var_x,cov_xy,cov_xtheta,var_y,cov_ytheta,var_theta,alpha_rad,walls,located";
 
 /// A text file that lines are added to.
@@ -91,7 +92,8 @@ impl Streams {
     }
 }
 
-fn estimate_line(step: &Step) -> String {
+/// A line of `estimate.csv`.
+pub fn estimate_line(step: &Step) -> String {
     let pose = [step.pose.x_m, step.pose.y_m, step.pose.theta_rad].map(|number| number as f32);
     let [[xx, xy, xt], [_, yy, yt], [_, _, tt]] = step.covariance;
     let alpha = step.alpha.map_or(f32::NAN, |(alpha_rad, _)| alpha_rad);

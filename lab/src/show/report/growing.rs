@@ -4,7 +4,7 @@
 use super::data::{code, hit_range, kind_text, refusal_text, wall_ends};
 use super::series::RunningNis;
 use crate::evaluate::score::path::nees;
-use crate::recording::{Pose2, Recording, Step};
+use crate::recording::{CalibrationSnapshot, MapSnapshot, Pose2, Recording, Step};
 use serde_json::{Value, json};
 use slam_core::{Outcome, Refusal};
 
@@ -19,9 +19,15 @@ pub struct Growing {
     steps: usize,
     maps: usize,
     nis: RunningNis,
+    hides_truth: bool,
 }
 
 impl Growing {
+    /// For a run whose true poses are in a frame that is not known yet.
+    pub fn without_truth() -> Self {
+        Self { hides_truth: true, ..Self::default() }
+    }
+
     /// What stays as it is over the run: its title, its sensors, the words for refusals, the calibration's parameters.
     pub fn head(recording: &Recording) -> Value {
         let sensors = recording.sensors.iter().map(|sensor| {
@@ -47,7 +53,9 @@ impl Growing {
             let step = &recording.steps[index];
             let readings = recording.readings(index);
             let (used, all) = self.nis.push(step.t_s, readings);
-            numbers.extend(of_step(step, [used, all]));
+            let error = step.error().filter(|_| !self.hides_truth);
+            let nees = nees(step).filter(|_| !self.hides_truth);
+            numbers.extend(of_step(step, error, nees, [used, all]));
             for (sensor, reading) in readings.iter().enumerate() {
                 let range_m = hit_range(recording, index, sensor, reading);
                 let (wall, sigmas, sigma_m) = match reading.outcome {
@@ -68,34 +76,38 @@ impl Growing {
 
     /// Map and calibration as they were recorded last, where the page has older ones.
     pub fn map(&mut self, recording: &Recording) -> Option<Value> {
-        let (map, calibration) = (recording.maps.last()?, recording.calibration.last()?);
-        if recording.maps.len() == core::mem::replace(&mut self.maps, recording.maps.len()) {
+        let count = recording.maps.len();
+        if count == core::mem::replace(&mut self.maps, count) {
             return None;
         }
-        let walls = map.walls.iter().map(|wall| {
-            json!({
-                "id": wall.id,
-                "kind": kind_text(wall.kind),
-                "ends": wall_ends(wall),
-                "sigma": wall.sigma_rho_m,
-                "updates": wall.updates,
-            })
-        });
-        Some(json!({
-            "step": map.step,
-            "walls": walls.collect::<Vec<_>>(),
-            "calibration": calibration.values,
-        }))
+        Some(map_of(recording.maps.last()?, recording.calibration.last()?))
+    }
+
+    /// Every map and calibration that was recorded, in order.
+    pub fn maps(recording: &Recording) -> Value {
+        recording.maps.iter().zip(&recording.calibration).map(|(map, calibration)| map_of(map, calibration)).collect()
     }
 }
 
-fn of_step(step: &Step, nis: [Option<f64>; 2]) -> [f64; STEP_NUMBERS] {
+fn map_of(map: &MapSnapshot, calibration: &CalibrationSnapshot) -> Value {
+    let walls = map.walls.iter().map(|wall| {
+        json!({
+            "id": wall.id,
+            "kind": kind_text(wall.kind),
+            "ends": wall_ends(wall),
+            "sigma": wall.sigma_rho_m,
+            "updates": wall.updates,
+        })
+    });
+    json!({ "step": map.step, "walls": walls.collect::<Vec<_>>(), "calibration": calibration.values })
+}
+
+fn of_step(step: &Step, error: Option<Pose2>, nees: Option<f64>, nis: [Option<f64>; 2]) -> [f64; STEP_NUMBERS] {
     let known = |value: Option<f64>| value.unwrap_or(f64::NAN);
     let sigma = |axis: usize| f64::from(step.covariance[axis][axis]).sqrt();
     let scale = sigma(0) * sigma(1);
     let correlation = if scale > 0.0 { f64::from(step.covariance[0][1]) / scale } else { 0.0 };
-    let error = step.error();
-    let error = |axis: fn(&Pose2) -> f64| known(error.as_ref().map(axis));
+    let error_of = |axis: fn(&Pose2) -> f64| known(error.as_ref().map(axis));
     [
         step.t_s,
         step.pose.x_m,
@@ -107,16 +119,16 @@ fn of_step(step: &Step, nis: [Option<f64>; 2]) -> [f64; STEP_NUMBERS] {
         step.dead_reckoning.x_m,
         step.dead_reckoning.y_m,
         step.dead_reckoning.theta_rad,
-        error(|error| error.x_m),
-        error(|error| error.y_m),
-        error(|error| error.theta_rad),
+        error_of(|error| error.x_m),
+        error_of(|error| error.y_m),
+        error_of(|error| error.theta_rad),
         sigma(0),
         sigma(1),
         sigma(2),
         correlation,
         known(step.alpha.map(|(alpha_rad, _)| alpha_rad.into())),
         known(step.alpha.map(|(_, sigma_rad)| sigma_rad.into())),
-        known(nees(step)),
+        known(nees),
         known(nis[0]),
         known(nis[1]),
         step.walls as f64,

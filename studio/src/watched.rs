@@ -1,0 +1,350 @@
+//! A robot that is listened to: frames of its serial line, made a run that the page shows.
+//!
+//! Pose, walls and calibration are what the robot says. What became of its readings is known from an estimator of the robot's
+//! size that gets the same samples here, as long as it says the same bits as the robot's.
+
+use std::collections::BTreeMap;
+
+use lab::input::log::{Row, writer};
+use lab::input::rig_file::{MAX_SENSORS, Robot};
+use lab::numbers::shortest;
+use lab::recording::{CalibrationSnapshot, MapSnapshot, ParameterInfo, Pose2, Recording, SensorInfo, Step};
+use lab::show::report::growing::Growing;
+use lab::show::report::{self};
+use serde_json::{Value, json};
+use slam_core::{Config, Health, RangeInput, ReadingReport, RobotSlam, WallKind, WallView};
+use wire::{Command, DecodeError, Decoder, Estimate, Faults, Frame, Parameter, SENSORS, encode};
+
+use crate::rig::robot_of;
+use crate::simulated::LONGEST_S;
+
+/// Most samples that are kept: an hour at 25 a second.
+const LONGEST: usize = (25.0 * LONGEST_S) as usize;
+
+/// What the line carried.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Line {
+    bytes: u64,
+    frames: u64,
+    damaged: u64,
+    other_version: Option<u8>,
+    /// Bytes since the last whole frame.
+    strange_bytes: u64,
+    /// Estimates that the estimator here agreed with bit for bit, and that it did not.
+    same: u64,
+    other: u64,
+}
+
+/// A robot at the other end of a line.
+pub struct Watched {
+    robot: Robot,
+    rig_toml: String,
+    decoder: Decoder,
+    line: Line,
+    shadow: Box<RobotSlam>,
+    readings: Option<(u64, [ReadingReport; SENSORS])>,
+    walls: BTreeMap<u8, wire::Wall>,
+    faults: Option<Faults>,
+    contacts: wire::Contacts,
+    recording: Recording,
+    growing: Growing,
+    log: String,
+    first_us: Option<u64>,
+    /// Counts the robot's starts: with each one the page begins anew.
+    starts: u32,
+}
+
+impl Watched {
+    /// A robot with this rig, the name of a built-in one or a rig file's text.
+    ///
+    /// # Errors
+    /// What is wrong with the rig.
+    pub fn new(rig: &str) -> Result<Self, String> {
+        let (robot, rig_toml) = robot_of(rig)?;
+        let shadow = shadow_of(&robot)?;
+        let log = writer::header(&robot) + "\n";
+        let recording = begun(&robot);
+        Ok(Self {
+            robot,
+            rig_toml,
+            decoder: Decoder::new(),
+            line: Line::default(),
+            shadow,
+            readings: None,
+            walls: BTreeMap::new(),
+            faults: None,
+            contacts: wire::Contacts::default(),
+            recording,
+            growing: Growing::default(),
+            log,
+            first_us: None,
+            starts: 0,
+        })
+    }
+
+    /// Takes in bytes of the line, whatever they are.
+    pub fn take(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.line.bytes += 1;
+            self.line.strange_bytes += 1;
+            match self.decoder.push(*byte) {
+                None => {}
+                Some(Ok(frame)) => {
+                    self.line.frames += 1;
+                    self.line.strange_bytes = 0;
+                    self.frame(frame);
+                }
+                Some(Err(DecodeError::Version(theirs))) => self.line.other_version = Some(theirs),
+                Some(Err(_)) => self.line.damaged += 1,
+            }
+        }
+    }
+
+    fn frame(&mut self, frame: Frame) {
+        match frame {
+            Frame::Sample(sample) => self.sample(&sample),
+            Frame::Estimate(estimate) => self.estimate(&estimate),
+            Frame::Wall(wall) => self.wall(wall),
+            Frame::Calibration(calibration) => self.calibration(&calibration),
+            Frame::Faults(faults) => self.faults = Some(faults),
+            Frame::Motors(_) | Frame::Command(_) => {}
+        }
+    }
+
+    fn sample(&mut self, sample: &wire::Sample) {
+        if self.first_us.is_some_and(|first_us| sample.time_us < first_us) {
+            self.begin_anew();
+        }
+        let first_us = *self.first_us.get_or_insert(sample.time_us);
+        self.contacts = sample.contacts;
+        let report = self.shadow.step(&sample.to_slam());
+        self.readings = Some((sample.time_us, report.readings));
+        if self.recording.steps.len() < LONGEST {
+            let few = sample.to_slam();
+            let mut ranges = [RangeInput::Missing; MAX_SENSORS];
+            ranges.iter_mut().zip(few.ranges).for_each(|(wide, range)| *wide = range);
+            let t_s = (sample.time_us - first_us) as f64 * 1e-6;
+            let sample = slam_core::Sample { time_us: few.time_us, motion: few.motion, ranges };
+            let lifted = self.contacts.lifted;
+            let row = Row { t_text: shortest(t_s), t_s, sample, odometry: None, truth: None, lifted };
+            self.log += &writer::line(&self.robot, &row);
+            self.log.push('\n');
+        }
+    }
+
+    fn estimate(&mut self, estimate: &Estimate) {
+        self.walls.retain(|index, _| *index < estimate.walls);
+        let of_it = self.readings.take().filter(|(time_us, _)| *time_us == estimate.time_us);
+        let own = Estimate::of(&*self.shadow, estimate.time_us);
+        let agrees = of_it.is_some() && own.same_bits(estimate);
+        *if agrees { &mut self.line.same } else { &mut self.line.other } += 1;
+        if self.recording.steps.len() >= LONGEST {
+            return;
+        }
+        let readings = of_it.filter(|_| agrees).map_or([ReadingReport::default(); SENSORS], |(_, readings)| readings);
+        self.recording.readings.extend_from_slice(&readings[..self.recording.sensors.len().min(SENSORS)]);
+        let since_us = estimate.time_us.saturating_sub(self.first_us.unwrap_or(estimate.time_us));
+        self.recording.steps.push(step_of(estimate, since_us as f64 * 1e-6));
+    }
+
+    fn wall(&mut self, wall: wire::Wall) {
+        let is_last = wall.index + 1 == wall.of;
+        self.walls.insert(wall.index, wall);
+        if let Some(step) = self.recording.steps.len().checked_sub(1).filter(|_| is_last) {
+            let walls = self.walls.values().filter(|known| known.index < wall.of).map(view_of).collect();
+            self.recording.maps.push(MapSnapshot { step, walls });
+            if self.recording.calibration.is_empty() {
+                let values = vec![(1.0, 0.0); self.recording.parameters.len()];
+                self.recording.calibration.push(CalibrationSnapshot { step, values });
+            }
+        }
+    }
+
+    fn calibration(&mut self, calibration: &wire::Calibration) {
+        let Some(step) = self.recording.steps.len().checked_sub(1) else { return };
+        let of_name = |name: &str| {
+            let found = calibration.factors.iter().find(|factor| self.name_of(factor.parameter) == name);
+            found.map_or((1.0, 0.0), |factor| (factor.estimate, factor.sigma))
+        };
+        let values = self.recording.parameters.iter().map(|parameter| of_name(&parameter.name)).collect();
+        self.recording.calibration.push(CalibrationSnapshot { step, values });
+    }
+
+    fn name_of(&self, parameter: Parameter) -> String {
+        match parameter {
+            Parameter::ScaleLeft => "scale_left".to_owned(),
+            Parameter::ScaleRight => "scale_right".to_owned(),
+            Parameter::Track => "track".to_owned(),
+            Parameter::ScaleDistance => "scale_distance".to_owned(),
+            Parameter::ScaleTurn => "scale_turn".to_owned(),
+            Parameter::Veer => "veer".to_owned(),
+            Parameter::Gain(index) => {
+                self.robot.names.get(usize::from(index)).map_or_else(String::new, |name| format!("gain_{name}"))
+            }
+        }
+    }
+
+    /// The robot was started again: what was shown is of another life.
+    fn begin_anew(&mut self) {
+        if let Ok(fresh) = Self::new(&self.rig_toml) {
+            let (line, starts) = (self.line, self.starts + 1);
+            *self = Self { line, starts, ..fresh };
+        }
+    }
+
+    /// What the robot did so far.
+    pub fn recording(&self) -> &Recording {
+        &self.recording
+    }
+
+    /// What stays as it is until the robot starts again.
+    pub fn head(&self) -> Value {
+        let mut head = Growing::head(&self.recording);
+        head["longest_s"] = json!(LONGEST_S);
+        head
+    }
+
+    /// The steps that the page has not got, see [`Growing::steps`].
+    pub fn steps(&mut self) -> Vec<f64> {
+        self.growing.steps(&self.recording)
+    }
+
+    /// Map and calibration, where the page has older ones.
+    pub fn map(&mut self) -> Option<Value> {
+        self.growing.map(&self.recording)
+    }
+
+    /// Length, time and walls so far.
+    pub fn figures(&self) -> Value {
+        let steps = &self.recording.steps;
+        let mut figures = lab::recording::Figures {
+            path_m: lab::evaluate::score::path::length_m(steps.iter().map(|step| step.dead_reckoning)),
+            duration_s: steps.last().map_or(0.0, |step| step.t_s),
+            walls: steps.last().map_or(0, |step| step.walls),
+            ..Default::default()
+        };
+        let used = self.recording.readings.iter().filter(|r| matches!(r.outcome, slam_core::Outcome::Updated { .. }));
+        let nis: Vec<f64> =
+            used.filter_map(|r| lab::recording::nis(&r.outcome)).filter(|nis| nis.is_finite()).collect();
+        figures.updates = nis.len() as u64;
+        figures.mean_nis = lab::evaluate::statistics::mean(&nis);
+        report::figures(&figures)
+    }
+
+    /// The line, the robot's faults and inputs, in names and numbers.
+    pub fn state(&self) -> Value {
+        let Line { bytes, frames, damaged, other_version, strange_bytes, same, other } = self.line;
+        let faults = self.faults.map(|Faults { slam, board }| {
+            json!({
+                "ranges failed": board.ranges_failed, "encoders failed": board.encoders_failed,
+                "motors failed": board.motors_failed, "samples dropped": board.samples_dropped,
+                "frames dropped": board.frames_dropped, "commands dropped": board.commands_dropped,
+                "bytes lost": board.bytes_lost, "contact stops": board.contact_stops,
+                "dead-man stops": board.dead_man_stops, "watchdog resets": board.watchdog_resets,
+                "late tasks": board.late_tasks, "maps begun anew": slam.restarts,
+            })
+        });
+        let wire::Contacts { bump_left, bump_right, cliff, lifted } = self.contacts;
+        let names = [(bump_left, "bumper left"), (bump_right, "bumper right"), (cliff, "cliff"), (lifted, "lifted")];
+        let touched: Vec<&str> = names.iter().filter(|(on, _)| *on).map(|(_, name)| *name).collect();
+        let health = self.recording.steps.last().map(|step| lab::recording::health::name(step.health));
+        json!({
+            "bytes": bytes, "frames": frames, "damaged": damaged, "other_version": other_version,
+            "version": wire::VERSION, "strange_bytes": strange_bytes, "same": same, "other": other,
+            "faults": faults, "touched": touched, "health": health, "starts": self.starts,
+            "full": self.recording.steps.len() >= LONGEST,
+        })
+    }
+
+    /// What the robot sensed so far, as a `log.csv`.
+    pub fn log(&self) -> &str {
+        &self.log
+    }
+
+    /// The robot as a rig file.
+    pub fn rig_toml(&self) -> &str {
+        &self.rig_toml
+    }
+}
+
+/// The bytes that tell a robot to do this; wheels turn for a short time with a share of the supply, -1 to 1.
+pub fn command(name: &str, [left, right]: [f32; 2]) -> Vec<u8> {
+    let command = match name {
+        "start" => Command::Start,
+        "reset" => Command::ResetMap,
+        "spin" => Command::Spin { left: left.clamp(-1.0, 1.0), right: right.clamp(-1.0, 1.0) },
+        // What is not known must not set anything in motion.
+        _ => Command::Stop,
+    };
+    encode(&Frame::Command(command)).map(|bytes| bytes.to_vec()).unwrap_or_default()
+}
+
+fn shadow_of(robot: &Robot) -> Result<Box<RobotSlam>, String> {
+    let mut sensors = heapless::Vec::new();
+    for sensor in &robot.rig.sensors {
+        sensors.push(*sensor).map_err(|_| format!("the rig has more sensors than the {SENSORS} that a robot sends"))?;
+    }
+    let rig = slam_core::Rig { drive: robot.rig.drive, adc: robot.rig.adc, sensors };
+    let config = Config::for_rig(&rig);
+    let slam =
+        RobotSlam::with_config(rig, config).map_err(|error| format!("rig: {} must be {}", error.key, error.allowed))?;
+    Ok(Box::new(slam))
+}
+
+fn begun(robot: &Robot) -> Recording {
+    let sensors = robot.rig.sensors.iter().zip(&robot.names).map(|(sensor, name)| SensorInfo {
+        name: name.clone(),
+        x_m: sensor.mount.x_m.into(),
+        y_m: sensor.mount.y_m.into(),
+        bearing_rad: sensor.mount.bearing_rad.into(),
+        span_m: [sensor.min_m.into(), sensor.max_m.into()],
+    });
+    let gains = robot.names.iter().map(|name| format!("gain_{name}"));
+    let drive = ["scale_left", "scale_right", "track"].map(str::to_owned);
+    let parameters = gains.chain(drive).map(|name| ParameterInfo { name, truth: None });
+    Recording {
+        title: "Your robot".to_owned(),
+        sensors: sensors.collect(),
+        parameters: parameters.collect(),
+        ..Recording::default()
+    }
+}
+
+fn step_of(estimate: &Estimate, t_s: f64) -> Step {
+    let [xx, xy, xt, yy, yt, tt] = estimate.covariance;
+    let pose = |[x, y, theta]: [f32; 3]| Pose2::new(x.into(), y.into(), theta.into());
+    Step {
+        t_text: shortest(t_s),
+        t_s,
+        pose: pose(estimate.pose),
+        covariance: [[xx, xy, xt], [xy, yy, yt], [xt, yt, tt]],
+        alpha: estimate.alpha.map(|[alpha_rad, sigma_rad]| (alpha_rad, sigma_rad)),
+        dead_reckoning: pose(estimate.dead_reckoning),
+        walls: estimate.walls.into(),
+        health: match estimate.health {
+            wire::Health::Well => Health::Well,
+            wire::Health::Unexplained => Health::Unexplained,
+            wire::Health::Contradicted => Health::Contradicted,
+            wire::Health::Disoriented => Health::Disoriented,
+            wire::Health::Degenerate => Health::Degenerate,
+        },
+        ..Step::default()
+    }
+}
+
+fn view_of(wall: &wire::Wall) -> WallView {
+    WallView {
+        id: wall.id,
+        kind: match wall.kind {
+            wire::WallKind::Free => WallKind::Free,
+            wire::WallKind::Snapped => WallKind::Snapped,
+            wire::WallKind::Grid => WallKind::Grid,
+        },
+        rho_m: wall.rho_m,
+        beta_rad: wall.beta_rad,
+        lo_m: wall.lo_m,
+        hi_m: wall.hi_m,
+        sigma_rho_m: wall.sigma_rho_m,
+        updates: wall.updates,
+    }
+}
