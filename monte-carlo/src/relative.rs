@@ -67,12 +67,5 @@ fn beams_of(kind: ScannerKind, ranges: &[f32]) -> Vec<Option<Beam>> {
 }
 
 fn dense_of(kind: ScannerKind, ranges: &[f32]) -> Dense<'_> {
-    Dense {
-        origin: Point::zeros(),
-        first: kind.bearing_rad(0),
-        step: kind.step_rad(),
-        ranges,
-        reach: kind.reach_m(),
-        sigma: kind.sigma_m(),
-    }
+    Dense { origin: Point::zeros(), first: kind.bearing_rad(0), step: kind.step_rad(), ranges, reach: kind.reach_m() }
 }

@@ -65,7 +65,7 @@ impl<const S: usize> Front<S> {
             let from = back(f64::from(age.min(2.0)));
             self.beams[index] = read.ok().map(|reading| beam(sensor, &from, reading.range_m, reading.sigma_m()));
         }
-        Input { time_us: sample.time_us, motion, motion_cov, beams: &self.beams, dense }
+        Input { motion, motion_cov, beams: &self.beams, dense }
     }
 }
 

@@ -1,5 +1,4 @@
-//! The Hough transform over the points of a window: plain, weighted, constrained to some directions, and as the likelihood that
-//! it approximates (Stephens 1991).
+//! The Hough transform over the points of a window: plain, weighted, and constrained to some directions.
 
 use crate::fit::{Fit, fit};
 use crate::geometry::{Line, unit, wrap};
@@ -26,10 +25,6 @@ pub struct Hough {
 const GRAZING: f64 = 0.15;
 
 impl Hough {
-    fn direction(&self, i: usize) -> f64 {
-        wrap(std::f64::consts::TAU * i as f64 / self.angles as f64)
-    }
-
     /// The strongest line of these points: each votes with its weight, in the directions that are allowed.
     pub fn peak(
         &self,
@@ -40,7 +35,8 @@ impl Hough {
         let cells = (self.reach / self.width).ceil() as usize;
         let mut best: Option<(Line, f64)> = None;
         let mut row = vec![0.0; cells];
-        for a in (0..self.angles).map(|i| self.direction(i)).filter(|a| allowed(*a)) {
+        let turn = std::f64::consts::TAU / self.angles as f64;
+        for a in (0..self.angles).map(|i| wrap(turn * i as f64)).filter(|a| allowed(*a)) {
             row.fill(0.0);
             let n = unit(a);
             for seen in points {
@@ -93,38 +89,6 @@ impl Hough {
     }
 }
 
-/// Share of points that are of no line, and the length over which those are spread, metres.
-const STRAY: f64 = 0.3;
-const SPREAD: f64 = 3.0;
-
-/// The probabilistic Hough transform: logarithm of the likelihood of the points given a line.
-pub fn log_likelihood(points: &[&Seen], line: &Line) -> f64 {
-    let n = unit(line.a);
-    let of_point = |seen: &&Seen| {
-        let variance = (n.transpose() * seen.covariance() * n)[(0, 0)].max(1e-8);
-        let off = seen.at.dot(&n) - line.rho;
-        let density = (-0.5 * off * off / variance).exp() / (std::f64::consts::TAU * variance).sqrt();
-        (STRAY / SPREAD + (1.0 - STRAY) * density).ln()
-    };
-    points.iter().map(of_point).sum()
-}
-
-/// Climbs from a cell to the top of the likelihood: coordinate steps that are halved until a millimetre is left.
-pub fn climb(points: &[&Seen], from: Line) -> Line {
-    let (mut line, mut step) = (from, 0.02);
-    let mut best = log_likelihood(points, &line);
-    while step > 1e-3 {
-        let moves = [(step, 0.0), (-step, 0.0), (0.0, step), (0.0, -step)];
-        let tried = moves.map(|(rho, a)| Line { rho: line.rho + rho, a: wrap(line.a + a) });
-        let rated = tried.map(|line| (log_likelihood(points, &line), line));
-        match rated.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)) {
-            Some((value, next)) if value > best => (best, line) = (value, next),
-            _ => step *= 0.5,
-        }
-    }
-    line
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -155,13 +119,5 @@ mod tests {
         let ten = 10f64.to_radians();
         let held = HOUGH.lines(&window, |a| crate::fit::off_quarter(a, 0.0).abs() <= ten, |_| 1.0);
         assert_eq!(held.len(), 1);
-    }
-
-    #[test]
-    fn the_likelihood_is_highest_at_the_line() {
-        let window = window();
-        let points: Vec<&Seen> = window.points.iter().take(20).collect();
-        let found = climb(&points, Line { rho: 1.0, a: 1.6 });
-        assert!((found.rho - 1.013).abs() < 3e-3 && (found.a - std::f64::consts::FRAC_PI_2).abs() < 5e-3, "{found:?}");
     }
 }

@@ -11,9 +11,15 @@ pub mod features;
 pub mod fit;
 pub mod front;
 pub mod geometry;
+pub mod graph;
 pub mod hough;
 mod kind;
+pub mod known;
+pub mod matcher;
+pub mod psm;
+pub mod random;
 pub mod rows;
+pub mod tbf;
 pub mod window;
 
 pub use kind::{Kind, Setup};
@@ -56,15 +62,11 @@ pub struct Dense<'a> {
     pub ranges: &'a [f32],
     /// Longest range that is a reading, metres.
     pub reach: f64,
-    /// 1-sigma of a range, metres.
-    pub sigma: f64,
 }
 
 /// What the robot sensed in one step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Input<'a> {
-    /// Time, microseconds.
-    pub time_us: u64,
     /// Motion since the last step by the rig's nominal calibration, in the robot's frame of then.
     pub motion: Pose,
     /// Covariance of that motion by the rig's noise model.

@@ -97,7 +97,7 @@ impl Window {
             let step = self.extent.step;
             self.path - path >= step || self.turned - turned >= step * TURN_PER_STEP
         });
-        if is_due {
+        if is_due && input.beams.iter().any(Option::is_some) {
             self.taken = Some([self.path, self.turned]);
             self.take(input.beams);
         }

@@ -27,9 +27,8 @@ use input_file::FileError;
 /// How often the map is recorded, steps.
 const SNAPSHOT_EVERY: usize = 100;
 
-/// Longest range of a whole scan that is a reading, and its 1-sigma, metres: a laser of the kind that logs have (SICK LMS).
+/// Longest range of a whole scan that is a reading, metres: what scan matchers take of a laser of the kind that logs have.
 const SCAN_REACH_M: f64 = 10.0;
-const SCAN_SIGMA_M: f64 = 0.02;
 
 /// A system and the record of what it did.
 pub struct RelativeSession {
@@ -99,7 +98,6 @@ impl RelativeSession {
             step: scan.step_rad,
             ranges: scan.ranges_m,
             reach: SCAN_REACH_M,
-            sigma: SCAN_SIGMA_M,
         });
         let before = Instant::now();
         let input = self.front.read(&row.sample, dense);

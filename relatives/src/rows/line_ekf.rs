@@ -74,8 +74,8 @@ impl LineEkf {
     /// An empty map at the start pose.
     pub fn new(how: Extraction) -> Self {
         let extent = if how == Extraction::EndPoints { WINDOW } else { LONG_WINDOW };
-        let (ekf, window) = (Ekf::default(), Window::new(extent));
-        Self { how, ekf, window, walls: Vec::new(), waiting: Vec::new(), extracted: 0.0 }
+        let window = Window::new(extent);
+        Self { how, ekf: Ekf::default(), window, walls: Vec::new(), waiting: Vec::new(), extracted: 0.0 }
     }
 
     fn line(&self, wall: &Wall) -> Line {
