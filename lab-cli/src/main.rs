@@ -120,6 +120,12 @@ struct HilArgs {
     /// With --qemu: over the emulated serial line, slowly, as with a board.
     #[arg(long, requires = "qemu")]
     serial: bool,
+    /// With --qemu: on the processor's own clock, 16 ns an instruction; says how late steps began.
+    #[arg(long, requires = "qemu", conflicts_with = "serial")]
+    timed: bool,
+    /// Whether the firmware takes look backs over; when not given, as suits the robot. A board decides itself.
+    #[arg(long, requires = "qemu", conflicts_with = "serial", value_name = "BOOL")]
+    hand_overs: Option<bool>,
     /// With --qemu: the firmware's image; `cargo xtask hil` builds it.
     #[arg(long, value_name = "ELF", default_value = "target/thumb/thumbv7em-none-eabihf/release/hil")]
     image: PathBuf,
@@ -215,14 +221,15 @@ fn replay(args: ReplayArgs) -> Result<(), Box<dyn Error>> {
 }
 
 fn hil(args: HilArgs) -> Result<(), Box<dyn Error>> {
-    let HilArgs { port, serial, image, rig, plan, minutes, seed, out, .. } = args;
+    let HilArgs { port, serial, timed, hand_overs, image, rig, plan, minutes, seed, out, .. } = args;
     let target = match port {
         Some(device) => Target::Port { device },
         None if serial => Target::EmulatorSerial { image },
+        None if timed => Target::EmulatorTimed { image },
         None => Target::Emulator { image },
     };
     let bar = ProgressBar::new(1000).with_style(style("in the loop {wide_bar} {percent} %, {eta} to go"));
-    let hil = Hil { plan, minutes, seed, out, robot: rig, target };
+    let hil = Hil { plan, minutes, seed, out, robot: rig, hand_overs, target };
     let outcome = hil.run(|share| bar.set_position((1000.0 * share) as u64));
     bar.finish_and_clear();
     let outcome = outcome?;

@@ -17,6 +17,10 @@ const FREE_GROUPS: usize = 4;
 /// Multiply-adds for each millisecond: half of what a Cortex-M4F of 168 MHz can do beside the filter.
 const WORK_PER_MS: u32 = 4000;
 
+/// What a robot allows a look back between two steps, microseconds of the above: its estimator's period. A fixed amount, whatever time
+/// the processor has, so that the same samples give the same estimates.
+pub const STEP_US: u32 = 40_000;
+
 /// A longer time between two steps is no time to work in, microseconds.
 const LONGEST_US: u32 = 1_000_000;
 

@@ -1,7 +1,8 @@
 //! The diary: what a drive's path and walls are placed from, in bounded memory.
 
 use heapless::Vec;
-use slam_core::angle::wrap;
+use slam_core::angle::{sin_cos, wrap};
+use slam_core::hand_over::MOST_GAINS;
 use slam_core::{Calibration, DriveModel, Increment, Pose};
 
 use crate::frame::relative;
@@ -23,6 +24,11 @@ const ONE_THING_M: f32 = 0.5;
 
 /// Of so many groups one may be on no wall where there is no room for more.
 const MOST_LOOSE: usize = 4;
+
+/// One in so many is forgotten at once, so that a full diary need not look through all of them at every step; those of fewer
+/// hits than this.
+const AT_ONCE: usize = 32;
+const MOST_COUNTED: usize = 32;
 
 /// A wall that fewer hits met is noise, and makes room.
 pub(crate) const FEWEST: u32 = 10;
@@ -91,6 +97,8 @@ pub struct Diary<const K: usize, const G: usize, const W: usize> {
     pub(crate) groups: Vec<Group, G>,
     pub(crate) walls: [Option<Wall>; W],
     pub(crate) names: Vec<Name, NAMES>,
+    /// Where among the names that of the last wall is that a sensor saw, where it still is there.
+    pub(crate) seen: [u8; MOST_GAINS],
     pub(crate) calibration: Calibration,
     pub(crate) gains: Gains,
     /// Direction of the grid, radians.
@@ -114,6 +122,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         groups: Vec::new(),
         walls: [Some(Wall::NEW); W],
         names: Vec::new(),
+        seen: [0; MOST_GAINS],
         calibration: Calibration { distance: 0.0, turn: 0.0, veer_rad_per_m: 0.0 },
         gains: Gains::NONE,
         alpha_rad: None,
@@ -167,7 +176,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     /// The robot moved by so much, as the odometry sensed it.
     pub fn travel(&mut self, moved: &Increment) {
         let Some(last) = self.keyframes.last_mut() else { return };
-        let path_m = libm::hypotf(moved.forward_m, moved.left_m);
+        let path_m = libm::sqrtf(moved.forward_m * moved.forward_m + moved.left_m * moved.left_m);
         let Calibration { distance, turn, veer_rad_per_m } = self.calibration;
         let turned = turn * (moved.turn_rad + veer_rad_per_m * path_m);
         last.motion = last.motion.compose(&Pose::new(moved.forward_m, moved.left_m, moved.turn_rad));
@@ -203,15 +212,26 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
 
     /// Writes a hit down. One that is no number is passed over.
     pub fn hit(&mut self, hit: &Hit) {
+        self.hit_turned(hit, self.turn_of_robot());
+    }
+
+    /// Sine and cosine of the robot's heading in the last keyframe's frame.
+    pub(crate) fn turn_of_robot(&self) -> (f32, f32) {
+        sin_cos(self.robot.theta_rad)
+    }
+
+    /// The same for many hits of one moment.
+    pub(crate) fn hit_turned(&mut self, hit: &Hit, (s, c): (f32, f32)) {
         let Hit { from_m, end_m, sigma_m, alike, sensor, wall } = *hit;
-        let [from_m, end_m] = [from_m, end_m].map(|at| self.robot.transform(at));
+        let robot = &self.robot;
+        let [from_m, end_m] = [from_m, end_m].map(|[x, y]| [robot.x_m + c * x - s * y, robot.y_m + s * x + c * y]);
         let weight = 1.0 / (alike * sigma_m * sigma_m);
         let is_number = [from_m[0], from_m[1], end_m[0], end_m[1], weight].iter().all(|value| value.is_finite());
         if !(is_number && weight > 0.0 && alike >= 1.0) {
             return;
         }
         let mut one = Group::of(from_m, end_m, weight, alike, sensor);
-        let wall = wall.and_then(|id| self.wall_named(id));
+        let wall = wall.and_then(|id| self.wall_seen_by(sensor, id));
         one.set_wall(wall);
         if let Some(wall) = wall.and_then(|wall| self.walls.get_mut(wall)?.as_mut()) {
             wall.hits = wall.hits.saturating_add(1);
@@ -240,18 +260,29 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         }
     }
 
-    /// Forgets the groups on no wall that have the fewest hits; false where those on no wall are few.
+    /// Forgets the groups on no wall that have the fewest hits, some at once; false where those on no wall are few.
     fn drop_fewest(&mut self) -> bool {
-        let loose = || self.groups.iter().filter(|group| group.wall().is_none());
-        let Some(fewest) = loose().map(|group| group.hits).min().filter(|_| loose().count() > G / MOST_LOOSE) else {
+        let mut of_hits = [0_usize; MOST_COUNTED];
+        for group in self.groups.iter().filter(|group| group.wall().is_none()) {
+            if let Some(count) = of_hits.get_mut(usize::from(group.hits).min(MOST_COUNTED - 1)) {
+                *count += 1;
+            }
+        }
+        if of_hits.iter().sum::<usize>() <= G / MOST_LOOSE {
             return false;
-        };
-        for group in self.groups.iter_mut().filter(|group| group.wall().is_none() && group.hits == fewest) {
+        }
+        let mut few = 0;
+        let enough = of_hits.iter().position(|count| {
+            few += count;
+            few >= G / AT_ONCE
+        });
+        let (most, before) = (enough.unwrap_or(MOST_COUNTED), self.groups.len());
+        for group in self.groups.iter_mut().filter(|group| group.wall().is_none() && usize::from(group.hits) <= most) {
             group.hits = 0;
         }
         self.drop_empty();
         self.revision = self.revision.wrapping_add(1);
-        true
+        self.groups.len() < before
     }
 
     /// Forgets groups of no hits.

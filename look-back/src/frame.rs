@@ -34,6 +34,11 @@ impl Frame {
         [self.origin_m[0] + x, self.origin_m[1] + y]
     }
 
+    /// A point in the map, in this frame, metres.
+    pub fn seen(&self, [x, y]: [f32; 2]) -> [f32; 2] {
+        self.turn_back([x - self.origin_m[0], y - self.origin_m[1]])
+    }
+
     /// A symmetric matrix (xx, xy, yy) in this frame, in the map.
     pub fn scatter(&self, [xx, xy, yy]: [f32; 3]) -> [f32; 3] {
         let (s, c) = (self.sin, self.cos);

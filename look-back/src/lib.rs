@@ -23,7 +23,7 @@
 //!
 //! What is wired up: `lab run --hand-overs` and `lab replay --hand-overs` run a [`BackEnd`] beside the filter as a robot would; a
 //! measurement sets it beside the workbench's look back, which has no bounds on memory (`cargo run --release --package tests
-//! --example robot_look_back`). No robot runs it yet: the firmware has no task for it.
+//! --example robot_look_back`). The firmware runs it in a task below all others.
 //!
 //! Frames and units are slam-core's: metres, radians; *map* is where the first keyframe was put. All is f32; what is solved
 //! for are increments, so that sums over a long drive lose nothing that matters.
@@ -57,7 +57,7 @@ mod thin;
 mod twins;
 mod wall;
 
-pub use back_end::{BackEnd, Tally};
+pub use back_end::{BackEnd, STEP_US, Tally};
 pub use diary::{Diary, Hit};
 pub use look_back::{LookBack, Progress, Unknown};
 pub use packed::packed_len;

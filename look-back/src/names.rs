@@ -14,6 +14,20 @@ pub(crate) struct Name {
 }
 
 impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
+    /// The same for a reading of this sensor, which mostly sees the wall again that it saw last.
+    pub(crate) fn wall_seen_by(&mut self, sensor: u8, id: u16) -> Option<usize> {
+        let last = self.seen.get(usize::from(sensor)).and_then(|place| self.names.get(usize::from(*place)));
+        if let Some(name) = last.filter(|name| name.id == id) {
+            return Some(name.wall.into());
+        }
+        let wall = self.wall_named(id);
+        let place = self.names.iter().position(|name| name.id == id).and_then(|place| u8::try_from(place).ok());
+        if let (Some(seen), Some(place)) = (self.seen.get_mut(usize::from(sensor)), place) {
+            *seen = place;
+        }
+        wall
+    }
+
     /// The wall that the filter calls `id`; a new one where there is none yet and there is room.
     pub(crate) fn wall_named(&mut self, id: u16) -> Option<usize> {
         if let Some(name) = self.names.iter().find(|name| name.id == id) {

@@ -1,11 +1,11 @@
 //! The estimator's side: what one step of the filter writes down.
 
 use slam_core::{
-    BUILT_RELIEF_M, Increment, Outcome, Pose, RangeModel, RangeSensor, ReadingReport, SURFACE_M, Slam, StepReport,
+    BUILT_RELIEF_M, Increment, Outcome, RangeModel, RangeSensor, ReadingReport, SURFACE_M, Slam, StepReport,
 };
 
 use crate::diary::{Diary, Hit};
-use crate::frame::relative;
+use crate::frame::Frame;
 
 /// Of so many readings of a sensor that reports metres, which say the same, one is one: as the estimator finds on real logs,
 /// three to five. An analogue sensor's noise is new each time.
@@ -26,28 +26,27 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         if let Some(alpha_rad) = slam.filter_alpha() {
             self.grid(alpha_rad);
         }
-        let robot = slam.pose();
+        let (robot, turn) = (Frame::of(&slam.pose()), self.turn_of_robot());
         for (number, (sensor, reading)) in slam.rig().sensors.iter().zip(&report.readings).enumerate() {
             if let Some(hit) = hit(&robot, slam.gain(number), number as u8, sensor, reading) {
-                self.hit(&hit);
+                self.hit_turned(&hit, turn);
             }
         }
     }
 }
 
 /// What a reading ended on, seen from the robot; none where it ended on nothing.
-fn hit(robot: &Pose, gain: f32, number: u8, sensor: &RangeSensor, reading: &ReadingReport) -> Option<Hit> {
+fn hit(robot: &Frame, gain: f32, number: u8, sensor: &RangeSensor, reading: &ReadingReport) -> Option<Hit> {
     let wall = match reading.outcome {
         Outcome::Updated { wall, .. } => Some(wall),
         Outcome::Gated { .. } | Outcome::Unexplained => None,
         Outcome::Missing | Outcome::Refused(_) => return None,
     };
-    let [x, y] = reading.hit_m?;
-    let end = relative(robot, &Pose { x_m: x, y_m: y, theta_rad: 0.0 });
+    let end_m = robot.seen(reading.hit_m?);
     let (sigma_m, alike) = noise(&sensor.model, reading.range_m?);
     let [x, y] = [sensor.mount.x_m, sensor.mount.y_m];
     // What the sensor reported, before the filter's gain: gains are found here, too.
-    let end_m = [x + gain * (end.x_m - x), y + gain * (end.y_m - y)];
+    let end_m = [x + gain * (end_m[0] - x), y + gain * (end_m[1] - y)];
     Some(Hit { from_m: [x, y], end_m, sigma_m, alike, sensor: number, wall })
 }
 
@@ -60,8 +59,9 @@ fn noise(model: &RangeModel, range_m: f32) -> (f32, f32) {
             (libm::sqrtf(square), ALIKE)
         }
         RangeModel::Sharp { scale_m, exponent, noise_v } => {
-            let volts = libm::powf(range_m / scale_m, 1.0 / exponent);
-            let own_m = exponent * range_m / volts * noise_v;
+            // In place of a power, which takes twice as long.
+            let per_volt_m = range_m * libm::expf(-libm::logf(range_m / scale_m) / exponent);
+            let own_m = exponent * per_volt_m * noise_v;
             (libm::sqrtf(own_m * own_m + SURFACE_M * SURFACE_M), 1.0)
         }
     }

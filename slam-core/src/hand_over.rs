@@ -81,7 +81,7 @@ pub struct HandOver<'a> {
 }
 
 /// What one number is a sum of: unknowns and its derivatives by them. Those of nought count for nothing.
-pub(crate) type Terms = [(usize, f32); 4];
+pub(crate) type Terms<const N: usize> = [(usize, f32); N];
 
 impl HandOver<'_> {
     /// Unknowns.
@@ -96,7 +96,7 @@ impl HandOver<'_> {
     }
 
     /// Covariance of two sums of unknowns.
-    pub(crate) fn of_sums(&self, a: &Terms, b: &Terms) -> f32 {
+    pub(crate) fn of_sums<const N: usize>(&self, a: &Terms<N>, b: &Terms<N>) -> f32 {
         let mut sum = 0.0;
         for &(i, u) in a.iter().filter(|(_, u)| *u != 0.0) {
             for &(j, v) in b.iter().filter(|(_, v)| *v != 0.0) {

@@ -47,13 +47,13 @@ const MOST_NEWBORN: usize = 8;
 #[derive(Clone, Copy)]
 struct Link {
     state: usize,
-    terms: Terms,
+    terms: Terms<2>,
 }
 
 const NONE: (usize, f32) = (0, 0.0);
 
-fn link(state: usize, [a, b]: [(usize, f32); 2]) -> Link {
-    Link { state, terms: [a, b, NONE, NONE] }
+fn link(state: usize, terms: Terms<2>) -> Link {
+    Link { state, terms }
 }
 
 /// A line as it lies to a pose: distance along its normal, metres, and the normal's direction, radians.
@@ -201,7 +201,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let offset = hand_over::WALLS + 2 * index;
         let arm_m = placed.anchor_m - along(&found.pose, placed.beta_rad);
         let there = [(offset, 1.0), (offset + 1, arm_m), (hand_over::POSE, -c), (hand_over::POSE + 1, -s)];
-        let turned = [(offset + 1, 1.0), (hand_over::POSE + 2, -1.0), NONE, NONE];
+        let turned = [(offset + 1, 1.0), (hand_over::POSE + 2, -1.0)];
         let [off_m, off_rad] = [their_m - own_m, wrap(their_rad - own_rad)];
         let gate_m2 = GATE * (known_m2 + found.of_sums(&there, &there) + FLUSH_M * FLUSH_M);
         let gate_rad2 = GATE * (known_rad2 + found.of_sums(&turned, &turned) + STRAIGHT_RAD * STRAIGHT_RAD);
@@ -297,10 +297,12 @@ fn calibration(
 impl EkfView {
     /// Gives the linked states the hand-over's covariance. The others keep theirs with one another and have none with these.
     fn relate(&mut self, links: &[Link], found: &HandOver) {
-        for (i, a) in links.iter().enumerate() {
-            for other in 0..self.len() {
-                self.set_covariance(a.state, other, 0.0);
+        for other in (0..self.len()).filter(|other| links.iter().all(|link| link.state != *other)) {
+            for link in links {
+                self.set_covariance(link.state, other, 0.0);
             }
+        }
+        for (i, a) in links.iter().enumerate() {
             for b in links.iter().take(i + 1) {
                 self.set_covariance(a.state, b.state, found.of_sums(&a.terms, &b.terms));
             }
@@ -340,7 +342,8 @@ impl MapView {
             let quarter =
                 (placed.on_grid && self.has_grid && policy != WallPolicy::Free).then(|| grid.quarter(placed.beta_rad));
             let needed = 1 + usize::from(quarter.is_none() || deviation > 0.0);
-            let known = self.walls().iter().position(|wall| found.wall_named(wall.id) == Some(index));
+            let names = found.names.iter().filter(|(_, wall)| usize::from(*wall) == index);
+            let known = names.filter_map(|(name, _)| self.walls().iter().position(|wall| wall.id == *name)).min();
             let has_room = ekf.len() + needed <= ekf.capacity() && (known.is_some() || !self.is_full());
             if placed.hits < KNOWN_AFTER || !has_room {
                 if let Some(known) = known {

@@ -5,7 +5,7 @@ use crc::{Crc, NoTable};
 use heapless::Vec;
 
 /// First byte of every frame. Another number is another format.
-pub const VERSION: u8 = 3;
+pub const VERSION: u8 = 4;
 /// Longest frame on the line, bytes, the closing zero included.
 pub const FRAME_CAPACITY: usize = 192;
 

@@ -36,7 +36,7 @@ impl From<Range> for RangeInput {
 }
 
 impl Estimate {
-    /// What the estimator holds after the sample taken at this time.
+    /// What the estimator holds after the sample taken at this time, on time.
     pub fn of<const S: usize, const W: usize, const B: usize, const ROWS: usize>(
         slam: &Slam<S, W, B, ROWS>,
         time_us: u64,
@@ -50,16 +50,18 @@ impl Estimate {
             dead_reckoning: [dead_reckoning.x_m, dead_reckoning.y_m, dead_reckoning.theta_rad],
             walls: u8::try_from(slam.walls().count()).unwrap_or(u8::MAX),
             health: slam.health().into(),
+            epoch: slam.epoch(),
+            late_us: 0,
         }
     }
 
-    /// Whether every bit is the same; unlike `==` this also holds for values that are not numbers.
+    /// Whether every bit of the estimate is the same, whenever it was made; unlike `==` this also holds for values that are not numbers.
     pub fn same_bits(&self, other: &Self) -> bool {
         let bits =
             |e: &Self| (e.pose.map(f32::to_bits), e.covariance.map(f32::to_bits), e.dead_reckoning.map(f32::to_bits));
         let alpha = |e: &Self| e.alpha.map(|alpha| alpha.map(f32::to_bits));
         self.time_us == other.time_us
-            && (self.walls, self.health) == (other.walls, other.health)
+            && (self.walls, self.health, self.epoch) == (other.walls, other.health, other.epoch)
             && bits(self) == bits(other)
             && alpha(self) == alpha(other)
     }

@@ -26,6 +26,8 @@ pub enum Frame {
     Motors(Motors),
     /// What the robot shall do.
     Command(Command),
+    /// What its back end did so far.
+    LookBack(LookBack),
 }
 
 /// Raw input of one estimator step.
@@ -85,6 +87,10 @@ pub struct Estimate {
     pub walls: u8,
     /// How the estimator is.
     pub health: Health,
+    /// Changes whenever the map as a whole is another one (`slam_core::Slam::epoch`).
+    pub epoch: u32,
+    /// How late the estimator's step began after its sample was due, microseconds.
+    pub late_us: u32,
 }
 
 /// How the estimator is, as `slam_core::Health` describes it.
@@ -225,6 +231,29 @@ pub struct BoardFaults {
     pub late_tasks: u32,
     /// No count: the most stack that was ever in use, bytes.
     pub stack_used_bytes: u32,
+}
+
+/// The back end's counts since the robot's start; they saturate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LookBack {
+    /// Keyframes in the diary now.
+    pub keyframes: u16,
+    /// Groups of hits in it.
+    pub groups: u16,
+    /// Whether a look back is under way.
+    pub is_working: bool,
+    /// Look backs that were done.
+    pub done: u32,
+    /// That ended without a result.
+    pub fruitless: u32,
+    /// That were thrown away, since the estimator began anew.
+    pub outdated: u32,
+    /// Hand-overs that the estimator took.
+    pub taken_over: u32,
+    /// Those that it did not, by reason, in the order of `slam_core::NotTaken::ALL`.
+    pub not_taken: [u32; slam_core::NotTaken::COUNT],
+    /// Steps for which the estimator had to wait until the back end was returned; the sensors were read and the pilot told before.
+    pub late: u32,
 }
 
 /// What the motors are given.

@@ -3,8 +3,8 @@
 use proptest::prelude::*;
 use slam_core::RangeInput;
 use wire::{
-    BoardFaults, Calibration, Command, Contacts, Decoder, Estimate, Factor, Faults, Frame, Health, Motors, Parameter,
-    Range, Sample, SlamFaults, Wall, WallKind, encode,
+    BoardFaults, Calibration, Command, Contacts, Decoder, Estimate, Factor, Faults, Frame, Health, LookBack, Motors,
+    Parameter, Range, Sample, SlamFaults, Wall, WallKind, encode,
 };
 
 fn sample() -> impl Strategy<Value = Frame> {
@@ -25,8 +25,8 @@ fn sample() -> impl Strategy<Value = Frame> {
 
 fn estimate() -> impl Strategy<Value = Frame> {
     let health = prop::sample::select(vec![Health::Well, Health::Unexplained, Health::Degenerate]);
-    (any::<u64>(), any::<[f32; 12]>(), any::<Option<[f32; 2]>>(), any::<u8>(), health).prop_map(
-        |(time_us, f, alpha, walls, health)| {
+    (any::<u64>(), any::<[f32; 12]>(), any::<Option<[f32; 2]>>(), any::<u8>(), health, any::<[u32; 2]>()).prop_map(
+        |(time_us, f, alpha, walls, health, [epoch, late_us])| {
             Frame::Estimate(Estimate {
                 time_us,
                 pose: [f[0], f[1], f[2]],
@@ -35,6 +35,8 @@ fn estimate() -> impl Strategy<Value = Frame> {
                 dead_reckoning: [f[9], f[10], f[11]],
                 walls,
                 health,
+                epoch,
+                late_us,
             })
         },
     )
@@ -67,6 +69,15 @@ fn faults() -> impl Strategy<Value = Frame> {
     })
 }
 
+fn look_back() -> impl Strategy<Value = Frame> {
+    (any::<[u16; 2]>(), any::<bool>(), any::<[u32; 5]>(), any::<[u32; slam_core::NotTaken::COUNT]>()).prop_map(
+        |([keyframes, groups], is_working, [done, fruitless, outdated, taken_over, late], not_taken)| {
+            let diary = LookBack { keyframes, groups, is_working, ..LookBack::default() };
+            Frame::LookBack(LookBack { done, fruitless, outdated, taken_over, not_taken, late, ..diary })
+        },
+    )
+}
+
 fn small() -> impl Strategy<Value = Frame> {
     (any::<u64>(), any::<[f32; 2]>(), 0..5).prop_map(|(time_us, [left, right], which)| match which {
         0 => Frame::Motors(Motors { time_us, left, right }),
@@ -78,7 +89,7 @@ fn small() -> impl Strategy<Value = Frame> {
 }
 
 fn frame() -> impl Strategy<Value = Frame> {
-    prop_oneof![sample(), estimate(), wall(), calibration(), faults(), small()]
+    prop_oneof![sample(), estimate(), wall(), calibration(), faults(), look_back(), small()]
 }
 
 /// The frames found in a stream, errors left out.

@@ -48,7 +48,7 @@ impl Elf {
         let text = text.collect::<Result<_>>()?;
         let (mut flash_bytes, mut static_ram_bytes) = (0, 0);
         for section in file.sections().filter(|section| section.address() >= FLASH_START) {
-            let in_ram = section.address() >= RAM_START;
+            let in_ram = section.address() >= CCRAM_START;
             // Initial values of variables lie in flash, too.
             flash_bytes += if in_ram && !is_loaded(&section) { 0 } else { section.size() };
             static_ram_bytes += if in_ram { section.size() } else { 0 };
@@ -122,8 +122,8 @@ impl Elf {
     }
 }
 
-/// Start of the STM32F405's RAM.
-const RAM_START: u64 = 0x2000_0000;
+/// Start of the STM32F405's RAM: the core-coupled one, then the other.
+const CCRAM_START: u64 = 0x1000_0000;
 
 /// Start of its flash; what the debugger reads lies below, at 0.
 const FLASH_START: u64 = 0x0800_0000;

@@ -14,13 +14,15 @@ struct Image {
 impl Image {
     /// The image for these arguments of `lab hil`; a copy of each keeps them apart.
     fn of(arguments: &[&str]) -> Self {
-        let serial = arguments.contains(&"--serial");
+        let (serial, timed) = (arguments.contains(&"--serial"), arguments.contains(&"--timed"));
         let metric = arguments.windows(2).any(|pair| pair == ["--rig", METRIC]);
-        let (features, name) = match (serial, metric) {
-            (false, false) => ("hil", "hil-semihosting"),
-            (true, false) => ("hil-usart", "hil-serial"),
-            (false, true) => ("hil-metric", "hil-metric-semihosting"),
-            (true, true) => ("hil-usart,hil-metric", "hil-metric-serial"),
+        let (features, name) = match (serial, timed, metric) {
+            (true, _, false) => ("hil-usart", "hil-serial"),
+            (true, _, true) => ("hil-usart,hil-metric", "hil-metric-serial"),
+            (false, true, false) => ("hil-timed", "hil-timed"),
+            (false, true, true) => ("hil-timed,hil-metric", "hil-metric-timed"),
+            (false, false, false) => ("hil", "hil-semihosting"),
+            (false, false, true) => ("hil-metric", "hil-metric-semihosting"),
         };
         Self { features, name }
     }
@@ -61,6 +63,10 @@ const DRIVE: &str = "target/hil/semihosting";
 const METRIC: &str = "time-of-flight";
 /// Where its drive leaves its results.
 const METRIC_DRIVE: &str = "target/hil/metric";
+/// Where it leaves those on the processor's own clock, with look backs handed over and without.
+const TIMED_DRIVES: [(&str, &str); 2] = [("true", "target/hil/timed"), ("false", "target/hil/timed-alone")];
+/// Latest that a step may begin after its sample was due, microseconds: a fortieth of its period.
+const LATEST_US: f64 = 1000.0;
 /// Largest error of the position in that drive, metres; dead reckoning has ten times as much.
 const LARGEST_ERROR_M: f64 = 0.04;
 /// Most walls over a metre that a drive passed and that its map lacks: one that was seen for hardly long enough.
@@ -100,5 +106,49 @@ pub fn test() -> Result {
             return Err(format!("{drive}: {missed} walls are missed; at most {MOST_MISSED}"));
         }
     }
+    if figure_of(METRIC_DRIVE, "hand_overs_taken")? < 1.0 {
+        return Err(format!("{METRIC_DRIVE}: no look back was handed over"));
+    }
+    timed("3")?;
     drive_with(&mut tested_lab()?, &["--serial", "--minutes", "0.1", "--out", "target/hil/serial"])
+}
+
+/// Ten minutes of the robot whose look backs are handed over, in lock step: as many estimates with the host's bits as there are.
+pub fn long() -> Result {
+    drive_with(&mut tested_lab()?, &["--rig", METRIC, "--minutes", "10", "--out", "target/hil/long"])?;
+    match figure_of("target/hil/long", "hand_overs_taken")? {
+        taken if taken >= 3.0 => Ok(()),
+        taken => Err(format!("{taken} look backs were handed over; three at least are wanted")),
+    }
+}
+
+/// Drives on the processor's own clock with the back end and without, and says how late the steps began in each.
+pub fn timed(minutes: &str) -> Result {
+    for (hand_overs, out) in TIMED_DRIVES {
+        let hand_overs = ["--hand-overs", hand_overs];
+        drive_with(
+            &mut tested_lab()?,
+            &[&["--timed", "--rig", METRIC, "--minutes", minutes, "--out", out], &hand_overs[..]].concat(),
+        )?;
+    }
+    println!("steps began late, us       median      99 %      most   look backs taken over");
+    for (hand_overs, out) in TIMED_DRIVES {
+        let [median, p99, most] = ["late_us_median", "late_us_99", "late_us_most"].map(|key| figure_of(out, key));
+        let (median, p99, most) = (median?, p99?, most?);
+        let (name, taken) = match hand_overs {
+            "true" => ("with the back end", figure_of(out, "hand_overs_taken")?),
+            _ => ("without", 0.0),
+        };
+        println!("{name:<22}{median:>11}{p99:>10}{most:>10}{taken:>10}");
+        if most > LATEST_US {
+            return Err(format!("{out}: a step began {most} us late; at most {LATEST_US} us"));
+        }
+    }
+    Ok(())
+}
+
+/// Deepest stack of the drive on the processor's own clock, bytes: there tasks interrupt the back end, as on the robot.
+pub fn deepest_stack() -> Result<u64> {
+    timed("3")?;
+    Ok(figure_of(TIMED_DRIVES[0].1, "stack_used_bytes")? as u64)
 }

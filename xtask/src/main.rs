@@ -25,6 +25,8 @@ const HELP: &str = "\
 cargo xtask setup            install what the tests need (asks first, unless the variable CI is set)
 cargo xtask test [STEP...]   set up what is missing, then run every step, or only the named ones
 cargo xtask hil [ARG...]     run the firmware in the emulator, in the loop with the simulated home (see `lab hil --help`)
+cargo xtask hil-long         ten minutes in the loop with look backs handed over, every estimate with the host's bits
+cargo xtask late [MINUTES]   how late the estimator's steps begin in the emulator, with the back end and without
 cargo xtask panic-check      show that slam-core has no panic path on the robot's processor
 cargo xtask size             flash, RAM and stack of the robot's program, against their budgets
 cargo xtask timing           count the instructions of slam-core's routines and compare with docs/results/timing.csv
@@ -39,6 +41,9 @@ fn main() -> ExitCode {
         ["setup"] => setup::setup(),
         ["test", steps @ ..] => test::test(steps),
         ["hil", arguments @ ..] => hil::hil(arguments),
+        ["hil-long"] => hil::long(),
+        ["late"] => hil::timed("3"),
+        ["late", minutes] => hil::timed(minutes),
         ["panic-check"] => panic_check::panic_check(),
         ["figures"] => figures::figures(),
         ["size"] => size::size(),

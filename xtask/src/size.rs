@@ -7,9 +7,9 @@ use crate::thumb::{TARGET, Thumb};
 use std::collections::BTreeMap;
 
 /// Most flash of the shipped program, bytes.
-const FLASH_BUDGET: u64 = 160 * 1024;
+const FLASH_BUDGET: u64 = 320 * 1024;
 /// Most RAM: statics of the shipped program and the deepest stack of a drive in the loop, bytes.
-const RAM_BUDGET: u64 = 64 * 1024;
+const RAM_BUDGET: u64 = 176 * 1024;
 /// Largest symbols that are printed.
 const SYMBOLS: usize = 15;
 
@@ -34,7 +34,7 @@ pub fn size() -> Result {
     }
     print_crates(&shipped);
     print_largest(&shipped, "flash", |symbol| symbol.is_function);
-    print_largest(&shipped, "static RAM", |symbol| !symbol.is_function && symbol.address >= RAM_START);
+    print_largest(&shipped, "static RAM", |symbol| !symbol.is_function && symbol.address >= CCRAM_START);
     let rows = sizes.rows();
     for (name, bytes, budget) in rows {
         let budget = budget.map(|budget| format!("budget {budget}")).unwrap_or_default();
@@ -45,11 +45,10 @@ pub fn size() -> Result {
     if over.is_empty() { Ok(()) } else { Err(format!("over budget: {}", over.join("; "))) }
 }
 
-/// Builds the robot's program and drives its loop build.
+/// Builds the robot's program, with its back end at work whatever its sensors are, and drives its loop build.
 pub fn measure() -> Result<(Sizes, Elf)> {
     let shipped = build()?;
-    hil::drive()?;
-    let stack = hil::figure("stack_used_bytes")? as u64;
+    let stack = hil::deepest_stack()?;
     let sizes = Sizes { flash: shipped.flash_bytes(), statics: shipped.static_ram_bytes(), stack };
     Ok((sizes, shipped))
 }
@@ -66,15 +65,13 @@ impl Sizes {
     }
 }
 
-/// Start of the STM32F405's core-coupled RAM.
+/// Start of the STM32F405's core-coupled RAM; its other RAM lies above.
 const CCRAM_START: u64 = 0x1000_0000;
-/// Start of its RAM.
-const RAM_START: u64 = 0x2000_0000;
 
 fn build() -> Result<Elf> {
     let thumb = Thumb::require()?;
     let mut build = thumb.cargo("firmware", "build");
-    run(build.args(["--release", "--package", "firmware", "--bin", "robot", "--features", "board"]))?;
+    run(build.args(["--release", "--package", "firmware", "--bin", "robot", "--features", "board,hand-overs"]))?;
     Elf::read(&thumb.target_dir().join(TARGET).join("release/robot"))
 }
 
@@ -82,7 +79,7 @@ fn print_crates(elf: &Elf) {
     let mut crates: BTreeMap<String, [u64; 2]> = BTreeMap::new();
     for symbol in elf.symbols() {
         let sizes = crates.entry(crate_of(&symbol.name)).or_default();
-        sizes[usize::from(symbol.address >= RAM_START)] += symbol.size;
+        sizes[usize::from(symbol.address >= CCRAM_START)] += symbol.size;
     }
     let mut rows: Vec<_> = crates.into_iter().filter(|(_, sizes)| sizes.iter().sum::<u64>() >= 256).collect();
     rows.sort_by_key(|(_, sizes)| std::cmp::Reverse(sizes[0] + sizes[1]));

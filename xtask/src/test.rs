@@ -119,12 +119,13 @@ fn no_std() -> Result {
 /// Clippy of the firmware's workspace; Debian's compiler comes without clippy, so that one checks with its own warnings.
 fn firmware_lint() -> Result {
     let thumb = Thumb::require()?;
-    let checks: [&[&str]; 6] = [
+    let checks: [&[&str]; 7] = [
         &["--package", "timing", "--package", "panic-check"],
         &["--package", "firmware", "--bin", "robot", "--features", "board"],
         &["--package", "firmware", "--bin", "fail_safe", "--features", "fail-safe"],
         &["--package", "firmware", "--bin", "hil", "--features", "hil"],
         &["--package", "firmware", "--bin", "hil", "--features", "hil-metric"],
+        &["--package", "firmware", "--bin", "hil", "--features", "hil-timed"],
         &["--package", "firmware", "--bin", "hil", "--features", "hil-usart"],
     ];
     for check in checks {

@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 const FILE: &str = "docs/results/timing.csv";
-/// What prints counts: the estimator's cases, and a look back, for which there is no memory beside them.
-const PROGRAMS: [&str; 2] = ["timing", "look-back-timing"];
+/// What prints counts: the estimator's cases, and the back end's, for which there is no memory beside them.
+const PROGRAMS: [&str; 3] = ["timing", "look-back-timing", "back-end-timing"];
 const HEADER: &str = "case,compiler,instructions";
 /// Largest growth over the committed figure with the same compiler.
 const GROWTH: f64 = 1.05;

@@ -1,14 +1,32 @@
-//! One step of the robot's estimator.
+//! One step of the robot's estimator, and of its back end.
 //!
 //! Generic code is compiled with the profile of the crate that names its types. This crate has the one for speed; the
 //! tasks around it, which seldom run, have the one for size.
 #![no_std]
 #![forbid(unsafe_code)]
 
-use slam_core::{RobotSlam, Sample, StepReport};
+use look_back::{RobotBackEnd, STEP_US};
+use slam_core::{NotTaken, RobotSlam, Sample, StepReport};
 
 /// [`RobotSlam::step`].
 #[inline(never)]
 pub fn step(slam: &mut RobotSlam, sample: &Sample<8>) -> StepReport<8> {
     slam.step(sample)
+}
+
+/// Writes the estimator's last step down, then hands over what a look back found, if one is done.
+#[inline(never)]
+pub fn follow(
+    back_end: &mut RobotBackEnd,
+    slam: &mut RobotSlam,
+    report: &StepReport<8>,
+) -> Option<Result<(), NotTaken>> {
+    back_end.record(slam, report);
+    back_end.hand_over(slam)
+}
+
+/// Looks back for the work of one step.
+#[inline(never)]
+pub fn look_back(back_end: &mut RobotBackEnd) {
+    back_end.work(STEP_US);
 }

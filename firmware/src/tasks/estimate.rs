@@ -1,21 +1,27 @@
-//! The estimator: ranges and counts in; senses for the pilot and frames for the telemetry out.
+//! The estimator: ranges and counts in; senses for the pilot and frames for the telemetry out; then the back end's turn.
 
 use crate::SENSORS;
 use crate::faults::Task;
+use crate::look_backs::LookBacks;
 use crate::shared::{Ranges, Shared};
 use core::cell::Cell;
+use embassy_futures::yield_now;
+use embassy_time::Instant;
+use look_back::RobotBackEnd;
 use robot::Senses;
 use slam_core::{Config, RobotSlam, StepReport};
-use wire::{Calibration, Estimate, Faults, Frame, Sample, Wall};
+use wire::{Calibration, Estimate, Faults, Frame, LookBack, Sample, Wall};
 
 /// Steps between two frames of calibration and faults: once a second.
 const SLOW_FRAMES: u32 = 25;
 
-/// Estimates whenever ranges come; starts afresh with this configuration when the map is to be reset.
-pub async fn estimate(slam: &mut RobotSlam, config: Config, shared: &Shared) -> ! {
+/// Estimates whenever ranges come; starts afresh with this configuration when the map is to be reset. Where the configuration
+/// has hand-overs, there is a back end among the look backs.
+pub async fn estimate(slam: &mut RobotSlam, config: Config, shared: &Shared, look_backs: &LookBacks) -> ! {
     let mut steps = 0_u32;
     loop {
         let ranges = shared.ranges.receive().await;
+        let late_us = Instant::now().as_micros().saturating_sub(ranges.time_us);
         if shared.reset_map.try_take().is_some() {
             // The rig was accepted before: it is again.
             let _ = slam.start_with_config(slam.rig().clone(), config);
@@ -24,8 +30,24 @@ pub async fn estimate(slam: &mut RobotSlam, config: Config, shared: &Shared) -> 
         let report = estimator::step(slam, &sample.to_slam());
         shared.senses.signal(senses(slam, &sample, &report, shared));
         steps = steps.wrapping_add(1);
-        tell(slam, sample, steps, shared);
+        tell(slam, sample, late_us, shared);
+        let is_slow = steps.is_multiple_of(SLOW_FRAMES);
+        if is_slow {
+            tell_slow(slam, shared);
+        }
         shared.reports.report(Task::Estimate);
+        if config.hand_overs {
+            // Telemetry has its frames and goes first; twice, since the executor runs what was woken last before it.
+            yield_now().await;
+            yield_now().await;
+            let back_end = look_backs.returned().await;
+            // What came of a hand-over is among the estimator's counters.
+            estimator::follow(back_end, slam, &report);
+            if is_slow {
+                shared.push_frame(Frame::LookBack(look_back(slam, back_end, look_backs)));
+            }
+            look_backs.lend(back_end);
+        }
     }
 }
 
@@ -39,19 +61,38 @@ fn senses(slam: &RobotSlam, sample: &Sample, report: &StepReport<SENSORS>, share
 }
 
 /// Hands the sample and what came of it to the telemetry; one wall after the other, one a step.
-fn tell(slam: &RobotSlam, sample: Sample, steps: u32, shared: &Shared) {
+fn tell(slam: &RobotSlam, sample: Sample, late_us: u64, shared: &Shared) {
     let time_us = sample.time_us;
     shared.push_frame(Frame::Sample(sample));
-    shared.push_frame(Frame::Estimate(Estimate::of(slam, time_us)));
+    let late_us = u32::try_from(late_us).unwrap_or(u32::MAX);
+    shared.push_frame(Frame::Estimate(Estimate { late_us, ..Estimate::of(slam, time_us) }));
     let count = slam.walls().count();
-    let index = (steps as usize).checked_rem(count).unwrap_or(0);
+    let index = (slam.counters().steps as usize).checked_rem(count).unwrap_or(0);
     if let Some(wall) = slam.walls().nth(index) {
         shared.push_frame(Frame::Wall(Wall::of(&wall, index as u8, count as u8)));
     }
-    if steps.is_multiple_of(SLOW_FRAMES) {
-        shared.push_frame(Frame::Calibration(Calibration::of(slam)));
-        let slam = slam.counters().into();
-        shared.push_frame(Frame::Faults(Faults { slam, board: shared.faults.get() }));
+}
+
+/// Hands calibration and faults to the telemetry.
+fn tell_slow(slam: &RobotSlam, shared: &Shared) {
+    shared.push_frame(Frame::Calibration(Calibration::of(slam)));
+    let slam = slam.counters().into();
+    shared.push_frame(Frame::Faults(Faults { slam, board: shared.faults.get() }));
+}
+
+/// What the back end did so far.
+fn look_back(slam: &RobotSlam, back_end: &RobotBackEnd, look_backs: &LookBacks) -> LookBack {
+    let (tally, counters) = (back_end.tally(), slam.counters());
+    LookBack {
+        keyframes: back_end.diary().keyframes().len() as u16,
+        groups: back_end.diary().group_count() as u16,
+        is_working: back_end.is_looking_back(),
+        done: tally.done,
+        fruitless: tally.fruitless,
+        outdated: tally.outdated,
+        taken_over: counters.taken_over,
+        not_taken: counters.not_taken,
+        late: look_backs.late(),
     }
 }
 

@@ -3,6 +3,7 @@
 mod drive;
 mod estimate;
 mod guard;
+mod look_back;
 mod sense;
 mod serial;
 mod supervise;
@@ -10,6 +11,7 @@ mod supervise;
 pub use drive::drive;
 pub use estimate::estimate;
 pub use guard::guard;
+pub use look_back::look_back;
 pub use sense::{odometry, sample};
 pub use serial::{commands, telemetry};
 pub use supervise::{Platform, supervise};

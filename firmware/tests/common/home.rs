@@ -10,8 +10,9 @@ use embedded_hal::digital::{ErrorType, InputPin};
 use embedded_hal_async::digital::Wait;
 use embedded_io_async::{ErrorKind, ErrorType as IoErrorType, Read, Write};
 use firmware::tasks::{self, Platform};
-use firmware::{Pilot, SENSORS, Shared};
+use firmware::{LookBacks, Pilot, SENSORS, Shared};
 use hal_sim::{Board, Pose2, SimOptions, Simulation, plan_file};
+use look_back::RobotBackEnd;
 use robot::rig::BuiltIn;
 use robot::{ContactPins, PilotConfig, RangeSensorBank, WheelControl, WheelControlConfig};
 use slam_core::{Config, RobotSlam};
@@ -118,6 +119,7 @@ const STEP_MS: u64 = 2;
 pub struct Home {
     pub board: Board,
     pub shared: Shared,
+    pub look_backs: LookBacks,
     /// The motor driver's enable input, which the simulated board does not have.
     pub enabled: Cell<bool>,
     /// How often the watchdog was fed.
@@ -134,6 +136,7 @@ impl Home {
         Self {
             board: Board::new(simulation),
             shared: Shared::new(),
+            look_backs: LookBacks::new(),
             enabled: Cell::new(false),
             fed: Cell::new(0),
             up: RefCell::default(),
@@ -144,7 +147,8 @@ impl Home {
     /// Runs every task with these range sensors while `story` tells what happens.
     pub fn run(&self, robot: BuiltIn, mut bank: impl RangeSensorBank<SENSORS>, story: impl FnOnce(&mut Tasks<'_>)) {
         let shared = &self.shared;
-        let config = Config::for_rig::<SENSORS>(&robot.rig());
+        let config = Config { hand_overs: robot.hands_over(), ..Config::for_rig::<SENSORS>(&robot.rig()) };
+        self.look_backs.give_back(Box::leak(Box::new(RobotBackEnd::IDLE)));
         let mut slam = RobotSlam::with_config(robot.rig(), config).unwrap();
         let mut pilot = Pilot::new(PilotConfig::default(), &robot.rig());
         let (mut encoders, mut motors, pins) = (self.board.encoders(), self.board.motors(), self.board.contacts());
@@ -160,8 +164,11 @@ impl Home {
         let sensing = join(tasks::odometry(&mut encoders, shared), tasks::sample(&mut bank, shared));
         let all = join4(
             sensing,
-            tasks::estimate(&mut slam, config, shared),
-            tasks::drive(&mut pilot, control, &mut motors, shared),
+            join(
+                tasks::estimate(&mut slam, config, shared, &self.look_backs),
+                tasks::drive(&mut pilot, control, &mut motors, shared),
+            ),
+            tasks::look_back(&self.look_backs),
             join4(
                 tasks::guard(inputs, &mut enable, shared),
                 tasks::telemetry(&mut transmitter, shared),

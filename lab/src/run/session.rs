@@ -101,16 +101,13 @@ impl Session {
 
     /// Gives one sample to the estimator.
     pub fn estimate(&mut self, sample: &Sample<MAX_SENSORS>) -> StepReport<MAX_SENSORS> {
-        self.take_over();
+        self.look_back(sample.time_us);
         let before = now();
         let mut report = self.slam.step(sample);
         self.estimator_time += before.map_or(Duration::ZERO, |before| before.elapsed());
         if let Some(back) = &mut self.back {
             back.record(&self.slam, &report);
-            let since_us = sample.time_us.saturating_sub(self.last_us.unwrap_or(sample.time_us));
-            back.work(u32::try_from(since_us).unwrap_or(u32::MAX));
         }
-        self.last_us = Some(sample.time_us);
         let index = self.recording.steps.len();
         let is_new_frame = self.life.step(&mut self.slam, &report, index);
         if is_new_frame || !self.life.is_located() {
@@ -120,14 +117,16 @@ impl Session {
         report
     }
 
-    /// Takes over what a look back found, if one is done: between two samples, as the robot does.
-    fn take_over(&mut self) {
+    /// Between two samples, as the robot does: takes over what a look back found, if one is done, then works on.
+    fn look_back(&mut self, next_us: u64) {
+        let since_us = next_us.saturating_sub(self.last_us.replace(next_us).unwrap_or(next_us));
         let Some(back) = &mut self.back else { return };
         let before = self.slam.pose();
         if let Some(taken) = back.hand_over(&mut self.slam) {
             let moved = Pose2::from(before).relative(&self.slam.pose().into());
             self.recording.hand_overs.push(HandOver { step: self.recording.steps.len(), refused: taken.err(), moved });
         }
+        back.work(u32::try_from(since_us).unwrap_or(u32::MAX));
     }
 
     /// Records what came of the sample estimated last.

@@ -4,7 +4,7 @@ use std::io::ErrorKind;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
-use wire::{Calibration, Command, Decoder, Estimate, Faults, Frame, Motors, Sample, Wall, encode};
+use wire::{Calibration, Command, Decoder, Estimate, Faults, Frame, LookBack, Motors, Sample, Wall, encode};
 
 use super::target::{Opener, Running};
 
@@ -28,6 +28,8 @@ pub struct Answer {
     pub calibration: Option<Calibration>,
     /// The faults, once a second.
     pub faults: Option<Faults>,
+    /// What the back end did, once a second.
+    pub look_back: Option<LookBack>,
     /// Frames that arrived damaged.
     pub damaged: u32,
 }
@@ -91,6 +93,7 @@ impl Link {
                 Ok(Frame::Wall(wall)) => answer.wall = Some(wall),
                 Ok(Frame::Calibration(calibration)) => answer.calibration = Some(calibration),
                 Ok(Frame::Faults(faults)) => answer.faults = Some(faults),
+                Ok(Frame::LookBack(look_back)) => answer.look_back = Some(look_back),
                 Ok(Frame::Command(_)) | Err(_) => answer.damaged += 1,
             }
         }

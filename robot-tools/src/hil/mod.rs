@@ -47,6 +47,8 @@ pub struct Hil {
     pub out: PathBuf,
     /// The robot that the firmware is built for.
     pub robot: BuiltIn,
+    /// Whether look backs are handed over; none: as suits the robot.
+    pub hand_overs: Option<bool>,
     /// Where the firmware runs.
     pub target: Target,
 }
@@ -64,8 +66,10 @@ impl Hil {
             .map_err(|error| error.to_string())?;
         let folder = Folder::prepare(&self.out, &NAMES).map_err(|error| error.to_string())?;
         let mut files = Files::create(&folder, &robot, &rig_toml)?;
-        let mut shadow = Shadow::new(self.robot)?;
-        let mut link = Link::new(self.target.start()?)?;
+        let hand_overs = self.hand_overs.unwrap_or_else(|| self.robot.hands_over());
+        let mut shadow = Shadow::new(self.robot, hand_overs)?;
+        let word = if hand_overs { "hand-overs" } else { "no-hand-overs" };
+        let mut link = Link::new(self.target.start(word)?)?;
         link.send_command(Command::Start)?;
         let mut duty = Duty::default();
         let periods = (60.0 * self.minutes * 1e6 / PERIOD_US as f64).ceil() as u64;

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use serde_json::json;
-use wire::Faults;
+use wire::{Faults, LookBack};
 
 use super::Hil;
 use lab::recording::{MapScore, PathScore};
@@ -15,6 +15,27 @@ pub struct Difference {
     pub time_us: u64,
     /// What.
     pub what: String,
+}
+
+/// How late the estimator's steps began after their samples were due, microseconds.
+#[derive(Clone, Debug, Default)]
+pub struct Latenesses {
+    /// In ascending order.
+    sorted: Vec<u32>,
+}
+
+impl Latenesses {
+    /// Of these steps.
+    pub fn of(mut late_us: Vec<u32>) -> Self {
+        late_us.sort_unstable();
+        Self { sorted: late_us }
+    }
+
+    /// What this share of the steps was at most, 0 to 1.
+    pub fn at(&self, share: f64) -> u32 {
+        let last = self.sorted.len().saturating_sub(1);
+        self.sorted.get((share * last as f64).round() as usize).copied().unwrap_or(0)
+    }
 }
 
 /// What a drive in the loop showed.
@@ -34,6 +55,10 @@ pub struct Outcome {
     pub walls: usize,
     /// The firmware's last word on its faults.
     pub faults: Option<Faults>,
+    /// The firmware's last word on its back end; none where it has none.
+    pub look_back: Option<LookBack>,
+    /// How late its steps began.
+    pub late_us: Latenesses,
     /// Frames from the firmware that arrived damaged.
     pub damaged: u32,
 }
@@ -87,6 +112,12 @@ impl Outcome {
             "walls_missed": self.map.map(|map| map.missed),
             "walls_invented": self.map.map(|map| map.invented),
             "stack_used_bytes": self.faults.map(|faults| faults.board.stack_used_bytes),
+            "hand_overs_taken": self.look_back.map(|look_back| look_back.taken_over),
+            "hand_overs_refused": self.look_back.map(|look_back| look_back.not_taken.iter().sum::<u32>()),
+            "back_end_late": self.look_back.map(|look_back| look_back.late),
+            "late_us_median": self.late_us.at(0.5),
+            "late_us_99": self.late_us.at(0.99),
+            "late_us_most": self.late_us.at(1.0),
             "contact_stops": self.faults.map(|faults| faults.board.contact_stops),
         });
         format!("{figures:#}\n")
@@ -108,6 +139,12 @@ impl fmt::Display for Outcome {
             let walls = format!("{} missed, {} invented", map.missed, map.invented);
             writeln!(f, "  {:<34}{:>12}   {walls}", "walls in the map", self.walls)?;
         }
+        if let Some(LookBack { taken_over, not_taken, late, .. }) = &self.look_back {
+            let refused = not_taken.iter().sum::<u32>();
+            writeln!(f, "  {:<34}{taken_over:>12}   {refused} refused, {late} waited for", "hand-overs taken")?;
+        }
+        let [median, p99, most] = [0.5, 0.99, 1.0].map(|share| self.late_us.at(share));
+        writeln!(f, "  {:<34}{median:>12}   99 % {p99}, most {most}", "steps began late, median, us")?;
         if let Some(faults) = &self.faults {
             writeln!(f, "  {:<34}{:>12}", "stack used, bytes", faults.board.stack_used_bytes)?;
             writeln!(f, "  {:<34}{:>12}", "stops by bumper or cliff", faults.board.contact_stops)?;

@@ -1,12 +1,13 @@
 //! The host's estimator beside the firmware's: same samples, same bits.
 
 use hal_sim::{Face, SeenWall};
+use look_back::{RobotBackEnd, STEP_US};
 use robot::rig::BuiltIn;
-use slam_core::RobotSlam;
-use wire::{Estimate, Faults, Sample};
+use slam_core::{Config, RobotSlam};
+use wire::{Estimate, Faults, LookBack, Sample};
 
 use super::link::Answer;
-use super::outcome::{Difference, Outcome};
+use super::outcome::{Difference, Latenesses, Outcome};
 use lab::evaluate::score;
 use lab::evaluate::score::map::PassedWall;
 use lab::recording::{Pose2, Segment};
@@ -14,19 +15,34 @@ use lab::recording::{Pose2, Segment};
 /// The host's estimator, with a count of what was the same.
 pub struct Shadow {
     slam: Box<RobotSlam>,
+    /// The back end, where the firmware hands over.
+    back_end: Option<Box<RobotBackEnd>>,
     identical: u64,
     differences: Vec<Difference>,
     paths: Vec<[Pose2; 3]>,
     faults: Option<Faults>,
+    look_back: Option<LookBack>,
+    late_us: Vec<u32>,
     damaged: u32,
 }
 
 impl Shadow {
     /// The estimator as the firmware starts it.
-    pub fn new(robot: BuiltIn) -> Result<Self, String> {
-        let slam = RobotSlam::new(robot.rig());
+    pub fn new(robot: BuiltIn, hand_overs: bool) -> Result<Self, String> {
+        let config = Config { hand_overs, ..Config::for_rig::<{ wire::SENSORS }>(&robot.rig()) };
+        let slam = RobotSlam::with_config(robot.rig(), config);
         let slam = Box::new(slam.map_err(|error| format!("the built-in rig: {} {}", error.key, error.allowed))?);
-        Ok(Self { slam, identical: 0, differences: Vec::new(), paths: Vec::new(), faults: None, damaged: 0 })
+        Ok(Self {
+            slam,
+            back_end: hand_overs.then(|| Box::new(RobotBackEnd::IDLE)),
+            identical: 0,
+            differences: Vec::new(),
+            paths: Vec::new(),
+            faults: None,
+            look_back: None,
+            late_us: Vec::new(),
+            damaged: 0,
+        })
     }
 
     /// Takes the sample that the firmware says it took, and holds its estimate against the host's. `shown` is what the
@@ -34,12 +50,20 @@ impl Shadow {
     pub fn check(&mut self, shown: &Sample, answer: &Answer, truth: Pose2) -> Option<Estimate> {
         self.damaged += answer.damaged;
         self.faults = answer.faults.or(self.faults);
+        self.look_back = answer.look_back.or(self.look_back);
         let (sample, theirs) = (answer.sample.as_ref()?, answer.estimate?);
         if sample != shown {
             self.differ(sample, "the sample is not what the sensors showed");
         }
-        self.slam.step(&sample.to_slam());
+        let report = self.slam.step(&sample.to_slam());
         let ours = Estimate::of(&self.slam, sample.time_us);
+        if let Some(back_end) = &mut self.back_end {
+            // In the order and with the work of the firmware's tasks.
+            back_end.record(&self.slam, &report);
+            back_end.hand_over(&mut self.slam);
+            back_end.work(STEP_US);
+        }
+        self.late_us.push(theirs.late_us);
         if ours.same_bits(&theirs) {
             self.identical += 1;
         } else {
@@ -71,6 +95,8 @@ impl Shadow {
             map,
             walls: walls.len(),
             faults: self.faults,
+            look_back: self.look_back,
+            late_us: Latenesses::of(self.late_us),
             damaged: self.damaged,
         }
     }
@@ -84,7 +110,7 @@ mod tests {
 
     /// What a firmware that works says to two samples; `change` may falsify it.
     fn outcome(change: impl Fn(&mut Answer)) -> Outcome {
-        let mut shadow = Shadow::new(BuiltIn::Sharp).unwrap();
+        let mut shadow = Shadow::new(BuiltIn::Sharp, false).unwrap();
         let mut target = RobotSlam::new(default_rig()).unwrap();
         for step in 1..=2_u64 {
             let ranges = (0..8).map(|i| Range::Counts(1000 + 7 * i + step as u16)).collect();

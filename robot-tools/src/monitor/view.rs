@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use wire::{BoardFaults, Calibration, Estimate, Faults, Frame, Range, Sample, Wall};
+use wire::{BoardFaults, Calibration, Estimate, Faults, Frame, LookBack, Range, Sample, Wall};
 
 /// Most walls that are listed.
 const LISTED: usize = 24;
@@ -16,6 +16,9 @@ pub struct View {
     walls: BTreeMap<u8, Wall>,
     calibration: Option<Calibration>,
     faults: Option<Faults>,
+    look_back: Option<LookBack>,
+    /// The latest that a step began, microseconds.
+    latest_us: u32,
     samples: u64,
     /// Whether any frame arrived.
     heard: bool,
@@ -34,6 +37,7 @@ impl View {
             }
             Frame::Estimate(estimate) => {
                 self.walls.retain(|index, _| *index < estimate.walls);
+                self.latest_us = self.latest_us.max(estimate.late_us);
                 self.estimate = Some(estimate);
             }
             Frame::Wall(wall) => {
@@ -41,6 +45,7 @@ impl View {
             }
             Frame::Calibration(calibration) => self.calibration = Some(calibration),
             Frame::Faults(faults) => self.faults = Some(faults),
+            Frame::LookBack(look_back) => self.look_back = Some(look_back),
             Frame::Motors(_) | Frame::Command(_) => {}
         }
     }
@@ -80,6 +85,7 @@ impl fmt::Display for View {
         }
         let restarts = self.faults.map_or(0, |faults| faults.slam.restarts);
         writeln!(f, "health    {}, {restarts} maps begun anew", format!("{:?}", estimate.health).to_lowercase())?;
+        self.write_look_back(f, &estimate)?;
         self.write_sample(f)?;
         self.write_faults(f)?;
         self.write_calibration(f)?;
@@ -107,6 +113,25 @@ impl View {
         ];
         let touched: Vec<&str> = names.iter().filter(|(on, _)| *on).map(|(_, name)| *name).collect();
         writeln!(f, "\nticks     {} {}   touched: {}", sample.left_ticks, sample.right_ticks, touched.join(" "))
+    }
+
+    fn write_look_back(&self, f: &mut fmt::Formatter<'_>, estimate: &Estimate) -> fmt::Result {
+        let late_ms = f64::from(self.latest_us) * 1e-3;
+        writeln!(f, "steps     {late_ms:.1} ms late at most   map epoch {}", estimate.epoch)?;
+        let Some(back) = &self.look_back else { return Ok(()) };
+        let refused: Vec<String> = slam_core::NotTaken::ALL
+            .iter()
+            .zip(back.not_taken)
+            .filter(|(_, count)| *count > 0)
+            .map(|(reason, count)| format!("{reason:?} {count}").to_lowercase())
+            .collect();
+        let refused = if refused.is_empty() { "none".to_owned() } else { refused.join(", ") };
+        let now = if back.is_working { "under way" } else { "waiting" };
+        writeln!(
+            f,
+            "look back {now}, {} keyframes, {} groups; {} done, {} taken over, refused: {refused}; {} fruitless, {} outdated, {} late",
+            back.keyframes, back.groups, back.done, back.taken_over, back.fruitless, back.outdated, back.late
+        )
     }
 
     fn write_faults(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

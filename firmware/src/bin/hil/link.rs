@@ -1,33 +1,36 @@
 //! One exchange with the host for every moment of the clock.
 
 use crate::transport::Transport;
-use crate::{SHARED, clock, devices};
+use crate::{SHARED, devices};
 use wire::{Decoder, Frame, Motors, encode};
 
 /// The link to the host.
 pub struct Link {
     transport: Transport,
     decoder: Decoder,
+    /// The moment of the last sample, microseconds.
+    at_us: u64,
 }
 
 impl Link {
     /// A link that nothing has been said on.
     pub fn new(transport: Transport) -> Self {
-        Self { transport, decoder: Decoder::new() }
+        Self { transport, decoder: Decoder::new(), at_us: 0 }
     }
 
-    /// Says what the tasks said and what the motors are given, then waits for the next moment.
-    pub fn exchange(&mut self) {
+    /// Says what the tasks said and what the motors are given, then waits for the next moment: microseconds since the start.
+    pub fn exchange(&mut self) -> u64 {
         self.transport.write(&devices::take_said());
         let duty = devices::duty();
-        self.send(&Frame::Motors(Motors { time_us: clock::now_us(), left: duty.left, right: duty.right }));
+        self.send(&Frame::Motors(Motors { time_us: self.at_us, left: duty.left, right: duty.right }));
         loop {
             let byte = self.transport.read();
             match self.decoder.push(byte) {
                 None => {}
                 Some(Ok(Frame::Sample(sample))) => {
                     devices::set_inputs(&sample);
-                    return clock::advance(sample.time_us);
+                    self.at_us = sample.time_us;
+                    return self.at_us;
                 }
                 Some(Ok(frame @ Frame::Command(_))) => {
                     if let Ok(bytes) = encode(&frame) {

@@ -2,17 +2,21 @@
 //!
 //! In lock step: one [`Frame::Sample`](wire::Frame::Sample) from the host sets the inputs and the clock; the tasks run
 //! until none has anything left to do at that time; what they said goes back, and [`Frame::Motors`](wire::Frame::Motors)
-//! closes the answer. Nothing else moves the clock, so that a drive is the same on every machine.
+//! closes the answer. Nothing else moves the clock, so that a drive is the same on every machine. With the feature `hil-timed` the
+//! same is exchanged every 20 ms of the processor's own clock, and tasks preempt the back end as on the robot.
 #![no_std]
 #![no_main]
 
 #[cfg_attr(feature = "hil-metric", path = "metric_bank.rs")]
 #[cfg_attr(not(feature = "hil-metric"), path = "analogue_bank.rs")]
 mod bank;
-mod clock;
+#[path = "../../core_ram.rs"]
+mod core_ram;
 mod devices;
-mod executor;
 mod link;
+#[cfg_attr(feature = "hil-timed", path = "timed/mod.rs")]
+#[cfg_attr(not(feature = "hil-timed"), path = "lock_step/mod.rs")]
+mod schedule;
 #[path = "../../stack.rs"]
 mod stack;
 #[cfg_attr(feature = "hil-usart", path = "usart.rs")]
@@ -25,38 +29,56 @@ use cortex_m_semihosting::{debug, hprintln};
 use devices::{Emulated, Enable, Encoders, Input, Line, Motors};
 use embassy_executor::Spawner;
 use firmware::tasks;
-use firmware::{Pilot, SENSORS, Shared};
+use firmware::{LookBacks, Pilot, SENSORS, Shared};
+use look_back::RobotBackEnd;
 use robot::{ContactPins, PilotConfig, WheelControl, WheelControlConfig};
 use slam_core::{Config, RobotSlam};
-use static_cell::{ConstStaticCell, StaticCell};
+use static_cell::ConstStaticCell;
 
 static SHARED: Shared = Shared::new();
-static SLAM: ConstStaticCell<RobotSlam> = ConstStaticCell::new(RobotSlam::IDLE);
-static PILOT: StaticCell<Pilot> = StaticCell::new();
+static LOOK_BACKS: LookBacks = LookBacks::new();
+static BACK_END: ConstStaticCell<RobotBackEnd> = ConstStaticCell::new(RobotBackEnd::IDLE);
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    let slam = SLAM.take();
-    assert!(slam.start_with_config(ROBOT.rig(), config()).is_ok(), "the built-in rig is valid");
-    let pilot = PILOT.init_with(|| Pilot::new(PilotConfig::default(), &ROBOT.rig()));
-    let mut link = link::Link::new(transport::Transport::open());
-    executor::run(|spawner| spawn(spawner, slam, pilot), || link.exchange())
+    let config = Config { hand_overs: hand_overs(), ..Config::for_rig::<SENSORS>(&ROBOT.rig()) };
+    let slam = core_ram::SLAM.take();
+    assert!(slam.start_with_config(ROBOT.rig(), config).is_ok(), "the built-in rig is valid");
+    let pilot = core_ram::PILOT.init_with(|| Pilot::new(PilotConfig::default(), &ROBOT.rig()));
+    LOOK_BACKS.give_back(BACK_END.take());
+    let link = link::Link::new(transport::Transport::open());
+    schedule::run(|levels| spawn(levels, slam, pilot, config), link)
 }
 
-fn config() -> Config {
-    Config::for_rig::<SENSORS>(&ROBOT.rig())
+/// Whether hand-overs are taken: as suits the robot, unless the emulator's command line ends with `hand-overs` or
+/// `no-hand-overs`.
+fn hand_overs() -> bool {
+    match transport::last_word(&mut [0; 256]) {
+        b"hand-overs" => true,
+        b"no-hand-overs" => false,
+        _ => ROBOT.hands_over(),
+    }
 }
 
-fn spawn(spawner: Spawner, slam: &'static mut RobotSlam, pilot: &'static mut Pilot) {
+/// Where tasks are spawned: each level goes before the next one.
+struct Levels {
+    step: Spawner,
+    drive: Spawner,
+    below: Spawner,
+}
+
+fn spawn(levels: Levels, slam: &'static mut RobotSlam, pilot: &'static mut Pilot, config: Config) {
+    let Levels { step, drive: drives, below } = levels;
     let once = "each task is spawned once";
-    spawner.spawn(odometry().expect(once));
-    spawner.spawn(sample().expect(once));
-    spawner.spawn(estimate(slam).expect(once));
-    spawner.spawn(drive(pilot).expect(once));
-    spawner.spawn(guard().expect(once));
-    spawner.spawn(telemetry().expect(once));
-    spawner.spawn(commands().expect(once));
-    spawner.spawn(supervise().expect(once));
+    step.spawn(odometry().expect(once));
+    step.spawn(sample().expect(once));
+    step.spawn(estimate(slam, config).expect(once));
+    step.spawn(telemetry().expect(once));
+    drives.spawn(drive(pilot).expect(once));
+    drives.spawn(guard().expect(once));
+    drives.spawn(commands().expect(once));
+    drives.spawn(supervise().expect(once));
+    below.spawn(look_back().expect(once));
 }
 
 #[embassy_executor::task]
@@ -70,8 +92,13 @@ async fn sample() -> ! {
 }
 
 #[embassy_executor::task]
-async fn estimate(slam: &'static mut RobotSlam) -> ! {
-    tasks::estimate(slam, config(), &SHARED).await
+async fn estimate(slam: &'static mut RobotSlam, config: Config) -> ! {
+    tasks::estimate(slam, config, &SHARED, &LOOK_BACKS).await
+}
+
+#[embassy_executor::task]
+async fn look_back() -> ! {
+    tasks::look_back(&LOOK_BACKS).await
 }
 
 #[embassy_executor::task]

@@ -51,6 +51,15 @@ impl Transport {
     }
 }
 
+/// The last word of the emulator's command line.
+pub fn last_word(text: &mut [u8]) -> &[u8] {
+    // SAFETY: the host writes at most as many bytes as there are, the last one a zero.
+    let failed = unsafe { syscall!(GET_CMDLINE, text.as_mut_ptr(), text.len()) } != 0;
+    let line = text.split(|byte| *byte == 0).next().unwrap_or_default();
+    let word = line.rsplit(|byte| *byte == b' ').next().unwrap_or_default();
+    if failed { &[] } else { word }
+}
+
 fn open(name: &[u8], mode: usize) -> usize {
     // SAFETY: the host only reads the name, which ends with a zero byte.
     let handle = unsafe { syscall!(OPEN, name.as_ptr(), mode, name.len() - 1) };

@@ -43,3 +43,8 @@ impl Transport {
         }
     }
 }
+
+/// Nobody says a word to a board before it starts.
+pub fn last_word(_text: &mut [u8]) -> &[u8] {
+    &[]
+}

@@ -3,6 +3,8 @@
 #![no_main]
 
 mod board;
+#[path = "../../core_ram.rs"]
+mod core_ram;
 #[path = "../../fail_safe.rs"]
 mod fail_safe;
 mod interrupt_level;
@@ -20,37 +22,46 @@ use embassy_stm32::usart::{RingBufferedUartRx, UartTx};
 use embassy_stm32::wdg::IndependentWatchdog;
 use firmware::burst::BurstBank;
 use firmware::tasks::{self, Platform};
-use firmware::{Pilot, SENSORS, Shared};
-use robot::rig::default_rig;
+use firmware::{LookBacks, Pilot, SENSORS, Shared};
+use look_back::RobotBackEnd;
+use robot::rig::BuiltIn;
 use robot::{MotorPair, PilotConfig, WheelControl, WheelControlConfig};
 use slam_core::{Config, RobotSlam};
-use static_cell::{ConstStaticCell, StaticCell};
+use static_cell::ConstStaticCell;
+
+/// The robot on this board.
+const ROBOT: BuiltIn = BuiltIn::Sharp;
 
 static SHARED: Shared = Shared::new();
-static SLAM: ConstStaticCell<RobotSlam> = ConstStaticCell::new(RobotSlam::IDLE);
-static PILOT: StaticCell<Pilot> = StaticCell::new();
+static LOOK_BACKS: LookBacks = LookBacks::new();
+static BACK_END: ConstStaticCell<RobotBackEnd> = ConstStaticCell::new(RobotBackEnd::IDLE);
 
 #[embassy_executor::main]
-async fn main(spawner: Spawner) {
+async fn main(below: Spawner) {
     let board = Board::new();
     defmt::info!("wall-slam {}, watchdog bit: {}", env!("CARGO_PKG_VERSION"), board.watchdog_bit);
     SHARED.faults.update(|faults| faults.watchdog_resets = board.watchdog_bit.into());
-    let slam = SLAM.take();
-    assert!(slam.start_with_config(default_rig(), config()).is_ok(), "the default rig is valid");
-    let pilot = PILOT.init_with(|| Pilot::new(PilotConfig::default(), &default_rig()));
+    let slam = core_ram::SLAM.take();
+    assert!(slam.start_with_config(ROBOT.rig(), config()).is_ok(), "the built-in rig is valid");
+    let pilot = core_ram::PILOT.init_with(|| Pilot::new(PilotConfig::default(), &ROBOT.rig()));
+    LOOK_BACKS.give_back(BACK_END.take());
     let once = "each task is spawned once";
-    interrupt_level::spawner().spawn(guard(board.contacts, board.enable).expect(once));
-    spawner.spawn(odometry(board.encoders).expect(once));
-    spawner.spawn(sample(board.ranges).expect(once));
-    spawner.spawn(estimate(slam).expect(once));
-    spawner.spawn(drive(pilot, board.motors).expect(once));
-    spawner.spawn(telemetry(board.transmitter).expect(once));
-    spawner.spawn(commands(board.receiver).expect(once));
-    spawner.spawn(supervise(board.watchdog).expect(once));
+    below.spawn(look_back().expect(once));
+    let drives = interrupt_level::drive();
+    drives.spawn(drive(pilot, board.motors).expect(once));
+    drives.spawn(commands(board.receiver).expect(once));
+    drives.spawn(supervise(board.watchdog).expect(once));
+    let steps = interrupt_level::step();
+    steps.spawn(odometry(board.encoders).expect(once));
+    steps.spawn(sample(board.ranges).expect(once));
+    steps.spawn(estimate(slam).expect(once));
+    steps.spawn(telemetry(board.transmitter).expect(once));
+    interrupt_level::guard().spawn(guard(board.contacts, board.enable).expect(once));
 }
 
 fn config() -> Config {
-    Config::for_rig::<SENSORS>(&default_rig())
+    let hand_overs = ROBOT.hands_over() || cfg!(feature = "hand-overs");
+    Config { hand_overs, ..Config::for_rig::<SENSORS>(&ROBOT.rig()) }
 }
 
 #[embassy_executor::task]
@@ -70,7 +81,12 @@ async fn sample(mut ranges: BurstBank<SharpSensors>) -> ! {
 
 #[embassy_executor::task]
 async fn estimate(slam: &'static mut RobotSlam) -> ! {
-    tasks::estimate(slam, config(), &SHARED).await
+    tasks::estimate(slam, config(), &SHARED, &LOOK_BACKS).await
+}
+
+#[embassy_executor::task]
+async fn look_back() -> ! {
+    tasks::look_back(&LOOK_BACKS).await
 }
 
 #[embassy_executor::task]

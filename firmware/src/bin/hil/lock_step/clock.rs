@@ -26,11 +26,6 @@ impl Driver for LinkClock {
     }
 }
 
-/// Time now, microseconds since the start.
-pub fn now_us() -> u64 {
-    CLOCK.now()
-}
-
 /// It is this late now: wakes every task whose time has come. The clock never goes back.
 pub fn advance(to_us: u64) {
     critical_section::with(|cs| {

@@ -1,0 +1,80 @@
+//! A bare program that drives with a back end beside the estimator and prints what writing a step down costs, and handing over.
+//! It is a program of its own: beside the estimator's cases the memory would not do.
+#![no_std]
+#![no_main]
+#![forbid(unsafe_code)]
+
+#[path = "cases/home.rs"]
+mod home;
+
+use core::panic::PanicInfo;
+use cortex_m_semihosting::{debug, hprintln};
+use home::{Drive, rig};
+use instruction_count::Bench;
+use look_back::{BackEnd, ROBOT_KEYFRAMES, ROBOT_WALLS, STEP_US, border_len, packed_len};
+use slam_core::{Config, Outcome, RobotSlam, StepReport};
+use static_cell::ConstStaticCell;
+
+const BORDER: usize = border_len(ROBOT_WALLS);
+/// A robot's keyframes and walls, and half its groups: there is no memory for more beside the estimator, and no cost here depends
+/// on them.
+type HalfBackEnd = BackEnd<ROBOT_KEYFRAMES, 512, ROBOT_WALLS, BORDER, { packed_len(BORDER) }>;
+
+static ESTIMATOR: ConstStaticCell<RobotSlam> = ConstStaticCell::new(RobotSlam::IDLE);
+static BACK_END: ConstStaticCell<HalfBackEnd> = ConstStaticCell::new(HalfBackEnd::IDLE);
+
+/// Steps up the stairs and back.
+const STEPS: u32 = 6_000;
+/// What the map holds.
+const WALLS: usize = 64;
+
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    let bench = Bench::start();
+    let (slam, back_end) = (ESTIMATOR.take(), BACK_END.take());
+    slam.start_with_config(rig(), Config::default()).expect("the rig is a valid one");
+    let (mut home, mut is_up) = (Drive::new(), true);
+    // Writing down eight hits where nothing has to make room: times, and all of their cost; and the costliest where something has.
+    let (mut times, mut cost) = (0, 0);
+    let (mut costliest, mut hand_over) = (0, 0);
+    for _ in 0..STEPS {
+        let report = slam.step(&home.next(false));
+        let before = back_end.diary().losses();
+        let ((), recorded) = bench.measure(|| back_end.record(slam, &report));
+        if before != back_end.diary().losses() {
+            costliest = costliest.max(recorded);
+        } else if hits(&report) == 8 {
+            times += 1;
+            cost += recorded;
+        }
+        if let (Some(_), taken) = bench.measure(|| back_end.hand_over(slam)) {
+            hand_over = hand_over.max(taken);
+        }
+        back_end.work(STEP_US);
+        if is_up && slam.walls().count() == WALLS {
+            is_up = false;
+            home.turn_back();
+        }
+    }
+    assert!(slam.counters().taken_over > 2 && times > STEPS / 10, "{} steps with eight hits", times);
+    bench.print("diary_step", cost / times);
+    bench.print("diary_thin", costliest);
+    bench.print("hand_over", hand_over);
+    exit(debug::EXIT_SUCCESS)
+}
+
+fn hits(report: &StepReport<8>) -> usize {
+    report.readings.iter().filter(|reading| !matches!(reading.outcome, Outcome::Missing | Outcome::Refused(_))).count()
+}
+
+#[panic_handler]
+fn panic(info: &PanicInfo) -> ! {
+    hprintln!("{}", info);
+    exit(debug::EXIT_FAILURE)
+}
+
+fn exit(status: debug::ExitStatus) -> ! {
+    loop {
+        debug::exit(status);
+    }
+}
