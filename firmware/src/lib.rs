@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | [`tasks::odometry`] | 50 Hz | reads the encoders |
 //! | [`tasks::sample`] | 25 Hz | reads the range sensors: counts ([`burst`]) or metres ([`metric`]) |
-//! | [`tasks::estimate`] | ranges | one step of slam-core; tells the pilot and the telemetry; writes the diary, takes over what was found |
+//! | [`tasks::estimate`] | ranges | one step of slam-core; tells the pilot and the telemetry; writes the diary, takes over what was found; keeps the map, or finds itself in it ([`keeper`]) |
 //! | [`tasks::look_back`] | the step | looks back on the drive, below every other task |
 //! | [`tasks::drive`] | odometry | pilot, wheel-speed control, motors |
 //! | [`tasks::guard`] | bumper and cliff inputs | stops the wheels at once, at interrupt level, waiting for nobody; and when drive is silent |
@@ -18,12 +18,14 @@
 
 pub mod burst;
 pub mod faults;
+pub mod keeper;
 pub mod look_backs;
 pub mod metric;
 pub mod periodic;
 pub mod shared;
 pub mod tasks;
 
+pub use keeper::Keeper;
 pub use look_backs::LookBacks;
 pub use shared::Shared;
 

@@ -3,6 +3,7 @@
 use crate::SENSORS;
 use crate::faults::{FaultCounts, Reports};
 use core::cell::Cell;
+use core::sync::atomic::AtomicBool;
 use embassy_sync::blocking_mutex::Mutex;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex as Raw;
 use embassy_sync::channel::Channel;
@@ -61,6 +62,12 @@ pub struct Shared {
     pub release: Signal<Raw, u32>,
     /// Drive to guard: when the motors were last given a duty; none before the first time.
     pub driven: Mutex<Raw, Cell<Option<Instant>>>,
+    /// Drive to estimate: the robot is told to stand.
+    pub stands: AtomicBool,
+    /// Estimate to guard: the motors have to be off, for the map is saved.
+    pub hold: AtomicBool,
+    /// Guard to estimate: the motors are off for that.
+    pub is_held: AtomicBool,
     /// Fault counters.
     pub faults: FaultCounts,
     /// Signs of life.
@@ -83,6 +90,9 @@ impl Shared {
             touch: Mutex::new(Cell::new(Touch { contacts, stop: None })),
             release: Signal::new(),
             driven: Mutex::new(Cell::new(None)),
+            stands: AtomicBool::new(true),
+            hold: AtomicBool::new(false),
+            is_held: AtomicBool::new(false),
             faults: FaultCounts::new(),
             reports: Reports::new(),
         }

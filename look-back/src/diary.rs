@@ -99,6 +99,8 @@ pub struct Diary<const K: usize, const G: usize, const W: usize> {
     pub(crate) names: Vec<Name, NAMES>,
     /// Where among the names that of the last wall is that a sensor saw, where it still is there.
     pub(crate) seen: [u8; MOST_GAINS],
+    /// Where among those of the last keyframe the group is that the last hit of a sensor went to, where it still is there.
+    last_groups: [u8; MOST_GAINS],
     pub(crate) calibration: Calibration,
     pub(crate) gains: Gains,
     /// Direction of the grid, radians.
@@ -123,6 +125,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         walls: [Some(Wall::NEW); W],
         names: Vec::new(),
         seen: [0; MOST_GAINS],
+        last_groups: [0; MOST_GAINS],
         calibration: Calibration { distance: 0.0, turn: 0.0, veer_rad_per_m: 0.0 },
         gains: Gains::NONE,
         alpha_rad: None,
@@ -236,19 +239,25 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         if let Some(wall) = wall.and_then(|wall| self.walls.get_mut(wall)?.as_mut()) {
             wall.hits = wall.hits.saturating_add(1);
         }
-        let gains = self.gains;
-        let open = self.open_groups().iter_mut().find(|group| is_of(group, &one, &gains));
-        match open {
-            Some(group) => group.add(&one),
-            None => self.open_group(one),
-        }
+        self.put(&one);
     }
 
-    /// The groups of the last keyframe.
-    fn open_groups(&mut self) -> &mut [Group] {
-        let open = self.keyframes.last().map_or(0, |last| usize::from(last.groups));
-        let before = self.groups.len().saturating_sub(open);
-        self.groups.get_mut(before..).unwrap_or_default()
+    /// Puts a hit to its group of the last keyframe: on a wall mostly that which its sensor's last hit went to.
+    fn put(&mut self, one: &Group) {
+        let last = self.last_groups.get(usize::from(one.sensor)).map_or(0, |place| usize::from(*place));
+        let Self { keyframes, groups, gains, .. } = self;
+        let before = groups.len().saturating_sub(keyframes.last().map_or(0, |last| usize::from(last.groups)));
+        // The groups of the last keyframe.
+        let open = groups.get_mut(before..).unwrap_or_default();
+        let is_last = one.wall().is_some() && open.get(last).is_some_and(|group| is_of(group, one, gains));
+        let place = if is_last { Some(last) } else { open.iter().position(|group| is_of(group, one, gains)) };
+        let Some(place) = place else { return self.open_group(*one) };
+        if let Some(group) = open.get_mut(place) {
+            group.add(one);
+        }
+        if let (Some(last), Ok(place)) = (self.last_groups.get_mut(usize::from(one.sensor)), u8::try_from(place)) {
+            *last = place;
+        }
     }
 
     fn open_group(&mut self, group: Group) {

@@ -30,6 +30,8 @@ pub use odds::{Verdict, calibrated};
 pub use search::{Hypothesis, Progress, Search};
 pub use side::{Side, path_on_grid, sides};
 
+/// Hypotheses that a robot may score in a step of its estimator.
+pub const HYPOTHESES: usize = 4;
 /// Most walls of a kept map that are matched.
 pub const KEPT_SIDES: usize = 64;
 /// Most walls of a fresh map that are matched: the longest.

@@ -28,6 +28,8 @@ pub enum Frame {
     Command(Command),
     /// What its back end did so far.
     LookBack(LookBack),
+    /// Whether it knows where it is in its kept map.
+    Place(Place),
 }
 
 /// Raw input of one estimator step.
@@ -254,6 +256,41 @@ pub struct LookBack {
     pub not_taken: [u32; slam_core::NotTaken::COUNT],
     /// Steps for which the estimator had to wait until the back end was returned; the sensors were read and the pilot told before.
     pub late: u32,
+}
+
+/// Whether the robot knows where it is in its kept map, with counts since its start; they saturate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Place {
+    /// What it knows.
+    pub state: PlaceState,
+    /// The number of the kept map's save; 0 without one.
+    pub sequence: u32,
+    /// Maps saved.
+    pub saves: u32,
+    /// Saves that the flash refused.
+    pub failed: u32,
+    /// Times that it found itself.
+    pub found: u32,
+    /// Times that it gave up where it was, or was lifted.
+    pub lost: u32,
+    /// Natural logarithm of the odds of the best place that the last search found.
+    pub log_odds: Option<f32>,
+}
+
+/// What a robot knows of its place in its kept map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum PlaceState {
+    /// There is no kept map: where it started is its map's origin.
+    #[default]
+    Fresh,
+    /// It does not know: its pose is in the frame of a fresh map.
+    Searching,
+    /// It claims a place, and may take that back.
+    Probation,
+    /// It knows.
+    Tracking,
+    /// Its readings contradict the map.
+    Doubtful,
 }
 
 /// What the motors are given.

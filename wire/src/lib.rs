@@ -6,7 +6,7 @@
 //!
 //! | direction | frames |
 //! |---|---|
-//! | robot to host | [`Frame::Sample`], [`Frame::Estimate`], [`Frame::Wall`], [`Frame::Calibration`], [`Frame::Faults`], [`Frame::LookBack`] |
+//! | robot to host | [`Frame::Sample`], [`Frame::Estimate`], [`Frame::Wall`], [`Frame::Calibration`], [`Frame::Faults`], [`Frame::LookBack`], [`Frame::Place`] |
 //! | host to robot | [`Frame::Command`] |
 //! | with the robot's hardware simulated | [`Frame::Sample`] to the robot, [`Frame::Motors`] back |
 #![no_std]
@@ -18,7 +18,7 @@ mod frames;
 pub use codec::{DecodeError, Decoder, EncodeError, FRAME_CAPACITY, VERSION, encode};
 pub use frames::{
     BoardFaults, Calibration, Command, Contacts, Estimate, Factor, Faults, Frame, Health, LookBack, Motors, Parameter,
-    Range, SENSORS, Sample, SlamFaults, Wall, WallKind,
+    Place, PlaceState, Range, SENSORS, Sample, SlamFaults, Wall, WallKind,
 };
 
 /// The examples of the README, compiled and run.

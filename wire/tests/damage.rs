@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use slam_core::RangeInput;
 use wire::{
     BoardFaults, Calibration, Command, Contacts, Decoder, Estimate, Factor, Faults, Frame, Health, LookBack, Motors,
-    Parameter, Range, Sample, SlamFaults, Wall, WallKind, encode,
+    Parameter, Place, PlaceState, Range, Sample, SlamFaults, Wall, WallKind, encode,
 };
 
 fn sample() -> impl Strategy<Value = Frame> {
@@ -78,6 +78,15 @@ fn look_back() -> impl Strategy<Value = Frame> {
     )
 }
 
+fn place() -> impl Strategy<Value = Frame> {
+    let state = prop::sample::select(vec![PlaceState::Fresh, PlaceState::Searching, PlaceState::Doubtful]);
+    (state, any::<[u32; 5]>(), any::<Option<f32>>()).prop_map(
+        |(state, [sequence, saves, failed, found, lost], log_odds)| {
+            Frame::Place(Place { state, sequence, saves, failed, found, lost, log_odds })
+        },
+    )
+}
+
 fn small() -> impl Strategy<Value = Frame> {
     (any::<u64>(), any::<[f32; 2]>(), 0..5).prop_map(|(time_us, [left, right], which)| match which {
         0 => Frame::Motors(Motors { time_us, left, right }),
@@ -89,7 +98,7 @@ fn small() -> impl Strategy<Value = Frame> {
 }
 
 fn frame() -> impl Strategy<Value = Frame> {
-    prop_oneof![sample(), estimate(), wall(), calibration(), faults(), look_back(), small()]
+    prop_oneof![sample(), estimate(), wall(), calibration(), faults(), look_back(), place(), small()]
 }
 
 /// The frames found in a stream, errors left out.

@@ -5,6 +5,7 @@ use crate::faults::Task;
 use crate::periodic::CONTROL_MS;
 use crate::shared::{Odometry, Shared, Touch};
 use core::cell::Cell;
+use core::sync::atomic::Ordering;
 use embassy_time::Instant;
 use robot::{DriveMotors, Duty, WheelControl, WheelSpeeds};
 use wire::Command;
@@ -59,6 +60,7 @@ pub async fn drive(pilot: &mut Pilot, mut control: WheelControl, motors: &mut im
             Mode::Spinning { duty, .. } => duty,
         };
         mode = age(mode);
+        shared.stands.store(mode == Mode::Stopped && duty == Duty::default(), Ordering::Relaxed);
         match motors.set_duty(duty) {
             Ok(()) => tell_guard(touch, shared),
             Err(_) => shared.faults.count(|faults| &mut faults.motors_failed),

@@ -2,9 +2,11 @@
 
 use crate::SENSORS;
 use crate::faults::Task;
+use crate::keeper::{Circumstances, Keeper, MapFlash};
 use crate::look_backs::LookBacks;
 use crate::shared::{Ranges, Shared};
 use core::cell::Cell;
+use core::sync::atomic::{AtomicBool, Ordering};
 use embassy_futures::yield_now;
 use embassy_time::Instant;
 use look_back::RobotBackEnd;
@@ -17,7 +19,13 @@ const SLOW_FRAMES: u32 = 25;
 
 /// Estimates whenever ranges come; starts afresh with this configuration when the map is to be reset. Where the configuration
 /// has hand-overs, there is a back end among the look backs.
-pub async fn estimate(slam: &mut RobotSlam, config: Config, shared: &Shared, look_backs: &LookBacks) -> ! {
+pub async fn estimate<F: MapFlash>(
+    slam: &mut RobotSlam,
+    keeper: &mut Keeper<F>,
+    config: Config,
+    shared: &Shared,
+    look_backs: &LookBacks,
+) -> ! {
     let mut steps = 0_u32;
     loop {
         let ranges = shared.ranges.receive().await;
@@ -25,30 +33,43 @@ pub async fn estimate(slam: &mut RobotSlam, config: Config, shared: &Shared, loo
         if shared.reset_map.try_take().is_some() {
             // The rig was accepted before: it is again.
             let _ = slam.start_with_config(slam.rig().clone(), config);
+            keeper.began_anew();
         }
         let sample = raw_sample(&ranges, shared);
         let report = estimator::step(slam, &sample.to_slam());
         shared.senses.signal(senses(slam, &sample, &report, shared));
         steps = steps.wrapping_add(1);
+        let now = circumstances(&sample, shared);
         tell(slam, sample, late_us, shared);
         let is_slow = steps.is_multiple_of(SLOW_FRAMES);
         if is_slow {
             tell_slow(slam, shared);
+            shared.push_frame(Frame::Place(keeper.place()));
         }
         shared.reports.report(Task::Estimate);
+        // Telemetry has its frames and goes first; twice, since the executor runs what was woken last before it.
+        yield_now().await;
+        yield_now().await;
+        let mut handed_over = None;
         if config.hand_overs {
-            // Telemetry has its frames and goes first; twice, since the executor runs what was woken last before it.
-            yield_now().await;
-            yield_now().await;
             let back_end = look_backs.returned().await;
-            // What came of a hand-over is among the estimator's counters.
-            estimator::follow(back_end, slam, &report);
+            handed_over = estimator::follow(back_end, slam, &report);
             if is_slow {
                 shared.push_frame(Frame::LookBack(look_back(slam, back_end, look_backs)));
             }
             look_backs.lend(back_end);
         }
+        // A hand-over and a slice of a search are too much for one step.
+        if handed_over.is_none() {
+            shared.hold.store(keeper.step(slam, &report, now), Ordering::Relaxed);
+        }
     }
+}
+
+/// What the keeper has to know of this moment.
+fn circumstances(sample: &Sample, shared: &Shared) -> Circumstances {
+    let is = |flag: &AtomicBool| flag.load(Ordering::Relaxed);
+    Circumstances { is_lifted: sample.contacts.lifted, stands: is(&shared.stands), is_off: is(&shared.is_held) }
 }
 
 fn senses(slam: &RobotSlam, sample: &Sample, report: &StepReport<SENSORS>, shared: &Shared) -> Senses<SENSORS> {

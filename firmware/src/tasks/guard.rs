@@ -7,6 +7,7 @@
 use crate::faults::Task;
 use crate::shared::{Shared, Touch};
 use core::cell::Cell;
+use core::sync::atomic::Ordering;
 use embassy_futures::select::{Either3, select3, select4};
 use embassy_time::{Duration, Instant, Timer};
 use embedded_hal::digital::{InputPin, OutputPin};
@@ -44,7 +45,9 @@ where
         if was_driven && !driven {
             shared.faults.count(|faults| &mut faults.dead_man_stops);
         }
-        let done = if stop.is_none() && driven { enable.set_high() } else { enable.set_low() };
+        let is_held = shared.hold.load(Ordering::Relaxed);
+        let done = if stop.is_none() && driven && !is_held { enable.set_high() } else { enable.set_low() };
+        shared.is_held.store(is_held && done.is_ok(), Ordering::Relaxed);
         if done.is_err() {
             shared.faults.count(|faults| &mut faults.motors_failed);
         }

@@ -10,7 +10,7 @@ use embedded_hal::digital::{ErrorType, InputPin};
 use embedded_hal_async::digital::Wait;
 use embedded_io_async::{ErrorKind, ErrorType as IoErrorType, Read, Write};
 use firmware::tasks::{self, Platform};
-use firmware::{LookBacks, Pilot, SENSORS, Shared};
+use firmware::{Keeper, LookBacks, Pilot, SENSORS, Shared};
 use hal_sim::{Board, Pose2, SimOptions, Simulation, plan_file};
 use look_back::RobotBackEnd;
 use robot::rig::BuiltIn;
@@ -20,6 +20,7 @@ use std::collections::VecDeque;
 use wire::{Command, Decoder, Estimate, Frame, encode};
 
 use super::Wire;
+use super::nor::Nor;
 
 /// A simulated input without edges: the guard's own look finds the level.
 pub struct Input<P>(pub P);
@@ -120,6 +121,8 @@ pub struct Home {
     pub board: Board,
     pub shared: Shared,
     pub look_backs: LookBacks,
+    /// The flash that the map is kept in.
+    pub flash: RefCell<Nor>,
     /// The motor driver's enable input, which the simulated board does not have.
     pub enabled: Cell<bool>,
     /// How often the watchdog was fed.
@@ -137,6 +140,7 @@ impl Home {
             board: Board::new(simulation),
             shared: Shared::new(),
             look_backs: LookBacks::new(),
+            flash: RefCell::new(Nor::new()),
             enabled: Cell::new(false),
             fed: Cell::new(0),
             up: RefCell::default(),
@@ -150,6 +154,8 @@ impl Home {
         let config = Config { hand_overs: robot.hands_over(), ..Config::for_rig::<SENSORS>(&robot.rig()) };
         self.look_backs.give_back(Box::leak(Box::new(RobotBackEnd::IDLE)));
         let mut slam = RobotSlam::with_config(robot.rig(), config).unwrap();
+        let mut flash = self.flash.borrow_mut();
+        let mut keeper = Keeper::start(&mut *flash, &robot.rig());
         let mut pilot = Pilot::new(PilotConfig::default(), &robot.rig());
         let (mut encoders, mut motors, pins) = (self.board.encoders(), self.board.motors(), self.board.contacts());
         let inputs = ContactPins {
@@ -165,7 +171,7 @@ impl Home {
         let all = join4(
             sensing,
             join(
-                tasks::estimate(&mut slam, config, shared, &self.look_backs),
+                tasks::estimate(&mut slam, &mut keeper, config, shared, &self.look_backs),
                 tasks::drive(&mut pilot, control, &mut motors, shared),
             ),
             tasks::look_back(&self.look_backs),
@@ -177,6 +183,21 @@ impl Home {
             ),
         );
         story(&mut Tasks { all: pin!(async { _ = all.await }), home: self });
+    }
+
+    /// The same home, robot and flash after the power was off.
+    pub fn restarted(self) -> Self {
+        let Self { board, flash, .. } = self;
+        Self {
+            board,
+            flash,
+            shared: Shared::new(),
+            look_backs: LookBacks::new(),
+            enabled: Cell::new(false),
+            fed: Cell::new(0),
+            up: RefCell::default(),
+            down: RefCell::default(),
+        }
     }
 
     /// The true pose.

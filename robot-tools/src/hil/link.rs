@@ -94,6 +94,7 @@ impl Link {
                 Ok(Frame::Calibration(calibration)) => answer.calibration = Some(calibration),
                 Ok(Frame::Faults(faults)) => answer.faults = Some(faults),
                 Ok(Frame::LookBack(look_back)) => answer.look_back = Some(look_back),
+                Ok(Frame::Place(_)) => {}
                 Ok(Frame::Command(_)) | Err(_) => answer.damaged += 1,
             }
         }

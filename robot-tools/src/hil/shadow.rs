@@ -17,6 +17,7 @@ pub struct Shadow {
     slam: Box<RobotSlam>,
     /// The back end, where the firmware hands over.
     back_end: Option<Box<RobotBackEnd>>,
+    is_lifted: bool,
     identical: u64,
     differences: Vec<Difference>,
     paths: Vec<[Pose2; 3]>,
@@ -35,6 +36,7 @@ impl Shadow {
         Ok(Self {
             slam,
             back_end: hand_overs.then(|| Box::new(RobotBackEnd::IDLE)),
+            is_lifted: false,
             identical: 0,
             differences: Vec::new(),
             paths: Vec::new(),
@@ -57,11 +59,17 @@ impl Shadow {
         }
         let report = self.slam.step(&sample.to_slam());
         let ours = Estimate::of(&self.slam, sample.time_us);
+        let mut handed_over = None;
         if let Some(back_end) = &mut self.back_end {
             // In the order and with the work of the firmware's tasks.
             back_end.record(&self.slam, &report);
-            back_end.hand_over(&mut self.slam);
+            handed_over = back_end.hand_over(&mut self.slam);
             back_end.work(STEP_US);
+        }
+        let lifted = sample.contacts.lifted;
+        if handed_over.is_none() && std::mem::replace(&mut self.is_lifted, lifted) != lifted {
+            // Without a kept map the firmware begins anew, where it is lifted and where it is set down.
+            self.slam.restart_map();
         }
         self.late_us.push(theirs.late_us);
         if ours.same_bits(&theirs) {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use wire::{BoardFaults, Calibration, Estimate, Faults, Frame, LookBack, Range, Sample, Wall};
+use wire::{BoardFaults, Calibration, Estimate, Faults, Frame, LookBack, Place, Range, Sample, Wall};
 
 /// Most walls that are listed.
 const LISTED: usize = 24;
@@ -17,6 +17,7 @@ pub struct View {
     calibration: Option<Calibration>,
     faults: Option<Faults>,
     look_back: Option<LookBack>,
+    place: Option<Place>,
     /// The latest that a step began, microseconds.
     latest_us: u32,
     samples: u64,
@@ -46,6 +47,7 @@ impl View {
             Frame::Calibration(calibration) => self.calibration = Some(calibration),
             Frame::Faults(faults) => self.faults = Some(faults),
             Frame::LookBack(look_back) => self.look_back = Some(look_back),
+            Frame::Place(place) => self.place = Some(place),
             Frame::Motors(_) | Frame::Command(_) => {}
         }
     }
@@ -118,6 +120,15 @@ impl View {
     fn write_look_back(&self, f: &mut fmt::Formatter<'_>, estimate: &Estimate) -> fmt::Result {
         let late_ms = f64::from(self.latest_us) * 1e-3;
         writeln!(f, "steps     {late_ms:.1} ms late at most   map epoch {}", estimate.epoch)?;
+        if let Some(place) = &self.place {
+            let state = format!("{:?}", place.state).to_lowercase();
+            let odds = place.log_odds.map_or(String::new(), |odds| format!("; log odds of the best place {odds:.1}"));
+            let Place { sequence, saves, failed, found, lost, .. } = place;
+            writeln!(
+                f,
+                "kept map  {state}, save {sequence}; {saves} saved, {failed} failed, {found} found, {lost} lost{odds}"
+            )?;
+        }
         let Some(back) = &self.look_back else { return Ok(()) };
         let refused: Vec<String> = slam_core::NotTaken::ALL
             .iter()

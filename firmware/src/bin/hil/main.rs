@@ -14,6 +14,7 @@ mod bank;
 mod core_ram;
 mod devices;
 mod link;
+mod no_flash;
 #[cfg_attr(feature = "hil-timed", path = "timed/mod.rs")]
 #[cfg_attr(not(feature = "hil-timed"), path = "lock_step/mod.rs")]
 mod schedule;
@@ -29,14 +30,16 @@ use cortex_m_semihosting::{debug, hprintln};
 use devices::{Emulated, Enable, Encoders, Input, Line, Motors};
 use embassy_executor::Spawner;
 use firmware::tasks;
-use firmware::{LookBacks, Pilot, SENSORS, Shared};
+use firmware::{Keeper, LookBacks, Pilot, SENSORS, Shared};
 use look_back::RobotBackEnd;
+use no_flash::NoFlash;
 use robot::{ContactPins, PilotConfig, WheelControl, WheelControlConfig};
 use slam_core::{Config, RobotSlam};
-use static_cell::ConstStaticCell;
+use static_cell::{ConstStaticCell, StaticCell};
 
 static SHARED: Shared = Shared::new();
 static LOOK_BACKS: LookBacks = LookBacks::new();
+static KEEPER: StaticCell<Keeper<NoFlash>> = StaticCell::new();
 static BACK_END: ConstStaticCell<RobotBackEnd> = ConstStaticCell::new(RobotBackEnd::IDLE);
 
 #[cortex_m_rt::entry]
@@ -45,9 +48,10 @@ fn main() -> ! {
     let slam = core_ram::SLAM.take();
     assert!(slam.start_with_config(ROBOT.rig(), config).is_ok(), "the built-in rig is valid");
     let pilot = core_ram::PILOT.init_with(|| Pilot::new(PilotConfig::default(), &ROBOT.rig()));
+    let keeper = KEEPER.init_with(|| Keeper::start(NoFlash, &ROBOT.rig()));
     LOOK_BACKS.give_back(BACK_END.take());
     let link = link::Link::new(transport::Transport::open());
-    schedule::run(|levels| spawn(levels, slam, pilot, config), link)
+    schedule::run(|levels| spawn(levels, Robot { slam, keeper, pilot }, config), link)
 }
 
 /// Whether hand-overs are taken: as suits the robot, unless the emulator's command line ends with `hand-overs` or
@@ -67,12 +71,20 @@ struct Levels {
     below: Spawner,
 }
 
-fn spawn(levels: Levels, slam: &'static mut RobotSlam, pilot: &'static mut Pilot, config: Config) {
+/// What tasks own for ever.
+struct Robot {
+    slam: &'static mut RobotSlam,
+    keeper: &'static mut Keeper<NoFlash>,
+    pilot: &'static mut Pilot,
+}
+
+fn spawn(levels: Levels, robot: Robot, config: Config) {
     let Levels { step, drive: drives, below } = levels;
+    let Robot { slam, keeper, pilot } = robot;
     let once = "each task is spawned once";
     step.spawn(odometry().expect(once));
     step.spawn(sample().expect(once));
-    step.spawn(estimate(slam, config).expect(once));
+    step.spawn(estimate(slam, keeper, config).expect(once));
     step.spawn(telemetry().expect(once));
     drives.spawn(drive(pilot).expect(once));
     drives.spawn(guard().expect(once));
@@ -92,8 +104,8 @@ async fn sample() -> ! {
 }
 
 #[embassy_executor::task]
-async fn estimate(slam: &'static mut RobotSlam, config: Config) -> ! {
-    tasks::estimate(slam, config, &SHARED, &LOOK_BACKS).await
+async fn estimate(slam: &'static mut RobotSlam, keeper: &'static mut Keeper<NoFlash>, config: Config) -> ! {
+    tasks::estimate(slam, keeper, config, &SHARED, &LOOK_BACKS).await
 }
 
 #[embassy_executor::task]

@@ -15,6 +15,7 @@
 //! | PA2, PA3 | serial line out, in, 115200 baud | USART2 |
 //! | PA13, PA14 | debug probe (SWDIO, SWCLK) | |
 
+use crate::small_sectors::SmallSectors;
 use core::convert::Infallible;
 use embassy_stm32::adc::{Adc, AdcChannel, AnyAdcChannel, SampleTime};
 use embassy_stm32::exti::{self, ExtiInput};
@@ -74,6 +75,8 @@ pub struct Board {
     pub transmitter: UartTx<'static, Async>,
     /// Serial line, incoming.
     pub receiver: RingBufferedUartRx<'static>,
+    /// Where the map is kept.
+    pub map_flash: SmallSectors,
     /// Watchdog, not running yet.
     pub watchdog: IndependentWatchdog<'static, IWDG>,
     /// Whether the watchdog caused this start.
@@ -132,6 +135,7 @@ impl Board {
             contacts,
             transmitter,
             receiver: receiver.into_ring_buffered(RECEIVED.take()),
+            map_flash: SmallSectors::new(p.FLASH),
             watchdog: IndependentWatchdog::new(p.IWDG, WATCHDOG_US),
             watchdog_bit: watchdog_bit(),
         }

@@ -9,6 +9,7 @@ mod core_ram;
 mod fail_safe;
 mod interrupt_level;
 mod last_words;
+mod small_sectors;
 #[path = "../../stack.rs"]
 mod stack;
 
@@ -22,18 +23,20 @@ use embassy_stm32::usart::{RingBufferedUartRx, UartTx};
 use embassy_stm32::wdg::IndependentWatchdog;
 use firmware::burst::BurstBank;
 use firmware::tasks::{self, Platform};
-use firmware::{LookBacks, Pilot, SENSORS, Shared};
+use firmware::{Keeper, LookBacks, Pilot, SENSORS, Shared};
 use look_back::RobotBackEnd;
 use robot::rig::BuiltIn;
 use robot::{MotorPair, PilotConfig, WheelControl, WheelControlConfig};
 use slam_core::{Config, RobotSlam};
-use static_cell::ConstStaticCell;
+use small_sectors::SmallSectors;
+use static_cell::{ConstStaticCell, StaticCell};
 
 /// The robot on this board.
 const ROBOT: BuiltIn = BuiltIn::Sharp;
 
 static SHARED: Shared = Shared::new();
 static LOOK_BACKS: LookBacks = LookBacks::new();
+static KEEPER: StaticCell<Keeper<SmallSectors>> = StaticCell::new();
 static BACK_END: ConstStaticCell<RobotBackEnd> = ConstStaticCell::new(RobotBackEnd::IDLE);
 
 #[embassy_executor::main]
@@ -44,6 +47,7 @@ async fn main(below: Spawner) {
     let slam = core_ram::SLAM.take();
     assert!(slam.start_with_config(ROBOT.rig(), config()).is_ok(), "the built-in rig is valid");
     let pilot = core_ram::PILOT.init_with(|| Pilot::new(PilotConfig::default(), &ROBOT.rig()));
+    let keeper = KEEPER.init_with(|| Keeper::start(board.map_flash, &ROBOT.rig()));
     LOOK_BACKS.give_back(BACK_END.take());
     let once = "each task is spawned once";
     below.spawn(look_back().expect(once));
@@ -54,7 +58,7 @@ async fn main(below: Spawner) {
     let steps = interrupt_level::step();
     steps.spawn(odometry(board.encoders).expect(once));
     steps.spawn(sample(board.ranges).expect(once));
-    steps.spawn(estimate(slam).expect(once));
+    steps.spawn(estimate(slam, keeper).expect(once));
     steps.spawn(telemetry(board.transmitter).expect(once));
     interrupt_level::guard().spawn(guard(board.contacts, board.enable).expect(once));
 }
@@ -80,8 +84,8 @@ async fn sample(mut ranges: BurstBank<SharpSensors>) -> ! {
 }
 
 #[embassy_executor::task]
-async fn estimate(slam: &'static mut RobotSlam) -> ! {
-    tasks::estimate(slam, config(), &SHARED, &LOOK_BACKS).await
+async fn estimate(slam: &'static mut RobotSlam, keeper: &'static mut Keeper<SmallSectors>) -> ! {
+    tasks::estimate(slam, keeper, config(), &SHARED, &LOOK_BACKS).await
 }
 
 #[embassy_executor::task]

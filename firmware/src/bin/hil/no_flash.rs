@@ -1,0 +1,42 @@
+//! The loop has no flash that a map could be kept in: the emulator's cannot be written.
+
+use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
+use firmware::keeper::MapFlash;
+
+/// No flash.
+pub struct NoFlash;
+
+impl ErrorType for NoFlash {
+    type Error = NorFlashErrorKind;
+}
+
+impl ReadNorFlash for NoFlash {
+    const READ_SIZE: usize = 1;
+
+    fn read(&mut self, _offset: u32, _bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
+        Err(NorFlashErrorKind::OutOfBounds)
+    }
+
+    fn capacity(&self) -> usize {
+        0
+    }
+}
+
+impl NorFlash for NoFlash {
+    const WRITE_SIZE: usize = 4;
+    const ERASE_SIZE: usize = 4;
+
+    fn erase(&mut self, _from: u32, _to: u32) -> Result<(), NorFlashErrorKind> {
+        Err(NorFlashErrorKind::OutOfBounds)
+    }
+
+    fn write(&mut self, _offset: u32, _bytes: &[u8]) -> Result<(), NorFlashErrorKind> {
+        Err(NorFlashErrorKind::OutOfBounds)
+    }
+}
+
+impl MapFlash for NoFlash {
+    fn bytes(&self) -> &[u8] {
+        &[]
+    }
+}

@@ -1,0 +1,202 @@
+//! The map that the robot keeps: found again after a start, saved where the robot stands.
+//!
+//! ```text
+//! start -> Fresh        no record of a robot like this one
+//! start -> Searching    a record, and no place in it
+//! Fresh -> Tracking     the first save
+//! any   -> Searching    lifted, or the map is begun anew; what was known is saved before where it is sure
+//! ```
+//!
+//! The other states and their ways are those of [`relocate::Locator`]. A map is saved while the robot is told to stand, the motors
+//! are off and the place is sure: erasing a sector stops the processor for up to 0.8 s.
+
+use crate::SENSORS;
+use embedded_storage::nor_flash::NorFlash;
+use kept_map::{Record, Saved, Store, rig_hash};
+use relocate::{Event, HYPOTHESES, Locator, State, Step};
+use slam_core::kept::Kept;
+use slam_core::{Outcome, Pose, Rig, RobotSlam, StepReport};
+use wire::{Place, PlaceState};
+
+/// Bytes of a slot: the small sectors of the processor's flash.
+pub const SLOT_BYTES: u32 = 16 * 1024;
+
+/// Path after which a map is worth saving again, metres.
+const WORTH_M: f32 = 3.0;
+
+/// A reading that is off by less than this says nothing against the robot's place, metres: an end of a wall, a thing before it.
+const GROSS_M: f32 = 0.08;
+
+/// NOR flash that can be read as memory.
+pub trait MapFlash: NorFlash {
+    /// All of it.
+    fn bytes(&self) -> &[u8];
+}
+
+/// What the board says of this moment.
+#[derive(Clone, Copy, Debug)]
+pub struct Circumstances {
+    /// A wheel hangs.
+    pub is_lifted: bool,
+    /// The robot is told to stand.
+    pub stands: bool,
+    /// The motors are off and stay so.
+    pub is_off: bool,
+}
+
+/// The kept map, and whether the robot knows where it is in it.
+pub struct Keeper<F> {
+    store: Store<F>,
+    /// The newest record of a robot like this one.
+    saved: Option<Saved>,
+    rig: u32,
+    locator: Locator,
+    is_lifted: bool,
+    last: Pose,
+    /// Path since the map was saved, metres.
+    unsaved_m: f32,
+    /// Maps that the estimator began anew.
+    restarts: u32,
+    tally: Place,
+}
+
+impl<F: MapFlash> Keeper<F> {
+    /// What is in this flash, for a robot of this rig.
+    pub fn start(flash: F, rig: &Rig<SENSORS>) -> Self {
+        let (mut store, rig) = (Store::new(flash, SLOT_BYTES), rig_hash(rig));
+        let newest = store.newest();
+        let is_own = |saved: &Saved| {
+            let record = slot(store.flash(), *saved).and_then(|bytes| Record::parse(bytes).ok());
+            record.is_some_and(|record| record.of_rig(rig).is_ok())
+        };
+        let saved = newest.filter(is_own);
+        let state = if saved.is_some() { State::Searching } else { State::Tracking };
+        Self {
+            store,
+            saved,
+            rig,
+            locator: Locator::new(state),
+            is_lifted: false,
+            last: Pose::ORIGIN,
+            unsaved_m: 0.0,
+            restarts: 0,
+            tally: Place::default(),
+        }
+    }
+
+    /// Takes in a step of the estimator; true where the motors have to be held off for a save.
+    pub fn step(&mut self, slam: &mut RobotSlam, report: &StepReport<SENSORS>, now: Circumstances) -> bool {
+        let reckoned = slam.dead_reckoning();
+        let travelled_m = libm::hypotf(reckoned.x_m - self.last.x_m, reckoned.y_m - self.last.y_m);
+        self.last = reckoned;
+        self.unsaved_m += travelled_m;
+        let is_saving = self.is_worth_saving(slam) && now.stands;
+        if is_saving && now.is_off {
+            self.save(slam);
+        }
+        self.lift(slam, now);
+        let restarts = core::mem::replace(&mut self.restarts, slam.counters().restarts);
+        if !self.is_lifted {
+            if restarts != self.restarts && self.saved.is_some() && self.locator.state().is_located() {
+                self.lose(slam);
+            } else {
+                self.locate(slam, report, travelled_m);
+            }
+        }
+        is_saving && !now.is_off
+    }
+
+    /// The map was begun anew at someone's wish.
+    pub fn began_anew(&mut self) {
+        self.locator = Locator::new(if self.saved.is_some() { State::Searching } else { State::Tracking });
+        self.unsaved_m = 0.0;
+    }
+
+    /// What it is about, for the telemetry.
+    pub fn place(&self) -> Place {
+        let state = match self.locator.state() {
+            _ if self.saved.is_none() => PlaceState::Fresh,
+            State::Searching => PlaceState::Searching,
+            State::Probation => PlaceState::Probation,
+            State::Tracking => PlaceState::Tracking,
+            State::Doubtful => PlaceState::Doubtful,
+        };
+        let log_odds = self.locator.verdict().map(|verdict| verdict.log_odds);
+        Place { state, sequence: self.saved.map_or(0, |saved| saved.sequence), log_odds, ..self.tally }
+    }
+
+    fn is_worth_saving(&self, slam: &RobotSlam) -> bool {
+        let is_sure = self.locator.state() == State::Tracking && !self.is_lifted;
+        is_sure && self.unsaved_m >= WORTH_M && slam.frame().walls > 0
+    }
+
+    fn save(&mut self, slam: &RobotSlam) {
+        // After a failure it is tried again when there is more to save.
+        self.unsaved_m = 0.0;
+        match self.store.save(slam, self.rig) {
+            Ok(saved) => {
+                self.saved = Some(saved);
+                self.tally.saves = self.tally.saves.saturating_add(1);
+            }
+            Err(_) => self.tally.failed = self.tally.failed.saturating_add(1),
+        }
+    }
+
+    /// A robot that is lifted does not know where it is set down. The guard has cut its motors.
+    fn lift(&mut self, slam: &mut RobotSlam, now: Circumstances) {
+        let was_lifted = core::mem::replace(&mut self.is_lifted, now.is_lifted);
+        if was_lifted == now.is_lifted {
+            return;
+        }
+        if now.is_lifted && self.saved.is_some() {
+            self.lose(slam);
+        } else {
+            // What the wheels turned in the air is no motion.
+            slam.restart_map();
+        }
+        self.restarts = slam.counters().restarts;
+    }
+
+    /// Begins a fresh map, with the calibration as it is known.
+    fn lose(&mut self, slam: &mut RobotSlam) {
+        self.tally.lost = self.tally.lost.saturating_add(u32::from(self.locator.state().is_located()));
+        self.locator.lost();
+        self.unsaved_m = 0.0;
+        slam.restart_map();
+        self.restarts = slam.counters().restarts;
+    }
+
+    fn locate(&mut self, slam: &mut RobotSlam, report: &StepReport<SENSORS>, travelled_m: f32) {
+        let Self { store, saved, locator, .. } = self;
+        let Some(bytes) = saved.and_then(|saved| slot(store.flash(), saved)) else { return };
+        let Ok(record) = Record::whole(bytes) else { return };
+        let position_m = [slam.state_mean(0), slam.state_mean(1)];
+        let step = Step { position_m, travelled_m, readings: agreement(report) };
+        match locator.step(&*slam, &record, &step, HYPOTHESES) {
+            Some(Event::Found(found)) => {
+                if slam.take_up(&record, &found).is_ok() {
+                    self.tally.found = self.tally.found.saturating_add(1);
+                    self.unsaved_m = 0.0;
+                } else {
+                    self.lose(slam);
+                }
+            }
+            Some(Event::Lost) => self.lose(slam),
+            None => {}
+        }
+    }
+}
+
+/// The bytes of a slot.
+fn slot<F: MapFlash>(flash: &F, saved: Saved) -> Option<&[u8]> {
+    let from = saved.slot as usize * SLOT_BYTES as usize;
+    flash.bytes().get(from..from + SLOT_BYTES as usize)
+}
+
+/// Readings of walls that agreed with the map, and that are grossly off.
+fn agreement(report: &StepReport<SENSORS>) -> [u8; 2] {
+    let count = |is: fn(&Outcome) -> bool| report.readings.iter().filter(|reading| is(&reading.outcome)).count() as u8;
+    let is_off =
+        |outcome: &Outcome| matches!(outcome, Outcome::Gated { innovation_m, .. } if innovation_m.abs() > GROSS_M);
+    [count(|outcome| matches!(outcome, Outcome::Updated { .. })), count(is_off)]
+}

@@ -1,0 +1,102 @@
+//! The map outlives the power: saved where the robot stands, found again after a reset in the middle of a drive, and the old one
+//! after a power cut in the middle of a save.
+//!
+//! One test only: the clock is one for the whole process.
+
+mod common;
+
+use common::home::{Home, Tasks, estimates};
+use core::convert::Infallible;
+use firmware::SENSORS;
+use robot::RangeSensorBank;
+use robot::rig::BuiltIn;
+use slam_core::RangeInput;
+use wire::{Command, Frame, Place, PlaceState};
+
+/// The simulated bank with the robot's number of sensors.
+struct Ranges(hal_sim::board::SimRanges);
+
+impl RangeSensorBank<SENSORS> for Ranges {
+    type Error = Infallible;
+
+    async fn read(&mut self) -> [Result<RangeInput, Infallible>; SENSORS] {
+        let wide = self.0.read().await;
+        core::array::from_fn(|i| wide[i])
+    }
+}
+
+fn run(home: &Home, story: impl FnOnce(&mut Tasks<'_>)) {
+    home.run(BuiltIn::Sharp, Ranges(home.board.range_sensors()), story);
+}
+
+/// What the robot said last of its place.
+fn place(said: &[Frame]) -> Place {
+    let places = said.iter().rev().find_map(|frame| if let Frame::Place(place) = frame { Some(*place) } else { None });
+    places.expect("the place is told")
+}
+
+/// Drives until the robot knows where it is, and checks that it is there.
+fn find(home: &Home, tasks: &mut Tasks<'_>) {
+    tasks.drive(1.5);
+    assert_eq!(place(&home.heard()).state, PlaceState::Searching);
+    home.command(Command::Start);
+    for _ in 0..20 {
+        tasks.drive(10.0);
+        let said = home.heard();
+        if place(&said).state == PlaceState::Tracking {
+            let last = estimates(&said).next_back().expect("estimates are told");
+            let truth = home.truth();
+            let error_m = (f64::from(last.pose[0]) - truth.x_m).hypot(f64::from(last.pose[1]) - truth.y_m);
+            assert!(error_m < 0.1, "estimate {:?}, truth {truth:?}", last.pose);
+            return;
+        }
+    }
+    panic!("not found: {:?}", place(&home.heard()));
+}
+
+#[test]
+fn the_map_outlives_resets_and_power_cuts() {
+    let home = Home::new("flat", BuiltIn::Sharp);
+    run(&home, |tasks| {
+        home.command(Command::Start);
+        tasks.drive(180.0);
+        let driving = place(&home.heard());
+        assert_eq!((driving.state, driving.saves), (PlaceState::Fresh, 0), "nothing is saved while it drives");
+        home.command(Command::Stop);
+        tasks.drive(3.0);
+        let stopped = place(&home.heard());
+        assert_eq!((stopped.state, stopped.saves, stopped.sequence), (PlaceState::Tracking, 1, 1));
+        tasks.drive(5.0);
+        assert_eq!(place(&home.heard()).saves, 1, "and once only");
+        home.command(Command::Start);
+        tasks.drive(20.0);
+        // The power fails in the middle of this drive.
+    });
+
+    let home = home.restarted();
+    run(&home, |tasks| {
+        find(&home, tasks);
+    });
+
+    // The next save is cut short: what was kept is still there.
+    let home = home.restarted();
+    home.flash.borrow_mut().words_left = 1000;
+    run(&home, |tasks| {
+        find(&home, tasks);
+        tasks.drive(20.0);
+        home.command(Command::Stop);
+        tasks.drive(3.0);
+        let cut = place(&home.heard());
+        assert_eq!((cut.saves, cut.failed, cut.sequence), (0, 1, 1));
+    });
+    let home = home.restarted();
+    home.flash.borrow_mut().words_left = usize::MAX;
+    run(&home, |tasks| {
+        find(&home, tasks);
+        tasks.drive(20.0);
+        home.command(Command::Stop);
+        tasks.drive(3.0);
+        let saved = place(&home.heard());
+        assert_eq!((saved.saves, saved.failed, saved.sequence), (1, 0, 2));
+    });
+}
