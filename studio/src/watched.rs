@@ -107,7 +107,7 @@ impl Watched {
             Frame::Wall(wall) => self.wall(wall),
             Frame::Calibration(calibration) => self.calibration(&calibration),
             Frame::Faults(faults) => self.faults = Some(faults),
-            Frame::Motors(_) | Frame::Command(_) => {}
+            Frame::LookBack(_) | Frame::Place(_) | Frame::Motors(_) | Frame::Command(_) => {}
         }
     }
 
