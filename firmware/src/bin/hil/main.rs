@@ -82,12 +82,13 @@ fn spawn(levels: Levels, robot: Robot, config: Config) {
     let Levels { step, drive: drives, below } = levels;
     let Robot { slam, keeper, pilot } = robot;
     let once = "each task is spawned once";
+    // The guard has looked before a sample is put together, as on the robot, where it is a level above.
+    step.spawn(guard().expect(once));
     step.spawn(odometry().expect(once));
     step.spawn(sample().expect(once));
     step.spawn(estimate(slam, keeper, config).expect(once));
     step.spawn(telemetry().expect(once));
     drives.spawn(drive(pilot).expect(once));
-    drives.spawn(guard().expect(once));
     drives.spawn(commands().expect(once));
     drives.spawn(supervise().expect(once));
     below.spawn(look_back().expect(once));
