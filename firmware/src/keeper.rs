@@ -84,7 +84,9 @@ impl<F: MapFlash> Keeper<F> {
         }
     }
 
-    /// Takes in a step of the estimator; true where the motors have to be held off for a save.
+    /// Takes in a step of the estimator; true where the motors have to be held off for a save. Its variables are on the stack only while
+    /// it runs, not beside those of a step.
+    #[inline(never)]
     pub fn step(&mut self, slam: &mut RobotSlam, report: &StepReport<SENSORS>, now: Circumstances) -> bool {
         let reckoned = slam.dead_reckoning();
         let travelled_m = libm::hypotf(reckoned.x_m - self.last.x_m, reckoned.y_m - self.last.y_m);
@@ -166,6 +168,7 @@ impl<F: MapFlash> Keeper<F> {
         self.restarts = slam.counters().restarts;
     }
 
+    #[inline(never)]
     fn locate(&mut self, slam: &mut RobotSlam, report: &StepReport<SENSORS>, travelled_m: f32) {
         let Self { store, saved, locator, .. } = self;
         let Some(bytes) = saved.and_then(|saved| slot(store.flash(), saved)) else { return };
