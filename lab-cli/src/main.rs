@@ -78,6 +78,9 @@ struct RunArgs {
     /// Also write readings.csv: what became of every reading.
     #[arg(long)]
     trace: bool,
+    /// Also write the run for Foxglove.
+    #[arg(long, value_name = "FILE")]
+    mcap: Option<PathBuf>,
     #[command(flatten)]
     variant: VariantArgs,
 }
@@ -104,6 +107,9 @@ struct ReplayArgs {
     /// Also write readings.csv: what became of every reading.
     #[arg(long)]
     trace: bool,
+    /// Also write the run for Foxglove.
+    #[arg(long, value_name = "FILE")]
+    mcap: Option<PathBuf>,
     #[command(flatten)]
     variant: VariantArgs,
 }
@@ -192,16 +198,18 @@ fn main() -> ExitCode {
 }
 
 fn run(args: RunArgs) -> Result<(), Box<dyn Error>> {
-    let RunArgs { plan, minutes, seed, rig, out, map, start, trace, variant } = args;
+    let RunArgs { plan, minutes, seed, rig, out, map, start, trace, mcap, variant } = args;
     let bar = ProgressBar::new(1000).with_style(style("driving {wide_bar} {percent} %, {eta} to go"));
     let run = Run { plan, minutes, seed, rig, out, map, start, settings: Settings::ForRig(variant), trace };
     let recording = run.run(|progress| show(&bar, progress));
     bar.finish_and_clear();
-    say(&recording?, &run.out)
+    let recording = recording?;
+    film(mcap.as_deref(), &recording)?;
+    say(&recording, &run.out)
 }
 
 fn replay(args: ReplayArgs) -> Result<(), Box<dyn Error>> {
-    let ReplayArgs { log, rig, out, truth, map, with, trace, variant } = args;
+    let ReplayArgs { log, rig, out, truth, map, with, trace, mcap, variant } = args;
     let bar = ProgressBar::new_spinner().with_style(style("{spinner} {pos} rows, {elapsed}"));
     let replay = Replay { log, rig, out, truth, map, settings: Settings::ForRig(variant), trace };
     let replayed = match with {
@@ -216,6 +224,7 @@ fn replay(args: ReplayArgs) -> Result<(), Box<dyn Error>> {
     for note in notes {
         eprintln!("note: {}: {note}", replay.log.display());
     }
+    film(mcap.as_deref(), &recording)?;
     let said = say(&recording, &replay.out);
     error.map_or(said, |error| Err(error.into()))
 }
@@ -235,6 +244,11 @@ fn hil(args: HilArgs) -> Result<(), Box<dyn Error>> {
     let outcome = outcome?;
     print(&format!("{outcome}  results in {}\n", hil.out.display()));
     outcome.verdict().map_err(Into::into)
+}
+
+/// Writes the run for Foxglove, where that is asked for.
+fn film(file: Option<&Path>, recording: &Recording) -> Result<(), Box<dyn Error>> {
+    file.map_or(Ok(()), |file| foxglove_file::write_file(file, recording).map_err(Into::into))
 }
 
 /// Text on the standard output, where somebody still listens.

@@ -31,11 +31,12 @@ fn it_shows_the_robot_and_records_a_log_that_replays() {
     std::fs::write(place.path("line"), recorded(8, counts)).unwrap();
     place
         .lab()
-        .args(["monitor", "--port", "line", "--out", "seen"])
+        .args(["monitor", "--port", "line", "--out", "seen", "--mcap", "seen.mcap", "--serve", "127.0.0.1:0"])
         .assert()
         .success()
         .stdout(contains("x 1.250 m   y -0.500 m").and(contains("contact stops 2")).and(contains("1 damaged")));
     assert_eq!(place.get("seen/log.csv").lines().count(), 51);
+    assert!(std::fs::read(place.path("seen.mcap")).unwrap().ends_with(b"\x89MCAP0\r\n"));
     place.lab().args(["replay", "seen/log.csv", "--rig", "seen/rig.toml", "--out", "replayed"]).assert().success();
     assert_eq!(place.summary("replayed")["rows"], 50);
 }

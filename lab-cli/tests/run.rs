@@ -191,3 +191,25 @@ fn another_system_replays_a_log_into_the_same_outputs() {
     assert!(place.path("choi/report.html").exists());
     replay("nobody", "none").failure().stderr(contains("it must be one of dead-reckoning, abrate"));
 }
+
+#[test]
+fn a_run_and_its_replay_are_written_for_foxglove() {
+    let place = Place::new();
+    place
+        .lab()
+        .args(["run", "--plan", "room", "--minutes", "0.1", "--out", "run", "--mcap", "run.mcap"])
+        .assert()
+        .success();
+    let replay = ["replay", "run/log.csv", "--rig", "run/rig.toml", "--out", "again", "--mcap", "again.mcap"];
+    place.lab().args(replay).assert().success();
+    for name in ["run.mcap", "again.mcap"] {
+        let bytes = std::fs::read(place.path(name)).unwrap();
+        // The format begins and ends with these eight bytes.
+        assert!(
+            bytes.starts_with(b"\x89MCAP0\r\n") && bytes.ends_with(b"\x89MCAP0\r\n") && bytes.len() > 10_000,
+            "{name}"
+        );
+    }
+    let nowhere = ["run", "--minutes", "0.1", "--out", "other", "--mcap", "no/such/folder/run.mcap"];
+    place.lab().args(nowhere).assert().failure().stderr(contains("no/such/folder/run.mcap: cannot write"));
+}

@@ -22,6 +22,9 @@ fn scratch(name: &str) -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join("studio").join(name)
 }
 
+/// Where a monitor on this machine lets pages take part in a robot's line.
+const RELAY: &str = "ws://127.0.0.1:";
+
 /// Opens the studio; `hash` goes behind its address.
 fn open(name: &str, hash: &str, size: [u32; 2]) -> Option<(Page, String)> {
     open_with(name, hash, size, "")
@@ -46,7 +49,8 @@ fn open_with(name: &str, hash: &str, size: [u32; 2], first: &str) -> Option<(Pag
 fn assert_sound(page: &mut Page, address: &str) {
     assert_eq!(page.run("return document.documentElement.dataset.errors;"), json!("0"), "{:#?}", page.console);
     assert!(page.console.is_empty(), "{:#?}", page.console);
-    let outside: Vec<&String> = page.requests.iter().filter(|request| !request.starts_with(address)).collect();
+    let outside: Vec<&String> =
+        page.requests.iter().filter(|request| !request.starts_with(address) && !request.starts_with(RELAY)).collect();
     assert!(outside.is_empty() && page.requests.len() >= 4, "{:?}", page.requests);
     let odd = page.run("return /NaN|undefined|null|Infinity/.test(document.querySelector('main').innerText);");
     assert_eq!(odd, json!(false));
@@ -390,5 +394,39 @@ fn a_robot_at_a_serial_port_is_shown_steered_and_recorded() {
     page.until("document.getElementById('status').textContent.includes('came too fast and were dropped')");
     assert_eq!(page.run("document.getElementById('disconnect').click(); return true;"), Value::Bool(true));
     page.until("window.portClosed === true");
+    assert_sound(&mut page, &address);
+}
+
+#[test]
+#[cfg(unix)]
+#[ignore = "needs the built page: cargo xtask test studio"]
+fn a_robot_at_a_monitor_is_shown_and_steered_through_its_socket() {
+    use std::io::{Read as _, Write as _};
+    let Some((mut page, address)) = open("socket", "#", [390, 840]) else { return };
+    let (mut robot, line) = std::os::unix::net::UnixStream::pair().expect("a pipe");
+    let line = (Box::new(line.try_clone().expect("its other end")) as _, Box::new(line) as _);
+    let ((mut heard, _), at) = robot_tools::relay::relay(line, "127.0.0.1:0", None).expect("a free port");
+    page.run(&format!(
+        "document.querySelector(\"[data-mode-choice='robot']\").click();
+         document.getElementById('socket').value = 'ws://{at}';
+         document.getElementById('connect-socket').click();"
+    ));
+    page.until("!document.getElementById('robot-stop').disabled");
+    page.run("document.getElementById('robot-stop').click();");
+    let mut command = [0; 9];
+    robot.read_exact(&mut command).expect("the command");
+    assert_eq!(
+        command.as_slice(),
+        wire::encode(&wire::Frame::Command(wire::Command::Stop)).expect("it fits").as_slice()
+    );
+    std::thread::spawn(move || while heard.read(&mut [0; 4096]).is_ok_and(|count| count > 0) {});
+    robot.write_all(&robot_bytes(10.0)).expect("the page listens");
+    page.until("document.getElementById('clock').textContent.endsWith('/ 0:10.0')");
+    page.run("document.querySelector(\"[data-theme-choice='dark']\").click(); scrollTo(0, 300);");
+    page.run("await new Promise((done) => setTimeout(done, 500));");
+    picture(&mut page, "robot-phone-dark");
+    assert!(page.run("return document.documentElement.scrollWidth - innerWidth;").as_i64().unwrap() <= 0);
+    // Where nobody answers, that is said.
+    page.run("document.getElementById('disconnect').click();");
     assert_sound(&mut page, &address);
 }

@@ -33,6 +33,7 @@ cargo xtask timing           count the instructions of slam-core's routines and 
 cargo xtask timing --update  write the counts into docs/results/timing.csv
 cargo xtask studio           build the studio, a page for browsers, and print its folder last
 cargo xtask studio --serve   build it and serve it on this machine
+cargo xtask studio --measure build it and measure frames and speed in a browser
 cargo xtask figures          write docs/results/on-target.md: size, timing and the drive in the loop";
 
 fn main() -> ExitCode {
@@ -49,6 +50,7 @@ fn main() -> ExitCode {
         ["size"] => size::size(),
         ["studio"] => studio::studio(),
         ["studio", "--serve"] => studio::serve(),
+        ["studio", "--measure"] => studio::measure(),
         ["timing"] => timing::timing(false),
         ["timing", "--update"] => timing::timing(true),
         [] | ["help" | "--help" | "-h"] => {

@@ -56,6 +56,12 @@ pub fn test() -> Result {
     run(cargo(&["test", "--package", "tests", "--test", "studio", "--", "--ignored"]).env("STUDIO_PAGE", folder))
 }
 
+/// Builds the page and measures it in a browser.
+pub fn measure() -> Result {
+    let folder = build()?;
+    run(cargo(&["run", "--release", "--package", "tests", "--example", "studio_speed"]).env("STUDIO_PAGE", folder))
+}
+
 /// Builds the page: its folder.
 pub fn build() -> Result<PathBuf> {
     let folder = target_dir().join("studio-page");

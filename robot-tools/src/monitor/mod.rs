@@ -1,5 +1,6 @@
 //! `lab monitor`: what a robot at a serial port says, live, and recorded as a log that `lab replay` takes.
 
+mod film;
 mod view;
 
 use std::io::{IsTerminal, Write};
@@ -9,6 +10,8 @@ use clap::Args;
 use wire::{Command, Frame};
 
 use crate::port::{self, Heard, Port};
+use crate::relay::relay;
+use film::Film;
 use lab::input::log::writer;
 use lab::show::output::folder::Folder;
 use lab::show::output::streams::LineFile;
@@ -29,6 +32,15 @@ pub struct Monitor {
     /// Folder for log.csv and rig.toml.
     #[arg(long, value_name = "DIR", default_value = "out/monitor")]
     out: PathBuf,
+    /// Also write what the robot says for Foxglove.
+    #[arg(long, value_name = "FILE")]
+    mcap: Option<PathBuf>,
+    /// Let the studio take part in the line, from this machine: an address such as 127.0.0.1:8091.
+    #[arg(long, value_name = "ADDRESS")]
+    serve: Option<String>,
+    /// With --serve: the origin of a studio that is served from elsewhere, such as https://example.org.
+    #[arg(long, value_name = "ORIGIN", requires = "serve")]
+    allow: Option<String>,
 }
 
 /// How often the view is drawn and the log handed to the system, microseconds of the robot's time.
@@ -45,7 +57,8 @@ impl Monitor {
         folder.write("rig.toml", &rig_toml).map_err(|error| error.to_string())?;
         let mut log = LineFile::create(folder.file("log.csv")).map_err(|error| error.to_string())?;
         log.line(&writer::header(&robot)).map_err(|error| error.to_string())?;
-        let mut port = Port::new(port::open(&self.port)?);
+        let mut film = self.mcap.as_deref().map(Film::create).transpose()?;
+        let mut port = Port::new(self.line()?);
         if self.start {
             port.send(Command::Start)?;
         }
@@ -64,6 +77,9 @@ impl Monitor {
                 let row = port::row(sample, &robot, None)?;
                 log.line(&writer::line(&robot, &row)).map_err(|error| error.to_string())?;
             }
+            if let Some(film) = &mut film {
+                film.take(&frame)?;
+            }
             view.take(frame);
             view.damaged = port.damaged();
             if view.time_us() >= drawn_us + DRAW_US || view.time_us() < drawn_us {
@@ -73,11 +89,23 @@ impl Monitor {
             }
         }
         log.close().map_err(|error| error.to_string())?;
+        film.map_or(Ok(()), Film::finish)?;
         if view.is_empty() {
             return Err(format!("{}: {}", self.port, port.trouble()));
         }
         let _ = writeln!(std::io::stdout(), "{view}the line has ended; results in {}", self.out.display());
         Ok(())
+    }
+}
+
+impl Monitor {
+    /// The robot's line, shared with pages where that is asked for.
+    fn line(&self) -> Result<port::Line, String> {
+        let line = port::open(&self.port)?;
+        let Some(address) = &self.serve else { return Ok(line) };
+        let (line, bound) = relay(line, address, self.allow.as_deref())?;
+        eprintln!("note: the studio's mode Robot finds this robot at ws://{bound}");
+        Ok(line)
     }
 }
 

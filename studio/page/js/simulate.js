@@ -172,8 +172,10 @@ class Simulate {
     const { program } = this;
     do {
       program.advance(seconds, CHUNK);
-      this.deliver();
+      // Of a robot that is lost each piece is placed by itself.
+      if (this.wasSearching) this.deliver();
     } while ((program.time() ?? 0) < Math.min(seconds, this.longest) && performance.now() < deadline);
+    this.deliver();
   }
 
   deliver() {

@@ -8,7 +8,7 @@ pub mod growing;
 mod picture;
 mod series;
 
-pub use data::figures;
+pub use data::{figures, wall_ends};
 pub use picture::map_svg;
 
 use super::svg::escape;
