@@ -130,6 +130,10 @@ fn figure(
         points
     };
     let curves: Vec<Vec<(f64, f64)>> = shown.iter().map(|shown| curve(shown)).collect();
+    // Two points are no curve: so little of the sweep was done.
+    if curves.iter().all(|curve| curve.len() < 3) {
+        return Ok(());
+    }
     let all = || curves.iter().flatten();
     let label = "aligned RMSE, median, cm";
     let along = all().map(|point| point.0);
