@@ -1,6 +1,6 @@
 //! Board, wheel control, pilot and estimator in one loop.
 
-use robot::{Pilot, PilotConfig, Senses, WheelSpeeds};
+use robot::{FloorConfig, FloorJob, Pilot, PilotConfig, Senses, WheelSpeeds};
 use slam_core::{Adc, Pose, RangeInput, RangeModel, Rig, Sample};
 
 use crate::pose::Pose2;
@@ -33,6 +33,8 @@ pub struct ClosedLoop {
     pub simulation: Simulation,
     /// The pilot.
     pub pilot: Pilot<MAX_SENSORS>,
+    /// The floor job, which drives instead of the pilot where there is one.
+    pub floor_job: Option<Box<FloorJob<MAX_SENSORS>>>,
     command: Option<WheelSpeeds>,
 }
 
@@ -41,7 +43,29 @@ impl ClosedLoop {
     pub fn new(simulation: Simulation, rig: &Rig<MAX_SENSORS>, config: PilotConfig) -> Self {
         let radius_m = simulation.options().body_radius_m as f32;
         let config = PilotConfig { radius_m, track_m: simulation.track_m() as f32, ..config };
-        Self { simulation, pilot: Pilot::new(config, rig), command: None }
+        Self { simulation, pilot: Pilot::new(config, rig), floor_job: None, command: None }
+    }
+
+    /// A robot that cleans: the floor job drives.
+    pub fn cleaning(simulation: Simulation, rig: &Rig<MAX_SENSORS>, config: FloorConfig) -> Self {
+        let mut robot = Self::new(simulation, rig, config.drive);
+        let drive = PilotConfig {
+            radius_m: robot.simulation.options().body_radius_m as f32,
+            track_m: robot.simulation.track_m() as f32,
+            ..config.drive
+        };
+        robot.floor_job = Some(Box::new(FloorJob::new(FloorConfig { drive, ..config }, rig)));
+        robot
+    }
+
+    /// What the robot is doing, in a word or two.
+    pub fn doing(&self) -> &'static str {
+        self.floor_job.as_ref().map_or_else(|| self.pilot.activity().name(), |job| job.state().name())
+    }
+
+    /// Whether there is nothing left to do.
+    pub fn is_over(&self) -> bool {
+        self.floor_job.as_ref().is_some_and(|job| job.is_over())
     }
 
     /// Carries out the last command until the next sample, has it estimated, and lets the pilot choose the next
@@ -53,7 +77,11 @@ impl ClosedLoop {
         };
         let Estimate { pose, ranges_m } = estimator(&sample);
         let contacts = self.simulation.contacts();
-        self.command = Some(self.pilot.step(&Senses { time_us: sample.time_us, pose, ranges_m, contacts }));
+        let senses = Senses { time_us: sample.time_us, pose, ranges_m, contacts };
+        self.command = Some(match &mut self.floor_job {
+            Some(job) => job.step(&senses),
+            None => self.pilot.step(&senses),
+        });
         Frame { sample, truth: self.simulation.pose(), lifted: contacts.lifted }
     }
 

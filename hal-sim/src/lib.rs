@@ -26,6 +26,7 @@ pub mod board;
 mod body;
 mod closed_loop;
 pub mod coverage;
+pub mod floor;
 mod history;
 pub mod mishap;
 mod odometer;

@@ -12,7 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use lab::evaluate::compare::Compare;
 use lab::input::settings::{Settings, VariantArgs};
 use lab::recording::{Pose2, Recording};
-use lab::run::{Progress, RelativeReplay, Replay, Replayed, Run};
+use lab::run::{Job, Progress, RelativeReplay, Replay, Replayed, Run};
 use lab::show::closing;
 use monte_carlo::command::ExperimentArgs;
 use relatives::Kind;
@@ -56,9 +56,12 @@ struct RunArgs {
     /// Floor plan: the name of a built-in one, or a file.
     #[arg(long, value_name = "NAME|FILE", default_value = "flat")]
     plan: String,
-    /// Length of the drive in minutes.
-    #[arg(long, value_name = "M", default_value = "10", value_parser = minutes, allow_negative_numbers = true)]
-    minutes: f64,
+    /// What the robot is to do: `explore`, which maps the home, or `clean`, which sweeps its floor and comes back.
+    #[arg(long, value_name = "JOB", default_value = "explore", value_parser = job)]
+    job: Job,
+    /// Length of the drive in minutes; the longest, where the job has an end: 10, and 60 to clean.
+    #[arg(long, value_name = "M", value_parser = minutes, allow_negative_numbers = true)]
+    minutes: Option<f64>,
     /// Seed of everything random: the same seed gives the same drive, bit for bit.
     #[arg(long, value_name = "S", default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
@@ -167,6 +170,11 @@ fn minutes(text: &str) -> Result<f64, String> {
     }
 }
 
+fn job(name: &str) -> Result<Job, String> {
+    let names = Job::ALL.map(|(name, _)| name).join(", ");
+    Job::ALL.into_iter().find(|(own, _)| *own == name).map(|(_, job)| job).ok_or_else(|| format!("there are: {names}"))
+}
+
 fn start(text: &str) -> Result<Pose2, String> {
     let numbers: Option<Vec<f64>> =
         text.split(',').map(|part| part.trim().parse().ok().filter(|number: &f64| number.is_finite())).collect();
@@ -198,9 +206,13 @@ fn main() -> ExitCode {
 }
 
 fn run(args: RunArgs) -> Result<(), Box<dyn Error>> {
-    let RunArgs { plan, minutes, seed, rig, out, map, start, trace, mcap, variant } = args;
+    let RunArgs { plan, job, minutes, seed, rig, out, map, start, trace, mcap, variant } = args;
     let bar = ProgressBar::new(1000).with_style(style("driving {wide_bar} {percent} %, {eta} to go"));
-    let run = Run { plan, minutes, seed, rig, out, map, start, settings: Settings::ForRig(variant), trace };
+    let minutes = minutes.unwrap_or(match job {
+        Job::Explore => 10.0,
+        Job::Clean => 60.0,
+    });
+    let run = Run { plan, job, minutes, seed, rig, out, map, start, settings: Settings::ForRig(variant), trace };
     let recording = run.run(|progress| show(&bar, progress));
     bar.finish_and_clear();
     let recording = recording?;

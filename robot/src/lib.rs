@@ -9,6 +9,7 @@
 #![no_std]
 
 pub mod contact;
+pub mod floor;
 pub mod h_bridge;
 pub mod pilot;
 pub mod rig;
@@ -16,6 +17,7 @@ pub mod traits;
 pub mod wheel_control;
 
 pub use contact::{ContactPins, Contacts};
+pub use floor::{FloorConfig, FloorJob, FloorState};
 pub use h_bridge::{HBridge, HBridgeError, MotorPair};
 pub use pilot::{Activity, Pilot, PilotConfig, Senses};
 pub use traits::{DriveMotors, Duty, MetricSensor, RangeSensorBank, WheelCounter, WheelEncoders, WheelSpeeds};

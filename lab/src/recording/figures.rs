@@ -1,6 +1,7 @@
 //! The figures of a run: its scores against the truth and against itself.
 
 use super::Pose2;
+use hal_sim::floor::FloorScore;
 
 /// Figures of a whole run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -37,6 +38,8 @@ pub struct Figures {
     pub map: Option<MapScore>,
     /// The map against itself.
     pub consistency: Option<Consistency>,
+    /// The floor that a simulated drive swept.
+    pub floor: Option<FloorScore>,
     /// The same scores of the path and the map as they look from the end, see [`crate::evaluate::smoother`].
     pub looking_back: Option<LookingBack>,
 }

@@ -1,7 +1,8 @@
 //! A simulated drive: the pilot steers by what the robot senses and estimates, and every sample is a log row.
 
+use hal_sim::floor::{FloorRaster, Moment};
 use hal_sim::{ClosedLoop, Estimate, Plan, SimError, SimOptions, Simulation};
-use robot::{Activity, PilotConfig};
+use robot::{Activity, FloorConfig, PilotConfig};
 
 use super::session::Session;
 use crate::evaluate::score;
@@ -15,6 +16,7 @@ use crate::recording::{Figures, Pose2, Recording, Segment, TruthFrame};
 pub struct Drive {
     robot: ClosedLoop,
     plan: Vec<Segment>,
+    floor: FloorRaster,
     /// Since when, and where in the start frame, the pilot has been stuck.
     stuck: Option<(f64, Pose2)>,
 }
@@ -29,12 +31,24 @@ impl Drive {
     /// The rig cannot be simulated or the robot does not fit where the plan puts it.
     pub fn new(plan: &Plan, robot: &Robot, options: SimOptions, seed: u64) -> Result<Self, SimError> {
         let simulation = Simulation::new(plan, &robot.rig, options, seed)?;
+        Ok(Self::of(plan, ClosedLoop::new(simulation, &robot.rig, PilotConfig::default())))
+    }
+
+    /// The same with the floor to clean.
+    ///
+    /// # Errors
+    /// The rig cannot be simulated or the robot does not fit where the plan puts it.
+    pub fn cleaning(plan: &Plan, robot: &Robot, options: SimOptions, seed: u64) -> Result<Self, SimError> {
+        let simulation = Simulation::new(plan, &robot.rig, options, seed)?;
+        Ok(Self::of(plan, ClosedLoop::cleaning(simulation, &robot.rig, FloorConfig::default())))
+    }
+
+    fn of(plan: &Plan, robot: ClosedLoop) -> Self {
+        let simulation = &robot.simulation;
         let faces = plan.faces_in_start_frame();
-        Ok(Self {
-            robot: ClosedLoop::new(simulation, &robot.rig, PilotConfig::default()),
-            stuck: None,
-            plan: faces.iter().map(|face| Segment { from_m: face.from_m, to_m: face.to_m }).collect(),
-        })
+        let floor = FloorRaster::new(plan, simulation.options().body_radius_m, simulation.pose_in_plan());
+        let plan = faces.iter().map(|face| Segment { from_m: face.from_m, to_m: face.to_m }).collect();
+        Self { robot, stuck: None, floor, plan }
     }
 
     /// Drives to the next sample, which the session estimates and records; the first is taken where the robot stands.
@@ -52,7 +66,11 @@ impl Drive {
         if session.frames() != frames {
             self.robot.pilot.forget();
         }
+        if let (Some(job), Some((alpha_rad, _))) = (&mut self.robot.floor_job, session.slam().alpha()) {
+            job.align(alpha_rad);
+        }
         let t_s = frame.sample.time_us as f64 * 1e-6;
+        self.record_floor(t_s);
         if self.robot.pilot.activity() == Activity::Stuck {
             self.stuck.get_or_insert((t_s, frame.truth));
         }
@@ -68,6 +86,17 @@ impl Drive {
         row
     }
 
+    fn record_floor(&mut self, t_s: f64) {
+        let contacts = self.robot.simulation.contacts();
+        self.floor.record(&Moment {
+            t_s,
+            pose: self.robot.simulation.pose_in_plan(),
+            doing: self.robot.doing(),
+            is_pressed: contacts.bump_left || contacts.bump_right,
+            is_on_floor: !contacts.lifted,
+        });
+    }
+
     /// Drives for this long (seconds); `each` gets every row when it is recorded.
     ///
     /// # Errors
@@ -79,7 +108,7 @@ impl Drive {
         mut each: impl FnMut(&Row, &Recording) -> Result<(), E>,
     ) -> Result<(), E> {
         let mut t_s = f64::NEG_INFINITY;
-        while t_s < duration_s {
+        while t_s < duration_s && !self.robot.is_over() {
             let row = self.step(session);
             t_s = row.t_s;
             each(&row, session.recording())?;
@@ -101,6 +130,7 @@ impl Drive {
         recording.truth_frame = TruthFrame::Map;
         recording.true_walls = self.plan.clone();
         recording.stuck_from_s = self.stuck.map(|(from_s, _)| from_s);
+        recording.figures.floor = Some(self.floor.score());
         self.reveal_calibration(&mut recording);
         score::score(&mut recording, &[], None);
         if let Some(alignment) = recording.figures.estimate.map(|score| score.alignment) {

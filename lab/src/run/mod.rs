@@ -13,7 +13,7 @@ pub use life::Searched;
 pub use relative::{RelativeReplay, RelativeSession, covariance_of, look_back, to_record, views};
 pub use replay::{Replay, Replayed};
 pub use session::Session;
-pub use simulate::Run;
+pub use simulate::{Job, Run};
 
 /// How far a run or a replay is.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -20,12 +20,33 @@ use crate::show::output::summary::Origin;
 use crate::show::output::{self, NAMES};
 use input_file::FileError;
 
+/// What the robot is to do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Job {
+    /// Map the home.
+    #[default]
+    Explore,
+    /// Sweep its floor and come back.
+    Clean,
+}
+
+impl Job {
+    /// Every one, with its name.
+    pub const ALL: [(&'static str, Self); 2] = [("explore", Self::Explore), ("clean", Self::Clean)];
+
+    fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, job)| *job == self).map_or("", |(name, _)| name)
+    }
+}
+
 /// What to run.
 #[derive(Clone, Debug)]
 pub struct Run {
     /// Name of a built-in plan, or a plan file.
     pub plan: String,
-    /// Length of the drive, minutes.
+    /// What the robot is to do.
+    pub job: Job,
+    /// Length of the drive at most, minutes.
     pub minutes: f64,
     /// Everything random follows from it.
     pub seed: u64,
@@ -61,8 +82,11 @@ impl Run {
             None => input::built_in_robot()?,
         };
         let rig_name = self.rig.clone().unwrap_or_else(|| PathBuf::from("built-in rig"));
-        let mut drive =
-            Drive::new(&plan, &robot, options, self.seed).map_err(|error| self.simulation_error(&rig_name, &error))?;
+        let drive = match self.job {
+            Job::Explore => Drive::new(&plan, &robot, options, self.seed),
+            Job::Clean => Drive::cleaning(&plan, &robot, options, self.seed),
+        };
+        let mut drive = drive.map_err(|error| self.simulation_error(&rig_name, &error))?;
         let config = self.settings.config(&robot.rig);
         let mut session =
             Session::new(&robot, config, plan.name.clone()).map_err(|error| rig_error(&rig_name, &error))?;
@@ -104,6 +128,7 @@ impl Run {
                 ("plan", json!(self.plan)),
                 // A plan file may change: its text is what the run can be repeated with.
                 ("plan_toml", json!(std::fs::read_to_string(&self.plan).ok())),
+                ("job", json!(self.job.name())),
                 ("minutes", json!(self.minutes)),
                 ("seed", json!(self.seed)),
                 ("rig", json!(self.rig)),

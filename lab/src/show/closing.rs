@@ -10,6 +10,7 @@ pub fn table(recording: &Recording) -> String {
     let mut text = String::new();
     // Writing to a String cannot fail.
     let _ = write_paths(&mut text, recording);
+    let _ = write_floor(&mut text, recording);
     let _ = write_filter(&mut text, recording);
     let _ = write_looking_back(&mut text, recording);
     let _ = write_calibration(&mut text, recording);
@@ -41,6 +42,20 @@ fn write_paths(text: &mut String, recording: &Recording) -> std::fmt::Result {
         Some(nees) => writeln!(text, "  {:<34}{nees:>12.2}   3 is ideal", "pose NEES (mean)"),
         None => Ok(()),
     }
+}
+
+fn write_floor(text: &mut String, recording: &Recording) -> std::fmt::Result {
+    let Some(floor) = &recording.figures.floor else { return Ok(()) };
+    let swept = format!("{:.1} %", 100.0 * floor.swept);
+    writeln!(text, "  {:<34}{swept:>12}   of {:.1} m2 that it can reach", "floor swept", floor.floor_m2)?;
+    let overlap = format!("{:.2} x", floor.overlap);
+    writeln!(text, "  {:<34}{overlap:>12}   {:.1} % twice or more", "path over swept floor", 100.0 * floor.twice)?;
+    let hole = format!("{:.3} m2", floor.largest_hole_m2);
+    writeln!(text, "  {:<34}{hole:>12}   {} bumps", "largest piece missed", floor.bumps)?;
+    let home = format!("{:.3} m", floor.home_m);
+    writeln!(text, "  {:<34}{home:>12}", "end of the drive from its start")?;
+    let time = floor.time.iter().map(|(name, sum_s)| format!("{name} {sum_s:.0} s")).collect::<Vec<_>>().join(", ");
+    writeln!(text, "  time: {time}")
 }
 
 fn write_filter(text: &mut String, recording: &Recording) -> std::fmt::Result {

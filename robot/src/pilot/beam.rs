@@ -11,7 +11,7 @@ const EMPTY_M: f32 = 0.5;
 
 /// One sensor as the pilot sees it.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Beam {
+pub(crate) struct Beam {
     pub mount_m: [f32; 2],
     pub direction: [f32; 2],
     pub min_m: f32,
@@ -23,7 +23,7 @@ pub(super) struct Beam {
 
 impl Beam {
     /// The beams of a rig, none of them read yet.
-    pub(super) fn of_rig<const S: usize>(rig: &Rig<S>) -> [Beam; S] {
+    pub(crate) fn of_rig<const S: usize>(rig: &Rig<S>) -> [Beam; S] {
         let mut beams = [Beam { age: u8::MAX, ..Beam::default() }; S];
         for (beam, sensor) in beams.iter_mut().zip(&rig.sensors) {
             let (s, c) = slam_core::angle::sin_cos(sensor.mount.bearing_rad);
@@ -36,7 +36,7 @@ impl Beam {
     }
 
     /// Takes this step's reading, if there is one that the sensor can make.
-    pub(super) fn take(&mut self, range_m: Option<f32>) {
+    pub(crate) fn take(&mut self, range_m: Option<f32>) {
         match range_m {
             Some(range_m) if range_m >= self.min_m && range_m <= self.max_m => {
                 self.range_m = range_m;
@@ -47,19 +47,19 @@ impl Beam {
     }
 
     /// A point on the beam in the robot's frame, metres.
-    pub(super) fn point_m(&self, range_m: f32) -> [f32; 2] {
+    pub(crate) fn point_m(&self, range_m: f32) -> [f32; 2] {
         [self.mount_m[0] + range_m * self.direction[0], self.mount_m[1] + range_m * self.direction[1]]
     }
 
     /// Where the beam ends in the robot's frame, if it was read in the last moments.
-    pub(super) fn hit_m(&self) -> Option<[f32; 2]> {
+    pub(crate) fn hit_m(&self) -> Option<[f32; 2]> {
         (self.age <= 3).then(|| self.point_m(self.range_m))
     }
 }
 
 /// Draws one beam into the picture: free up to its end (obstacles on its way vanish only where it `clears`), and a hit
 /// there where it is near enough to be placed.
-pub(super) fn draw_beam<const N: usize>(
+pub(crate) fn draw_beam<const N: usize>(
     memory: &mut Memory<N>,
     beam: &Beam,
     pose: &Pose,

@@ -4,18 +4,18 @@ use slam_core::Pose;
 
 /// A cell of the picture, counted from its lower corner; it may lie outside.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Cell {
+pub(crate) struct Cell {
     pub col: i16,
     pub row: i16,
 }
 
 impl Cell {
-    pub(super) fn offset(self, cols: i16, rows: i16) -> Cell {
+    pub(crate) fn offset(self, cols: i16, rows: i16) -> Cell {
         Cell { col: self.col + cols, row: self.row + rows }
     }
 
     /// Distance in king's moves.
-    pub(super) fn moves_to(self, other: Cell) -> i16 {
+    pub(crate) fn moves_to(self, other: Cell) -> i16 {
         (self.col - other.col).abs().max((self.row - other.row).abs())
     }
 }
@@ -34,7 +34,7 @@ const BLOCKED: u8 = 0x80;
 
 /// `N` by `N` cells, one byte each.
 #[derive(Clone, Debug)]
-pub(super) struct Memory<const N: usize> {
+pub(crate) struct Memory<const N: usize> {
     cells: [[u8; N]; N],
     /// Place of the lower corner in the estimated frame, in cells.
     corner: [i32; 2],
@@ -43,12 +43,12 @@ pub(super) struct Memory<const N: usize> {
 
 impl<const N: usize> Memory<N> {
     /// Nothing known; the start in the middle.
-    pub(super) fn new(cell_m: f32) -> Self {
+    pub(crate) fn new(cell_m: f32) -> Self {
         let half = (N / 2) as i32;
         Self { cells: [[0; N]; N], corner: [-half, -half], cell_m }
     }
 
-    pub(super) fn cell_at(&self, x_m: f32, y_m: f32) -> Cell {
+    pub(crate) fn cell_at(&self, x_m: f32, y_m: f32) -> Cell {
         let place = |value_m: f32, corner: i32| {
             // Far outside stays outside: the limits keep the sum in range.
             let cell = libm::floorf((value_m / self.cell_m).clamp(-1e6, 1e6)) as i32 - corner;
@@ -58,7 +58,7 @@ impl<const N: usize> Memory<N> {
     }
 
     /// Centre of a cell in the estimated frame, metres.
-    pub(super) fn centre_m(&self, cell: Cell) -> [f32; 2] {
+    pub(crate) fn centre_m(&self, cell: Cell) -> [f32; 2] {
         let middle = |index: i16, corner: i32| (i32::from(index) + corner) as f32 * self.cell_m + 0.5 * self.cell_m;
         [middle(cell.col, self.corner[0]), middle(cell.row, self.corner[1])]
     }
@@ -75,36 +75,36 @@ impl<const N: usize> Memory<N> {
         }
     }
 
-    pub(super) fn is_inside(&self, cell: Cell) -> bool {
+    pub(crate) fn is_inside(&self, cell: Cell) -> bool {
         (cell.row as usize) < N && (cell.col as usize) < N
     }
 
-    pub(super) fn is_known(&self, cell: Cell) -> bool {
+    pub(crate) fn is_known(&self, cell: Cell) -> bool {
         self.get(cell) & (EVIDENCE | BLOCKED) != 0
     }
 
-    pub(super) fn is_free(&self, cell: Cell) -> bool {
+    pub(crate) fn is_free(&self, cell: Cell) -> bool {
         let value = self.get(cell);
         let evidence = value & EVIDENCE;
         value & BLOCKED == 0 && evidence != 0 && evidence < OCCUPIED
     }
 
-    pub(super) fn is_obstacle(&self, cell: Cell) -> bool {
+    pub(crate) fn is_obstacle(&self, cell: Cell) -> bool {
         let value = self.get(cell);
         value & BLOCKED != 0 || value & EVIDENCE >= OCCUPIED
     }
 
-    pub(super) fn is_visited(&self, cell: Cell) -> bool {
+    pub(crate) fn is_visited(&self, cell: Cell) -> bool {
         self.get(cell) & VISITED != 0
     }
 
     /// Whether an obstacle lies within this many king's moves.
-    pub(super) fn obstacle_within(&self, cell: Cell, moves: i16) -> bool {
+    pub(crate) fn obstacle_within(&self, cell: Cell, moves: i16) -> bool {
         (-moves..=moves).any(|row| (-moves..=moves).any(|col| self.is_obstacle(cell.offset(col, row))))
     }
 
     /// A beam passed here.
-    pub(super) fn see_free(&mut self, cell: Cell) {
+    pub(crate) fn see_free(&mut self, cell: Cell) {
         self.edit(cell, |value| {
             let evidence = if value & EVIDENCE == 0 { NEUTRAL } else { value & EVIDENCE };
             (value & !EVIDENCE) | (evidence - 1).max(1)
@@ -112,7 +112,7 @@ impl<const N: usize> Memory<N> {
     }
 
     /// A beam ended here.
-    pub(super) fn see_hit(&mut self, cell: Cell) {
+    pub(crate) fn see_hit(&mut self, cell: Cell) {
         self.edit(cell, |value| {
             let evidence = if value & EVIDENCE == 0 { NEUTRAL } else { value & EVIDENCE };
             (value & !EVIDENCE) | (evidence + HIT).min(EVIDENCE)
@@ -120,17 +120,17 @@ impl<const N: usize> Memory<N> {
     }
 
     /// The bumper or the cliff sensor found something here.
-    pub(super) fn block(&mut self, cell: Cell) {
+    pub(crate) fn block(&mut self, cell: Cell) {
         self.edit(cell, |value| value | BLOCKED);
     }
 
     /// The robot's centre is here: whatever was thought to be here is not.
-    pub(super) fn stand_on(&mut self, cell: Cell) {
+    pub(crate) fn stand_on(&mut self, cell: Cell) {
         self.edit(cell, |value| (value & !(EVIDENCE | BLOCKED)) | 2);
     }
 
     /// Marks the cells within this many king's moves as visited; returns whether any was not.
-    pub(super) fn visit(&mut self, centre: Cell, moves: i16) -> bool {
+    pub(crate) fn visit(&mut self, centre: Cell, moves: i16) -> bool {
         let mut any_new = false;
         for row in -moves..=moves {
             for col in -moves..=moves {
@@ -143,26 +143,26 @@ impl<const N: usize> Memory<N> {
     }
 
     /// Forgets where the robot has been and what it bumped into; what was seen stays.
-    pub(super) fn forget_visits(&mut self) {
+    pub(crate) fn forget_visits(&mut self) {
         self.cells.as_flattened_mut().iter_mut().for_each(|value| *value &= !(VISITED | BLOCKED));
     }
 
-    pub(super) fn clear_steps(&mut self) {
+    pub(crate) fn clear_steps(&mut self) {
         self.cells.as_flattened_mut().iter_mut().for_each(|value| *value &= !STEP);
     }
 
     /// Number of steps from the search's start modulo 3, where the search has been.
-    pub(super) fn step_label(&self, cell: Cell) -> Option<u8> {
+    pub(crate) fn step_label(&self, cell: Cell) -> Option<u8> {
         ((self.get(cell) & STEP) >> STEP_SHIFT).checked_sub(1)
     }
 
-    pub(super) fn set_step_label(&mut self, cell: Cell, steps_mod_3: u8) {
+    pub(crate) fn set_step_label(&mut self, cell: Cell, steps_mod_3: u8) {
         self.edit(cell, |value| (value & !STEP) | ((steps_mod_3 + 1) << STEP_SHIFT));
     }
 
     /// Moves the picture when the robot comes near its edge: what falls off at the far side is forgotten.
-    /// Returns whether cells are now called otherwise.
-    pub(super) fn keep_around(&mut self, pose: &Pose) -> bool {
+    /// Returns by how many columns and rows: cells are now called otherwise by so much less.
+    pub(crate) fn keep_around(&mut self, pose: &Pose) -> (i16, i16) {
         let margin = (N / 8) as i16;
         let cell = self.cell_at(pose.x_m, pose.y_m);
         let shift = |index: i16| {
@@ -178,7 +178,7 @@ impl<const N: usize> Memory<N> {
         if cols != 0 || rows != 0 {
             self.shift(cols, rows);
         }
-        cols != 0 || rows != 0
+        (cols, rows)
     }
 
     fn shift(&mut self, cols: i16, rows: i16) {

@@ -8,11 +8,11 @@
 //! It takes the pose as it comes: an error of a few centimetres or a jump of ten blur the picture, and passing beams
 //! clear it again.
 
-mod beam;
+pub(crate) mod beam;
 mod confinement;
-mod memory;
+pub(crate) mod memory;
 mod patience;
-mod search;
+pub(crate) mod search;
 mod steer;
 
 use slam_core::{Pose, Rig};
@@ -88,6 +88,20 @@ pub enum Activity {
     TurningAway,
     /// Standing: it cannot get away from where it is. It tries again once a minute.
     Stuck,
+}
+
+impl Activity {
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Wandering => "wandering",
+            Self::FollowingWalls => "along walls",
+            Self::Exploring => "exploring",
+            Self::BackingOff => "backing off",
+            Self::TurningAway => "turning away",
+            Self::Stuck => "stuck",
+        }
+    }
 }
 
 /// Backing off ends after this long at the latest, microseconds: a round robot needs no more than a few centimetres to
@@ -192,7 +206,7 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
 
     fn remember(&mut self, senses: &Senses<S>) {
         let pose = &senses.pose;
-        if self.memory.keep_around(pose) {
+        if self.memory.keep_around(pose) != (0, 0) {
             self.route = None;
             self.next_route_us = 0;
         }

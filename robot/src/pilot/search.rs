@@ -18,7 +18,7 @@ const WALL_PREFERENCE: u16 = 16;
 
 /// How near to obstacles the wave may pass while it is still near the robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Squeeze {
+pub(crate) enum Squeeze {
     /// Only to leave a place that is itself too near an obstacle: two cells.
     Leave,
     /// For five cells: when there is no other way.
@@ -26,11 +26,11 @@ pub(super) enum Squeeze {
 }
 
 /// Length of the path's first part that is handed out, in cells.
-pub(super) const LOOK_AHEAD: usize = 4;
+pub(crate) const LOOK_AHEAD: usize = 4;
 
 /// A place worth a visit and the way there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Route {
+pub(crate) struct Route {
     pub target: Cell,
     /// Steps to the target.
     pub steps: u16,
@@ -42,7 +42,7 @@ pub(super) struct Route {
 }
 
 /// Whether the robot's body fits at this cell.
-pub(super) fn is_passable<const N: usize>(memory: &Memory<N>, cell: Cell) -> bool {
+pub(crate) fn is_passable<const N: usize>(memory: &Memory<N>, cell: Cell) -> bool {
     memory.is_free(cell) && !memory.obstacle_within(cell, 1)
 }
 
@@ -62,7 +62,7 @@ fn borders_on_unknown<const N: usize>(memory: &Memory<N>, cell: Cell) -> bool {
 
 /// The route to the nearest place that is worth a visit: unvisited and beside a wall, or else at the edge of the
 /// unknown. `octant` is the robot's heading in eighths of a turn.
-pub(super) fn find_route<const N: usize>(
+pub(crate) fn find_route<const N: usize>(
     memory: &mut Memory<N>,
     start: Cell,
     octant: usize,

@@ -7,7 +7,7 @@ use super::PilotConfig;
 use super::beam::Beam;
 
 /// Free way straight ahead of the body (or behind it), metres.
-pub(super) fn gap_m(beams: &[Beam], config: &PilotConfig, backwards: bool) -> f32 {
+pub(crate) fn gap_m(beams: &[Beam], config: &PilotConfig, backwards: bool) -> f32 {
     let sign = if backwards { -1.0 } else { 1.0 };
     let half_width_m = config.radius_m + 0.03;
     let mut gap_m = f32::INFINITY;
@@ -34,7 +34,7 @@ fn push_left_m(beams: &[Beam], config: &PilotConfig) -> f32 {
 }
 
 /// A forward speed (m/s) and a turn rate (rad/s) towards a point of the estimated frame.
-pub(super) fn towards(point_m: [f32; 2], pose: &Pose, beams: &[Beam], config: &PilotConfig) -> (f32, f32) {
+pub(crate) fn towards(point_m: [f32; 2], pose: &Pose, beams: &[Beam], config: &PilotConfig) -> (f32, f32) {
     let bearing_rad = libm::atan2f(point_m[1] - pose.y_m, point_m[0] - pose.x_m);
     let error_rad = wrap(bearing_rad - pose.theta_rad);
     let gap_m = gap_m(beams, config, false);

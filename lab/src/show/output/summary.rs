@@ -1,5 +1,6 @@
 //! `summary.json`: the figures of a run, and what is needed to repeat it.
 
+use hal_sim::floor::FloorScore;
 use serde_json::{Map, Value, json};
 use slam_core::{Clustering, Config, Health, Linearisation, NotTaken, Refusal, WallPolicy};
 
@@ -72,6 +73,9 @@ pub fn summary(recording: &Recording, origin: &Origin) -> Value {
         back.insert("consistency".to_owned(), json!(score.consistency.as_ref().map(consistency)));
         put("looking_back", Value::Object(back));
     }
+    if let Some(score) = &figures.floor {
+        put("floor", floor(score));
+    }
     put("counters", counters(recording));
     put("hand_overs", recording.hand_overs.iter().map(|found| hand_over(recording, found)).collect());
     put("seed", json!(recording.seed));
@@ -101,6 +105,21 @@ fn map(score: &MapScore) -> Value {
         "matched": score.matched,
         "missed": score.missed,
         "invented": score.invented,
+    })
+}
+
+fn floor(score: &FloorScore) -> Value {
+    let time: Map<String, Value> = score.time.iter().map(|(name, sum_s)| (name.clone(), json!(sum_s))).collect();
+    json!({
+        "floor_m2": score.floor_m2,
+        "swept": score.swept,
+        "twice": score.twice,
+        "largest_hole_m2": score.largest_hole_m2,
+        "path_m": score.path_m,
+        "overlap": score.overlap,
+        "bumps": score.bumps,
+        "home_m": score.home_m,
+        "time_s": time,
     })
 }
 

@@ -1,0 +1,368 @@
+//! How much of the floor a drive swept: a raster of the true floor plan under the true path.
+
+use std::collections::VecDeque;
+
+use crate::plan::{Cliff, Plan};
+use crate::pose::Pose2;
+use crate::world::World;
+
+/// Edge of a cell, metres.
+pub const CELL_M: f64 = 0.025;
+
+/// Width of the brush, metres: what lies within half of it of the robot's centre is swept.
+pub const BRUSH_M: f64 = 0.25;
+
+/// A cell that was not under the brush for this long is swept once more when it comes there again, seconds.
+const PASS_S: f64 = 2.0;
+
+/// Progress is noted this often, seconds.
+const PROGRESS_S: f64 = 5.0;
+
+/// Poses farther apart than this are not joined by a path, metres: the robot was carried.
+const CARRIED_M: f64 = 0.1;
+
+/// How a drive swept the floor that the brush can reach.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FloorScore {
+    /// The floor that can be reached, m^2.
+    pub floor_m2: f64,
+    /// Share of it that was swept.
+    pub swept: f64,
+    /// Share of it that was swept twice or more.
+    pub twice: f64,
+    /// The largest piece in one that was missed, m^2.
+    pub largest_hole_m2: f64,
+    /// Length of the true path, metres.
+    pub path_m: f64,
+    /// Area of the path, as wide as the brush, over the area swept.
+    pub overlap: f64,
+    /// How often the bumper was pressed.
+    pub bumps: u32,
+    /// Distance from where the drive started to where it ended, metres.
+    pub home_m: f64,
+    /// What the robot did, and for how many seconds.
+    pub time: Vec<(String, f64)>,
+    /// The shares over time.
+    pub progress: Vec<FloorShare>,
+    /// The floor from above.
+    pub picture: FloorPicture,
+}
+
+/// How much of the floor was swept by some time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FloorShare {
+    /// Time since the start, seconds.
+    pub t_s: f64,
+    /// Share that was swept.
+    pub swept: f64,
+    /// Share that was swept twice or more.
+    pub twice: f64,
+}
+
+/// The floor from above, in the plan's frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FloorPicture {
+    /// Lower corner, metres.
+    pub corner_m: [f64; 2],
+    /// Edge of a cell, metres.
+    pub cell_m: f64,
+    /// Cells in a row.
+    pub columns: usize,
+    /// Cells row by row, along x first: 0 out of reach, 1 missed, 2 swept once, 3 twice or more.
+    pub cells: Vec<u8>,
+}
+
+/// The floor as it is swept, in the plan's frame.
+#[derive(Clone, Debug)]
+pub struct FloorRaster {
+    corner_m: [f64; 2],
+    columns: usize,
+    rows: usize,
+    is_floor: Vec<bool>,
+    passes: Vec<u8>,
+    last_s: Vec<f64>,
+    floor: usize,
+    swept: usize,
+    twice: usize,
+    path_m: f64,
+    last: Option<Pose2>,
+    start: Pose2,
+    progress: Vec<FloorShare>,
+    time: Vec<(&'static str, f64)>,
+    last_t_s: f64,
+    bumps: u32,
+    was_pressed: bool,
+}
+
+/// What the robot is at one moment.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment {
+    /// Time since the start, seconds.
+    pub t_s: f64,
+    /// The true pose in the plan's frame.
+    pub pose: Pose2,
+    /// What it does, in a word.
+    pub doing: &'static str,
+    /// The bumper is pressed.
+    pub is_pressed: bool,
+    /// The brush is on the floor.
+    pub is_on_floor: bool,
+}
+
+impl FloorRaster {
+    /// Nothing swept yet of the floor that a round body of this radius (metres) can reach from `start` with its brush. Doors
+    /// that shut for good are shut.
+    pub fn new(plan: &Plan, radius_m: f64, start: Pose2) -> Self {
+        let ends = plan.faces.iter().flat_map(|face| [face.from_m, face.to_m]);
+        let (mut low, mut high) = ([start.x_m, start.y_m], [start.x_m, start.y_m]);
+        for end in ends {
+            for axis in 0..2 {
+                low[axis] = low[axis].min(end[axis]);
+                high[axis] = high[axis].max(end[axis]);
+            }
+        }
+        let cells = |axis: usize| ((high[axis] - low[axis]) / CELL_M).ceil() as usize + 1;
+        let (columns, rows) = (cells(0), cells(1));
+        let mut raster = Self {
+            corner_m: low,
+            columns,
+            rows,
+            is_floor: vec![false; columns * rows],
+            passes: vec![0; columns * rows],
+            last_s: vec![f64::NEG_INFINITY; columns * rows],
+            floor: 0,
+            swept: 0,
+            twice: 0,
+            path_m: 0.0,
+            last: None,
+            start,
+            progress: Vec::new(),
+            time: Vec::new(),
+            last_t_s: 0.0,
+            bumps: 0,
+            was_pressed: false,
+        };
+        for index in raster.places(&still(plan), &plan.cliffs, radius_m, start) {
+            let centre_m = raster.centre_m(index);
+            for cell in raster.within(centre_m, 0.5 * BRUSH_M) {
+                raster.floor += usize::from(!raster.is_floor[cell]);
+                raster.is_floor[cell] = true;
+            }
+        }
+        raster
+    }
+
+    /// The cells that the body's centre can reach from where it starts.
+    fn places(&self, world: &World, cliffs: &[Cliff], radius_m: f64, start: Pose2) -> Vec<usize> {
+        let count = self.columns * self.rows;
+        let is_free: Vec<bool> = (0..count)
+            .map(|index| {
+                let centre_m = self.centre_m(index);
+                world.clearance_m(centre_m) >= radius_m
+                    && cliffs.iter().all(|cliff| beside_m(cliff, centre_m) >= radius_m)
+            })
+            .collect();
+        let mut is_reached = vec![false; count];
+        let near = self.within([start.x_m, start.y_m], 2.0 * CELL_M);
+        let mut front: VecDeque<usize> = near.into_iter().filter(|&cell| is_free[cell]).take(1).collect();
+        let mut places = Vec::new();
+        while let Some(cell) = front.pop_front() {
+            if core::mem::replace(&mut is_reached[cell], true) {
+                continue;
+            }
+            places.push(cell);
+            front.extend(self.neighbours(cell).filter(|&next| is_free[next] && !is_reached[next]));
+        }
+        places
+    }
+
+    fn centre_m(&self, index: usize) -> [f64; 2] {
+        let middle = |axis: usize, cell: usize| self.corner_m[axis] + (cell as f64 + 0.5) * CELL_M;
+        [middle(0, index % self.columns), middle(1, index / self.columns)]
+    }
+
+    /// The cells whose centres are this near to a point (metres).
+    fn within(&self, point_m: [f64; 2], radius_m: f64) -> Vec<usize> {
+        let range = |axis: usize, cells: usize| {
+            let at = |offset_m: f64| ((point_m[axis] + offset_m - self.corner_m[axis]) / CELL_M - 0.5).max(0.0);
+            at(-radius_m).ceil() as usize..(at(radius_m).floor() as usize + 1).min(cells)
+        };
+        let is_near = |&index: &usize| {
+            let [x_m, y_m] = self.centre_m(index);
+            libm::hypot(x_m - point_m[0], y_m - point_m[1]) <= radius_m
+        };
+        let columns = range(0, self.columns);
+        let in_row = |row: usize| columns.clone().map(move |column| row * self.columns + column);
+        range(1, self.rows).flat_map(in_row).filter(is_near).collect()
+    }
+
+    fn neighbours(&self, index: usize) -> impl Iterator<Item = usize> + use<> {
+        let (column, row, columns, rows) = (index % self.columns, index / self.columns, self.columns, self.rows);
+        let west = (column > 0).then(|| index - 1);
+        let east = (column + 1 < columns).then(|| index + 1);
+        let south = (row > 0).then(|| index - columns);
+        let north = (row + 1 < rows).then(|| index + columns);
+        [west, east, south, north].into_iter().flatten()
+    }
+
+    /// The robot is here now.
+    pub fn record(&mut self, moment: &Moment) {
+        let Moment { t_s, pose, doing, is_pressed, is_on_floor } = *moment;
+        let passed_s = t_s - self.last_t_s;
+        match self.time.iter_mut().find(|(name, _)| *name == doing) {
+            Some((_, sum_s)) => *sum_s += passed_s,
+            None => self.time.push((doing, passed_s)),
+        }
+        self.last_t_s = t_s;
+        self.bumps += u32::from(is_pressed && !self.was_pressed);
+        self.was_pressed = is_pressed;
+        let from = self.last.replace(pose).unwrap_or(pose);
+        let moved_m = libm::hypot(pose.x_m - from.x_m, pose.y_m - from.y_m);
+        if is_on_floor && moved_m < CARRIED_M {
+            self.path_m += moved_m;
+            self.sweep(t_s, [0.5 * (from.x_m + pose.x_m), 0.5 * (from.y_m + pose.y_m)]);
+            self.sweep(t_s, [pose.x_m, pose.y_m]);
+        }
+        if self.progress.last().is_none_or(|last| t_s - last.t_s >= PROGRESS_S) {
+            self.progress.push(self.share(t_s));
+        }
+    }
+
+    fn sweep(&mut self, t_s: f64, centre_m: [f64; 2]) {
+        for cell in self.within(centre_m, 0.5 * BRUSH_M) {
+            if self.is_floor[cell] && t_s - self.last_s[cell] > PASS_S {
+                self.swept += usize::from(self.passes[cell] == 0);
+                self.twice += usize::from(self.passes[cell] == 1);
+                self.passes[cell] = self.passes[cell].saturating_add(1);
+            }
+            self.last_s[cell] = t_s;
+        }
+    }
+
+    fn share(&self, t_s: f64) -> FloorShare {
+        let floor = self.floor.max(1) as f64;
+        FloorShare { t_s, swept: self.swept as f64 / floor, twice: self.twice as f64 / floor }
+    }
+
+    /// What was swept so far.
+    pub fn score(&self) -> FloorScore {
+        let area_m2 = |cells: usize| cells as f64 * CELL_M * CELL_M;
+        let share = self.share(self.last_t_s);
+        let home_m = self.last.map_or(0.0, |pose| libm::hypot(pose.x_m - self.start.x_m, pose.y_m - self.start.y_m));
+        let mut progress = self.progress.clone();
+        progress.push(share);
+        let codes = self
+            .is_floor
+            .iter()
+            .zip(&self.passes)
+            .map(|(is_floor, passes)| if *is_floor { 1 + passes.min(&2) } else { 0 });
+        FloorScore {
+            floor_m2: area_m2(self.floor),
+            swept: share.swept,
+            twice: share.twice,
+            largest_hole_m2: area_m2(self.largest_hole()),
+            path_m: self.path_m,
+            overlap: self.path_m * BRUSH_M / area_m2(self.swept).max(CELL_M * CELL_M),
+            bumps: self.bumps,
+            home_m,
+            time: self.time.iter().map(|(name, sum_s)| ((*name).to_owned(), *sum_s)).collect(),
+            progress,
+            picture: FloorPicture {
+                corner_m: self.corner_m,
+                cell_m: CELL_M,
+                columns: self.columns,
+                cells: codes.collect(),
+            },
+        }
+    }
+
+    /// Cells of the largest piece of floor that was missed.
+    fn largest_hole(&self) -> usize {
+        let is_missed = |cell: usize| self.is_floor[cell] && self.passes[cell] == 0;
+        let mut is_counted = vec![false; self.is_floor.len()];
+        let mut largest = 0;
+        for first in 0..self.is_floor.len() {
+            let mut front = vec![first];
+            let mut cells = 0;
+            while let Some(cell) = front.pop() {
+                if !is_missed(cell) || core::mem::replace(&mut is_counted[cell], true) {
+                    continue;
+                }
+                cells += 1;
+                front.extend(self.neighbours(cell));
+            }
+            largest = largest.max(cells);
+        }
+        largest
+    }
+}
+
+/// What stands in the home for good: no people, and of the doors those that stay shut.
+fn still(plan: &Plan) -> World {
+    let mut plan = plan.clone();
+    plan.people.clear();
+    plan.doors.retain(|door| door.opens_at_s.is_infinite());
+    for door in &mut plan.doors {
+        door.closes_at_s = 0.0;
+    }
+    World::new(&plan)
+}
+
+/// Distance of a point from a place without a floor, metres.
+fn beside_m(cliff: &Cliff, point_m: [f64; 2]) -> f64 {
+    let off = |axis: usize| (cliff.min_m[axis] - point_m[axis]).max(point_m[axis] - cliff.max_m[axis]).max(0.0);
+    libm::hypot(off(0), off(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan_file;
+
+    const ROOM: &str = "[start]\nx_m = 0.5\ny_m = 0.5\n\
+        [[outline]]\npoints_m = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]]\n\
+        [[wall]]\nfrom_m = [1.0, 0.0]\nto_m = [1.0, 1.0]\n";
+
+    fn moment(t_s: f64, x_m: f64) -> Moment {
+        Moment { t_s, pose: Pose2::new(x_m, 0.5, 0.0), doing: "lanes", is_pressed: false, is_on_floor: true }
+    }
+
+    fn room() -> FloorRaster {
+        let plan = plan_file::parse("home.toml", "home", ROOM).unwrap();
+        FloorRaster::new(&plan, 0.17, plan.start)
+    }
+
+    #[test]
+    fn the_floor_is_what_the_brush_reaches_on_this_side_of_the_wall() {
+        // A square of 1 m less a rim of 4.5 cm, its corners as round as the brush.
+        let area_m2 = 0.91 * 0.91 - (4.0 - core::f64::consts::PI) * 0.125 * 0.125;
+        let score = room().score();
+        assert!((score.floor_m2 - area_m2).abs() < 0.03, "{} is not {area_m2}", score.floor_m2);
+        assert!((score.largest_hole_m2 - score.floor_m2).abs() < 1e-9);
+    }
+
+    #[test]
+    fn there_and_back_is_swept_twice() {
+        let mut raster = room();
+        let there = (0..=50).map(|i| moment(0.04 * f64::from(i), 0.2 + 0.01 * f64::from(i)));
+        there.for_each(|moment| raster.record(&moment));
+        let once = raster.score();
+        let strip_m2 = 0.5 * 0.25 + core::f64::consts::PI * 0.125 * 0.125;
+        assert!((once.swept * once.floor_m2 - strip_m2).abs() < 0.01, "{once:?}");
+        assert_eq!(once.twice, 0.0);
+        assert!((once.overlap - 0.5 * 0.25 / (once.swept * once.floor_m2)).abs() < 1e-9);
+        let back = (0..=50).map(|i| moment(10.0 + 0.04 * f64::from(i), 0.7 - 0.01 * f64::from(i)));
+        back.for_each(|moment| raster.record(&moment));
+        let twice = raster.score();
+        assert!((twice.twice - twice.swept).abs() < 1e-9 && (twice.swept - once.swept).abs() < 1e-9);
+        assert!(twice.home_m > 0.29 && twice.home_m < 0.31);
+    }
+
+    #[test]
+    fn who_is_carried_sweeps_nothing_on_the_way() {
+        let mut raster = room();
+        raster.record(&moment(0.0, 0.2));
+        raster.record(&moment(0.04, 0.8));
+        assert_eq!(raster.score().path_m, 0.0);
+    }
+}

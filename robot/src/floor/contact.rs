@@ -1,0 +1,127 @@
+//! What the job does where it runs into something, or gets nowhere.
+
+use slam_core::Pose;
+
+use super::near::free_ahead_m;
+use super::wave::{Aim, Target};
+use super::{FloorJob, Phase};
+use crate::contact::Contacts;
+
+/// Backing off takes this long, microseconds.
+const BACK_US: u64 = 300_000;
+/// Bumps nearer to each other than this are at one place, metres; after so many there the robot is stuck.
+const AWAY_M: f32 = 0.12;
+const MAX_STRIKES: u8 = 60;
+/// It turns away by this much longer for each bump at one place, microseconds.
+const TURN_US: u64 = 150_000;
+/// A point that the bumper felt is kept so long, microseconds.
+const FELT_US: u64 = 30_000_000;
+
+impl<const S: usize> FloorJob<S> {
+    /// Remembers what was touched and backs off from it.
+    pub(super) fn touch(&mut self, contacts: &Contacts, pose: &Pose, now_us: u64) {
+        let Contacts { bump_left, bump_right, .. } = *contacts;
+        let bearing_rad = f32::from(i8::from(bump_left) - i8::from(bump_right)) * 0.6;
+        let radius_m = self.config.drive.radius_m;
+        let (s, c) = slam_core::angle::sin_cos(bearing_rad);
+        // Each half of the bumper is felt up to a quarter turn from straight ahead.
+        let sector_rad = [if bump_right { -1.4 } else { -0.3 }, if bump_left { 1.4 } else { 0.3 }];
+        if !self.near.touch(sector_rad, radius_m, pose, now_us) {
+            let at_m = pose.transform([radius_m * c, radius_m * s]);
+            self.near.add(at_m, now_us.saturating_add(FELT_US), pose, now_us);
+            let [x_m, y_m] = pose.transform([(radius_m + 0.06) * c, (radius_m + 0.06) * s]);
+            self.sheet.picture.block(self.sheet.picture.cell_at(x_m, y_m));
+        }
+        let [dx, dy] = [pose.x_m - self.struck_m[0], pose.y_m - self.struck_m[1]];
+        self.strikes = if dx * dx + dy * dy < AWAY_M * AWAY_M { self.strikes.saturating_add(1) } else { 0 };
+        if self.strikes == 0 {
+            self.struck_m = [pose.x_m, pose.y_m];
+        }
+        self.turn_sign = if bump_left == bump_right {
+            self.turn_sign
+        } else if bump_left {
+            -1.0
+        } else {
+            1.0
+        };
+        self.resume = self.phase;
+        if self.strikes > MAX_STRIKES {
+            self.resume = Phase::Over { is_home: false };
+        } else if self.strikes > 8 && self.strikes.is_multiple_of(8) {
+            self.turn_sign = -self.turn_sign;
+            self.give_up();
+            self.resume = Phase::Plan { aim: Aim::Floor, escape: 5, begun: false };
+        }
+        self.phase = Phase::Back;
+        self.since_us = now_us;
+    }
+
+    /// Turns away from what was touched, farther each time.
+    pub(super) fn turn_away(&mut self, sign: f32, now_us: u64) -> (f32, f32) {
+        let time_us = u64::from(self.strikes.min(10)) * TURN_US;
+        if now_us.saturating_sub(self.since_us) > time_us {
+            self.go_on(now_us);
+        }
+        (0.0, 0.8 * sign)
+    }
+
+    pub(super) fn back(&mut self, pose: &Pose, now_us: u64) -> (f32, f32) {
+        let behind = self.near.seen_from(pose, now_us).map(|[x_m, y_m]| [-x_m, -y_m]);
+        let is_blocked = free_ahead_m(behind, self.config.drive.radius_m) < 0.015;
+        if is_blocked || now_us.saturating_sub(self.since_us) > BACK_US {
+            if self.strikes > 1 {
+                self.phase = Phase::Turn { sign: self.turn_sign };
+                self.since_us = now_us;
+            } else {
+                self.go_on(now_us);
+            }
+            return (0.0, 0.0);
+        }
+        (-0.5 * self.config.drive.speed_mps, 0.0)
+    }
+
+    /// Goes on with what backing off interrupted.
+    pub(super) fn go_on(&mut self, now_us: u64) {
+        let resume = self.resume;
+        match resume {
+            Phase::Transit { aim, .. } => self.plan(aim, now_us),
+            Phase::Lane(lane) | Phase::Enter { lane, .. } => self.next_lane(lane, now_us),
+            _ => self.begin(resume, now_us),
+        }
+    }
+
+    /// The way to what it is after leads nowhere: gives that up.
+    pub(super) fn lose_patience(&mut self, pose: &Pose, now_us: u64) {
+        self.moved = ([pose.x_m, pose.y_m], now_us);
+        match self.phase {
+            Phase::Home | Phase::Transit { aim: Aim::Place(_), .. } if self.retries > 2 => {
+                self.begin(Phase::Over { is_home: false }, now_us);
+            }
+            Phase::Home | Phase::Transit { aim: Aim::Place(_), .. } => {
+                self.retries += 1;
+                let aim = self.aim_home();
+                self.plan(aim, now_us);
+            }
+            _ => {
+                self.give_up();
+                self.plan(Aim::Floor, now_us);
+            }
+        }
+        self.resume = self.phase;
+        self.phase = Phase::Back;
+        self.since_us = now_us;
+    }
+
+    /// Leaves the target aside, to be tried once more at the end.
+    pub(super) fn give_up(&mut self) {
+        let Some(target) = self.target.take() else { return };
+        let cell = match target {
+            Target::Open(cell) | Target::Place(cell) => cell,
+            Target::Edge { at, .. } => at,
+        };
+        if self.sheet.swept.left_in(cell) > 0 {
+            let _ = self.given_up.push(self.sheet.picture.centre_m(cell));
+            self.sheet.swept.set(cell, true);
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! Lanes: straight lines along the axes of the job's frame.
+
+use slam_core::Pose;
+use slam_core::angle::wrap;
+
+use super::near::free_ahead_m;
+use super::sheet::Axis;
+use super::{FloorJob, Phase};
+use crate::pilot::memory::Cell;
+
+/// A lane: a straight line along an axis of the job's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Lane {
+    pub axis: Axis,
+    /// Where it is across the axis, metres.
+    pub across_m: f32,
+    /// 1 towards larger coordinates, -1 towards smaller ones.
+    pub sign: i16,
+    /// On which side the next lane is preferred.
+    pub side: i16,
+}
+
+impl Lane {
+    /// Direction in the job's frame, radians.
+    fn heading_rad(&self) -> f32 {
+        let along_rad = match self.axis {
+            Axis::X => 0.0,
+            Axis::Y => core::f32::consts::FRAC_PI_2,
+        };
+        if self.sign > 0 { along_rad } else { along_rad - core::f32::consts::PI }
+    }
+}
+
+impl<const S: usize> FloorJob<S> {
+    /// The lane through a cell that sweeps most, and where it begins.
+    pub(super) fn first_lane(&self, cell: Cell, pose: &Pose) -> Option<(Lane, [f32; 2])> {
+        let centre_m = self.sheet.picture.centre_m(cell);
+        let mut best: Option<(u16, Lane, [f32; 2])> = None;
+        for axis in [Axis::X, Axis::Y] {
+            let [near, row] = self.sheet.place(axis, centre_m);
+            for across in row - 2..=row + 1 {
+                let Some(stretch) = self.sheet.stretch(axis, across, near, 2) else { continue };
+                let [here, _] = self.sheet.place(axis, [pose.x_m, pose.y_m]);
+                let is_from_low = (here - stretch.from).abs() <= (here - stretch.to).abs();
+                let (first, sign) = if is_from_low { (stretch.from, 1) } else { (stretch.to, -1) };
+                let at_m = self.sheet.point_m(axis, first, across);
+                let [_, across_m] = axis.split(at_m);
+                let bonus = if axis == self.axis { stretch.count / 4 } else { 0 };
+                if best.is_none_or(|(count, ..)| stretch.count + bonus > count) {
+                    best = Some((stretch.count + bonus, Lane { axis, across_m, sign, side: 1 }, at_m));
+                }
+            }
+        }
+        best.map(|(_, lane, at_m)| (lane, at_m))
+    }
+
+    pub(super) fn enter(&mut self, lane: Lane, at_m: [f32; 2], pose: &Pose, now_us: u64) -> (f32, f32) {
+        let [dx, dy] = [at_m[0] - pose.x_m, at_m[1] - pose.y_m];
+        let command = self.towards(at_m, pose, now_us);
+        let is_blocked = command.0 <= 0.01 && command.1.abs() < 0.1;
+        if libm::hypotf(dx, dy) < 0.03 {
+            self.begin(Phase::Lane(lane), now_us);
+        } else if is_blocked {
+            self.finish_target(now_us);
+        }
+        command
+    }
+
+    pub(super) fn follow_lane(&mut self, lane: Lane, pose: &Pose, now_us: u64) -> (f32, f32) {
+        self.axis = lane.axis;
+        let drive = &self.config.drive;
+        let [_, across_m] = lane.axis.split([pose.x_m, pose.y_m]);
+        let off_rad = wrap(lane.heading_rad() - pose.theta_rad);
+        let is_begun = self.path_m - self.begun_m > 0.02;
+        if off_rad.abs() > if is_begun { 0.5 } else { 0.08 } {
+            return (0.0, (3.0 * off_rad).clamp(-drive.turn_radps, drive.turn_radps));
+        }
+        // Left of the lane is positive.
+        let left = match lane.axis {
+            Axis::X => f32::from(lane.sign),
+            Axis::Y => -f32::from(lane.sign),
+        };
+        let off_m = (left * (across_m - lane.across_m)).clamp(-0.06, 0.06);
+        let turn_radps = (3.5 * off_rad - 14.0 * off_m).clamp(-drive.turn_radps, drive.turn_radps);
+        let free_m = free_ahead_m(self.near.seen_from(pose, now_us), drive.radius_m + 0.004);
+        let forward_mps = drive.speed_mps.min(2.0 * (free_m - 0.01)) * (1.0 - off_rad.abs() / 0.6).max(0.0);
+        let [along, _] = self.sheet.place(lane.axis, [pose.x_m, pose.y_m]);
+        let [_, across] = self.sheet.place(lane.axis, self.lane_point_m(&lane, pose));
+        if free_m < 0.025 || !self.sheet.is_more_ahead(lane.axis, along, across, lane.sign) {
+            self.next_lane(lane, now_us);
+            return (0.0, 0.0);
+        }
+        (forward_mps.max(0.0), turn_radps)
+    }
+
+    /// The point of the lane beside the robot, metres.
+    pub(super) fn lane_point_m(&self, lane: &Lane, pose: &Pose) -> [f32; 2] {
+        match lane.axis {
+            Axis::X => [pose.x_m, lane.across_m],
+            Axis::Y => [lane.across_m, pose.y_m],
+        }
+    }
+
+    /// On to the lane beside this one, if there is anything to sweep.
+    pub(super) fn next_lane(&mut self, lane: Lane, now_us: u64) {
+        let Some(pose) = self.last else { return };
+        let here_m = [pose.x_m, pose.y_m];
+        let [along, across] = self.sheet.place(lane.axis, self.lane_point_m(&lane, &pose));
+        for shift in [3 * lane.side, -3 * lane.side, 2 * lane.side, -2 * lane.side] {
+            let Some(stretch) = self.sheet.stretch(lane.axis, across + shift, along, 6) else { continue };
+            if stretch.count < 4 {
+                continue;
+            }
+            let is_from_low = (along - stretch.from).abs() <= (along - stretch.to).abs();
+            let (first, sign) = if is_from_low { (stretch.from, 1) } else { (stretch.to, -1) };
+            let at_m = self.sheet.point_m(lane.axis, first, across + shift);
+            if (along - first).abs() <= 12 && self.sheet.is_open(here_m, at_m) {
+                let [_, across_m] = lane.axis.split(at_m);
+                let lane = Lane { across_m, sign, side: shift.signum(), ..lane };
+                self.begin(Phase::Enter { lane, at_m }, now_us);
+                return;
+            }
+        }
+        self.finish_target(now_us);
+    }
+}

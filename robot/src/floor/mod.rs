@@ -1,0 +1,332 @@
+//! The floor job: sweeps a home's floor and comes back to where it started.
+//!
+//! It goes along everything that stands on the floor first, a finger's breadth from it, which leads it through all rooms; then
+//! it sweeps the rest in lanes along the walls' grid, the nearest floor first; then it returns. What it remembers is a picture
+//! of the home in cells of 16 cm, which quarters of these were swept, and the points near it of the last seconds.
+
+mod contact;
+mod edges;
+mod frame;
+mod hug;
+mod lanes;
+mod near;
+mod sheet;
+mod swept;
+mod travel;
+mod wave;
+
+use slam_core::angle::wrap;
+use slam_core::{Pose, Rig};
+
+use crate::pilot::beam::{Beam, draw_beam};
+use crate::pilot::{PilotConfig, Senses};
+use crate::traits::WheelSpeeds;
+use frame::Frame;
+use lanes::Lane;
+use near::Near;
+use sheet::{Axis, QUARTER_M, Sheet};
+use wave::{Aim, Route, Target, Wave};
+
+/// How the floor is swept.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FloorConfig {
+    /// Size of the robot and manner of driving.
+    pub drive: PilotConfig,
+    /// Gap between body and wall when it goes along one, metres.
+    pub gap_m: f32,
+    /// Age of a reading when it is used, seconds.
+    pub reading_age_s: f32,
+}
+
+impl Default for FloorConfig {
+    fn default() -> Self {
+        Self { drive: PilotConfig { turn_radps: 1.2, ..PilotConfig::default() }, gap_m: 0.015, reading_age_s: 0.038 }
+    }
+}
+
+/// What the floor job is doing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum FloorState {
+    /// Along whatever stands on the floor.
+    #[default]
+    Edge,
+    /// Along a lane.
+    Lane,
+    /// To the next floor that was not swept.
+    Transit,
+    /// Looking for the next floor, standing.
+    Planning,
+    /// Backing off from something touched.
+    BackingOff,
+    /// Once more to where the way was blocked.
+    Retry,
+    /// Back to where it started.
+    Return,
+    /// Done, and back.
+    Done,
+    /// Done, and the way back is blocked.
+    Away,
+}
+
+impl FloorState {
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Edge => "edges",
+            Self::Lane => "lanes",
+            Self::Transit => "transit",
+            Self::Planning => "planning",
+            Self::BackingOff => "backing off",
+            Self::Retry => "retries",
+            Self::Return => "return",
+            Self::Done => "done",
+            Self::Away => "away",
+        }
+    }
+}
+
+/// What the job is at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Phase {
+    /// Straight on, or to a point (metres), until something is near.
+    Seek { to_m: Option<[f32; 2]> },
+    /// Along it, on the right (1) or on the left (-1).
+    Edge { side: f32 },
+    /// Looking for somewhere to go.
+    Plan { aim: Aim, escape: i16, begun: bool },
+    /// On the way to a target.
+    Transit { target: Target, aim: Aim },
+    /// Straight to where a lane begins.
+    Enter { lane: Lane, at_m: [f32; 2] },
+    /// Along a lane.
+    Lane(Lane),
+    /// Backing off.
+    Back,
+    /// Turning away (1: counter-clockwise) from what was touched again and again.
+    Turn { sign: f32 },
+    /// The last metre home.
+    Home,
+    /// Over: back where it started, or not.
+    Over { is_home: bool },
+}
+
+/// Without new floor for so long a path an edge is done, metres.
+const BARREN_M: f32 = 1.0;
+/// Path along an edge that a new quarter is worth, metres: one row of them, 13 a metre, is not enough to go on.
+const WORTH_M: f32 = 0.06;
+/// A point that a beam ended at is kept so long, microseconds.
+const SEEN_US: u64 = 8_000_000;
+/// Without coming 5 cm farther for so long, the way is given up, microseconds.
+const PATIENCE_US: u64 = 6_000_000;
+/// A beam's end counts where the one before was this near, metres: a spike has none.
+const STEADY_M: f32 = 0.05;
+/// Places that were given up, to be tried once more.
+const GIVEN_UP: usize = 24;
+/// The floor job of a robot with at most `S` range sensors.
+#[derive(Clone, Debug)]
+pub struct FloorJob<const S: usize> {
+    config: FloorConfig,
+    frame: Frame,
+    sheet: Sheet,
+    near: Near,
+    beams: [Beam; S],
+    /// Ranges of the step before, metres.
+    before_m: [f32; S],
+    wave: Wave,
+    route: Route,
+    phase: Phase,
+    /// What goes on after backing off.
+    resume: Phase,
+    /// When the phase began, microseconds.
+    since_us: u64,
+    last: Option<Pose>,
+    home: Pose,
+    path_m: f32,
+    /// Path when the phase began, metres.
+    begun_m: f32,
+    /// How far an edge is still worth going along, metres: new floor adds to it.
+    credit_m: f32,
+    /// Path when something was beside the robot last, metres.
+    beside_m: f32,
+    /// Quarters swept since the target was chosen.
+    gained: u16,
+    /// What the job is after: the target chosen last.
+    target: Option<Target>,
+    axis: Axis,
+    /// Where and when the robot last came on.
+    moved: ([f32; 2], u64),
+    /// Where the bumper was first pressed of late, metres, and how often since near there.
+    struck_m: [f32; 2],
+    strikes: u8,
+    /// To which side it turns away next: 1 counter-clockwise, -1 clockwise.
+    turn_sign: f32,
+    given_up: heapless::Vec<[f32; 2], GIVEN_UP>,
+    retries: u8,
+    /// How often the way to the target was blocked.
+    blocked: u8,
+    steps: u8,
+}
+
+impl<const S: usize> FloorJob<S> {
+    /// A job about to begin where the robot is: that is home.
+    pub fn new(config: FloorConfig, rig: &Rig<S>) -> Self {
+        let drive = PilotConfig { cell_m: 2.0 * QUARTER_M, ..config.drive };
+        Self {
+            config: FloorConfig { drive, ..config },
+            frame: Frame::default(),
+            sheet: Sheet::new(),
+            near: Near::new(),
+            beams: Beam::of_rig(rig),
+            before_m: [f32::INFINITY; S],
+            wave: Wave::new(),
+            route: Route::new(),
+            phase: Phase::Seek { to_m: None },
+            resume: Phase::Seek { to_m: None },
+            since_us: 0,
+            last: None,
+            home: Pose::ORIGIN,
+            path_m: 0.0,
+            begun_m: 0.0,
+            credit_m: 0.0,
+            beside_m: 0.0,
+            gained: 0,
+            target: None,
+            axis: Axis::X,
+            moved: ([0.0; 2], 0),
+            struck_m: [f32::INFINITY; 2],
+            strikes: 0,
+            turn_sign: 1.0,
+            given_up: heapless::Vec::new(),
+            retries: 0,
+            blocked: 0,
+            steps: 0,
+        }
+    }
+
+    /// The direction of the walls' grid in the map frame (radians) is known: lanes run along it from now on.
+    pub fn align(&mut self, grid_rad: f32) {
+        if let Some(turned_rad) = self.frame.align(grid_rad) {
+            self.sheet = Sheet::new();
+            self.near.turn(turned_rad);
+            self.last = None;
+            self.route.clear();
+        }
+    }
+
+    /// What it is doing.
+    pub fn state(&self) -> FloorState {
+        match self.phase {
+            Phase::Seek { .. } | Phase::Edge { .. } => FloorState::Edge,
+            Phase::Lane(_) | Phase::Enter { .. } => FloorState::Lane,
+            Phase::Plan { .. } => FloorState::Planning,
+            Phase::Transit { aim: Aim::Place(_), .. } | Phase::Home => FloorState::Return,
+            Phase::Transit { .. } if self.retries > 0 => FloorState::Retry,
+            Phase::Transit { .. } => FloorState::Transit,
+            Phase::Back | Phase::Turn { .. } => FloorState::BackingOff,
+            Phase::Over { is_home: true } => FloorState::Done,
+            Phase::Over { is_home: false } => FloorState::Away,
+        }
+    }
+
+    /// Whether it is over.
+    pub fn is_over(&self) -> bool {
+        matches!(self.phase, Phase::Over { .. })
+    }
+
+    /// The wheel speeds until the next step. A pose that is not finite stops the robot.
+    pub fn step(&mut self, senses: &Senses<S>) -> WheelSpeeds {
+        let pose = self.frame.pose(&senses.pose);
+        if !(pose.x_m.is_finite() && pose.y_m.is_finite() && pose.theta_rad.is_finite()) || senses.contacts.lifted {
+            return WheelSpeeds::STOP;
+        }
+        self.look(senses, &pose);
+        self.sweep(&pose, senses.time_us);
+        self.last = Some(pose);
+        let (forward_mps, turn_radps) = self.act(senses, &pose);
+        WheelSpeeds::from_twist(forward_mps, turn_radps, self.config.drive.track_m)
+    }
+
+    /// Takes in what the sensors show.
+    fn look(&mut self, senses: &Senses<S>, pose: &Pose) {
+        if self.sheet.keep_around(pose) {
+            self.route.clear();
+            if let Phase::Transit { aim, .. } | Phase::Plan { aim, .. } = self.phase {
+                let aim = if let Aim::Place(_) = aim { self.aim_home() } else { aim };
+                self.plan(aim, senses.time_us);
+            }
+        }
+        let here = self.sheet.picture.cell_at(pose.x_m, pose.y_m);
+        self.sheet.picture.stand_on(here);
+        // Where the robot was when the readings were made.
+        let last = self.last.unwrap_or(*pose);
+        let share = self.config.reading_age_s * 25.0;
+        let then = Pose {
+            x_m: pose.x_m - share * (pose.x_m - last.x_m),
+            y_m: pose.y_m - share * (pose.y_m - last.y_m),
+            theta_rad: pose.theta_rad - share * wrap(pose.theta_rad - last.theta_rad),
+        };
+        self.steps = self.steps.wrapping_add(1);
+        for (index, (beam, range_m)) in self.beams.iter_mut().zip(senses.ranges_m).enumerate() {
+            beam.take(range_m);
+            if beam.max_m <= 0.0 {
+                continue;
+            }
+            draw_beam(&mut self.sheet.picture, beam, &then, &self.config.drive, self.steps.is_multiple_of(4));
+            let before_m = core::mem::replace(&mut self.before_m[index], range_m.unwrap_or(f32::INFINITY));
+            if beam.age == 0
+                && (beam.range_m - before_m).abs() < STEADY_M
+                && !self.near.is_blinded(beam, &then, senses.time_us)
+            {
+                let at_m = then.transform(beam.point_m(beam.range_m));
+                self.near.add(at_m, senses.time_us.saturating_add(SEEN_US), pose, senses.time_us);
+            }
+        }
+    }
+
+    fn sweep(&mut self, pose: &Pose, time_us: u64) {
+        let last = self.last.unwrap_or(*pose);
+        self.path_m += libm::hypotf(pose.x_m - last.x_m, pose.y_m - last.y_m);
+        let new = self.sheet.sweep(pose);
+        self.gained = self.gained.saturating_add(new);
+        let step_m = libm::hypotf(pose.x_m - last.x_m, pose.y_m - last.y_m);
+        self.credit_m = (self.credit_m - step_m + WORTH_M * f32::from(new)).min(BARREN_M);
+        let ([x_m, y_m], _) = self.moved;
+        if libm::hypotf(pose.x_m - x_m, pose.y_m - y_m) > 0.05 {
+            self.moved = ([pose.x_m, pose.y_m], time_us);
+        }
+    }
+
+    fn begin(&mut self, phase: Phase, time_us: u64) {
+        self.begun_m = self.path_m;
+        self.phase = phase;
+        self.since_us = time_us;
+        self.moved.1 = time_us;
+    }
+
+    fn act(&mut self, senses: &Senses<S>, pose: &Pose) -> (f32, f32) {
+        let now_us = senses.time_us;
+        let is_moving = !matches!(self.phase, Phase::Back | Phase::Turn { .. } | Phase::Over { .. });
+        if senses.contacts.any() && is_moving {
+            self.touch(&senses.contacts, pose, now_us);
+        }
+        if is_moving && now_us.saturating_sub(self.moved.1) > PATIENCE_US {
+            self.lose_patience(pose, now_us);
+        }
+        match self.phase {
+            Phase::Over { .. } => (0.0, 0.0),
+            Phase::Back => self.back(pose, now_us),
+            Phase::Turn { sign } => self.turn_away(sign, now_us),
+            Phase::Seek { to_m } => self.seek(to_m, pose, now_us),
+            Phase::Edge { side } => self.edge(side, pose, now_us),
+            Phase::Plan { aim, escape, begun } => self.search(aim, escape, begun, pose, now_us),
+            Phase::Transit { target, aim } => self.transit(target, aim, pose, now_us),
+            Phase::Enter { lane, at_m } => self.enter(lane, at_m, pose, now_us),
+            Phase::Lane(lane) => self.follow_lane(lane, pose, now_us),
+            Phase::Home => self.go_home(pose, now_us),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,135 @@
+//! What is near the robot: where the beams of the last seconds ended and what the bumper felt, to the millimetre.
+//!
+//! A sensor does not see what touches the body beside it, but it saw that before the robot came there.
+
+use slam_core::Pose;
+
+use crate::pilot::beam::Beam;
+
+/// Points that are kept.
+const POINTS: usize = 64;
+
+/// Points nearer to each other than this are one, metres.
+const SAME_M: f32 = 0.022;
+
+/// Farther away nothing matters, metres.
+const REACH_M: f32 = 0.6;
+
+/// What is this near to the body when the bumper is pressed is what presses it, metres.
+const SLACK_M: f32 = 0.035;
+
+/// The body is led past what is so much within its side, metres: points are not known better.
+const BESIDE_M: f32 = 0.012;
+
+/// A point, in the frame of the floor job.
+#[derive(Clone, Copy, Debug, Default)]
+struct Point {
+    at_m: [f32; 2],
+    /// Until when it is kept, in [`Tick`]s.
+    until: Tick,
+}
+
+/// Sixteenths of a second, about: as 32 bits they last for eight years.
+type Tick = u32;
+
+fn tick(time_us: u64) -> Tick {
+    (time_us >> 16) as Tick
+}
+
+/// The points near the robot.
+#[derive(Clone, Debug)]
+pub(super) struct Near {
+    points: [Point; POINTS],
+}
+
+impl Near {
+    pub(super) fn new() -> Self {
+        Self { points: [Point::default(); POINTS] }
+    }
+
+    /// Something is here (metres, frame of the job) until then at least.
+    pub(super) fn add(&mut self, at_m: [f32; 2], until_us: u64, pose: &Pose, now_us: u64) {
+        let square = |a: [f32; 2], b: [f32; 2]| (a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]);
+        let here_m = [pose.x_m, pose.y_m];
+        let (until, now) = (tick(until_us), tick(now_us));
+        if square(at_m, here_m) > REACH_M * REACH_M {
+            return;
+        }
+        let mut place = 0;
+        let mut worst = -1.0_f32;
+        for (index, point) in self.points.iter().enumerate() {
+            if point.until > now && square(point.at_m, at_m) < SAME_M * SAME_M {
+                (place, worst) = (index, f32::INFINITY);
+                break;
+            }
+            // One that is over goes first, then the farthest.
+            let badness = if point.until <= now { f32::INFINITY } else { square(point.at_m, here_m) };
+            if badness > worst {
+                (place, worst) = (index, badness);
+            }
+        }
+        let is_nearer = worst > square(at_m, here_m);
+        if let Some(point) = self.points.get_mut(place).filter(|_| is_nearer) {
+            *point = Point { at_m, until };
+        }
+    }
+
+    /// The points in the robot's frame, metres.
+    pub(super) fn seen_from(&self, pose: &Pose, now_us: u64) -> impl Iterator<Item = [f32; 2]> + '_ {
+        let (s, c) = slam_core::angle::sin_cos(pose.theta_rad);
+        let [x_m, y_m] = [pose.x_m, pose.y_m];
+        let now = tick(now_us);
+        self.points.iter().filter(move |point| point.until > now).map(move |point| {
+            let [dx, dy] = [point.at_m[0] - x_m, point.at_m[1] - y_m];
+            [c * dx + s * dy, c * dy - s * dx]
+        })
+    }
+
+    /// The body (radius in metres) touches something within this sector of its front (radians from straight ahead): what is known
+    /// to be there stands so near; whether anything is.
+    pub(super) fn touch(&mut self, sector_rad: [f32; 2], radius_m: f32, pose: &Pose, now_us: u64) -> bool {
+        let back = pose.inverse();
+        let now = tick(now_us);
+        let mut is_known = false;
+        for point in self.points.iter_mut().filter(|point| point.until > now) {
+            let [x_m, y_m] = back.transform(point.at_m);
+            let distance_m = libm::hypotf(x_m, y_m);
+            let bearing_rad = libm::atan2f(y_m, x_m);
+            if distance_m < radius_m + SLACK_M && (sector_rad[0]..=sector_rad[1]).contains(&bearing_rad) {
+                let share = (radius_m / distance_m.max(0.01)).min(1.0);
+                point.at_m = pose.transform([share * x_m, share * y_m]);
+                is_known = true;
+            }
+        }
+        is_known
+    }
+
+    /// Whether something known stands in the blind zone of a beam from here (robot's frame, metres) in this direction: what the
+    /// sensor shows is folded back then.
+    pub(super) fn is_blinded(&self, beam: &Beam, pose: &Pose, now_us: u64) -> bool {
+        self.seen_from(pose, now_us).any(|[x_m, y_m]| {
+            let [dx, dy] = [x_m - beam.mount_m[0], y_m - beam.mount_m[1]];
+            let along_m = dx * beam.direction[0] + dy * beam.direction[1];
+            let aside_m = dy * beam.direction[0] - dx * beam.direction[1];
+            along_m > 0.0 && along_m < beam.min_m + 0.01 && aside_m.abs() < 0.03
+        })
+    }
+
+    /// The frame turned by so much (radians): all points are elsewhere in it now.
+    pub(super) fn turn(&mut self, by_rad: f32) {
+        let frame = Pose::new(0.0, 0.0, by_rad).inverse();
+        self.points.iter_mut().for_each(|point| point.at_m = frame.transform(point.at_m));
+    }
+}
+
+/// How far a round body of this radius (metres) can go straight on among these points, metres.
+pub(super) fn free_ahead_m(points: impl Iterator<Item = [f32; 2]>, radius_m: f32) -> f32 {
+    let mut free_m = f32::INFINITY;
+    for [x_m, y_m] in points {
+        // What is just beside the body is passed along, not run into.
+        if x_m > 0.0 && y_m.abs() < radius_m - BESIDE_M {
+            free_m = free_m.min(x_m - libm::sqrtf(radius_m * radius_m - y_m * y_m));
+        }
+    }
+    free_m
+}

@@ -1,0 +1,197 @@
+//! The picture of the home together with what of its floor was swept.
+
+use slam_core::Pose;
+
+use super::swept::{CELLS, Quarter, Swept};
+use crate::pilot::memory::{Cell, Memory};
+use crate::pilot::search::is_passable;
+
+/// Edge of a quarter of a cell, metres: three of them, side by side, are a lane, which the brush overlaps by 8 mm on either side.
+pub(super) const QUARTER_M: f32 = 0.078;
+
+/// Quarters whose centre came this near to the robot's are swept, metres: where the path wavers by a centimetre, those beside it
+/// still are.
+const SWEPT_M: f32 = 0.1;
+
+/// Quarters that a robot comes for: 0.024 m^2, half of the largest piece that may be missed.
+const WORTHWHILE: u32 = 4;
+
+/// Along which axis of the job's frame a lane runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Axis {
+    /// x.
+    #[default]
+    X,
+    /// y.
+    Y,
+}
+
+impl Axis {
+    /// The quarter at this place along and across a lane.
+    fn quarter(self, along: i16, across: i16) -> Quarter {
+        match self {
+            Self::X => Quarter { col: along, row: across },
+            Self::Y => Quarter { col: across, row: along },
+        }
+    }
+
+    /// A point's coordinates along and across, metres.
+    pub(super) fn split(self, [x, y]: [f32; 2]) -> [f32; 2] {
+        match self {
+            Self::X => [x, y],
+            Self::Y => [y, x],
+        }
+    }
+}
+
+/// A stretch of floor that a lane would sweep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Stretch {
+    /// First and last quarter along the lane that has something to sweep.
+    pub from: i16,
+    pub to: i16,
+    /// Quarters to sweep.
+    pub count: u16,
+}
+
+/// The picture of the home, and which of its floor was swept.
+#[derive(Clone, Debug)]
+pub(super) struct Sheet {
+    pub picture: Memory<CELLS>,
+    pub swept: Swept,
+}
+
+impl Sheet {
+    pub(super) fn new() -> Self {
+        Self { picture: Memory::new(2.0 * QUARTER_M), swept: Swept::new() }
+    }
+
+    /// Moves the picture when the robot comes near its edge.
+    pub(super) fn keep_around(&mut self, pose: &Pose) -> bool {
+        let (cols, rows) = self.picture.keep_around(pose);
+        let is_moved = (cols, rows) != (0, 0);
+        if is_moved {
+            self.swept.shift(cols, rows);
+        }
+        is_moved
+    }
+
+    /// The quarter at a point, metres.
+    pub(super) fn quarter_at(&self, [x_m, y_m]: [f32; 2]) -> Quarter {
+        let cell = self.picture.cell_at(x_m, y_m);
+        let [x, y] = self.picture.centre_m(cell);
+        Quarter { col: 2 * cell.col + i16::from(x_m >= x), row: 2 * cell.row + i16::from(y_m >= y) }
+    }
+
+    /// Centre of a quarter, metres.
+    pub(super) fn centre_m(&self, quarter: Quarter) -> [f32; 2] {
+        let [x, y] = self.picture.centre_m(quarter.cell());
+        let off = |index: i16| if index.rem_euclid(2) == 0 { -0.5 * QUARTER_M } else { 0.5 * QUARTER_M };
+        [x + off(quarter.col), y + off(quarter.row)]
+    }
+
+    /// Sweeps what is under the brush; how many quarters were not before.
+    pub(super) fn sweep(&mut self, pose: &Pose) -> u16 {
+        let here = self.quarter_at([pose.x_m, pose.y_m]);
+        let mut count = 0;
+        for row in here.row - 2..=here.row + 2 {
+            for col in here.col - 2..=here.col + 2 {
+                let quarter = Quarter { col, row };
+                let [x, y] = self.centre_m(quarter);
+                let [dx, dy] = [x - pose.x_m, y - pose.y_m];
+                if dx * dx + dy * dy <= SWEPT_M * SWEPT_M {
+                    count += u16::from(self.swept.sweep(quarter));
+                }
+            }
+        }
+        count
+    }
+
+    /// Whether there is floor here that was not swept.
+    pub(super) fn is_left(&self, quarter: Quarter) -> bool {
+        !self.swept.is_swept(quarter) && self.picture.is_free(quarter.cell())
+    }
+
+    /// Whether all of a cell is floor beside something that stands there, and nothing of it was swept.
+    pub(super) fn is_edge_left(&self, cell: Cell) -> bool {
+        self.swept.left_in(cell) == 4 && self.picture.is_free(cell) && !is_passable(&self.picture, cell)
+    }
+
+    /// Whether there is floor to sweep in this cell, where the body has room, and with what is beside it enough to come for.
+    pub(super) fn is_open_left(&self, cell: Cell) -> bool {
+        let left = |cell: Cell| if is_passable(&self.picture, cell) { self.swept.left_in(cell) } else { 0 };
+        let around = || (-1..=1).flat_map(|row| (-1..=1).map(move |col| cell.offset(col, row))).map(left).sum::<u32>();
+        left(cell) > 0 && around() >= WORTHWHILE
+    }
+
+    fn left_in_band(&self, axis: Axis, along: i16, across: i16) -> u16 {
+        (across - 1..=across + 1).map(|across| u16::from(self.is_left(axis.quarter(along, across)))).sum()
+    }
+
+    fn is_way(&self, axis: Axis, along: i16, across: i16) -> bool {
+        self.picture.is_free(axis.quarter(along, across).cell())
+    }
+
+    /// What a lane on the quarters `across` would sweep nearest to `near`, at most `reach` quarters from there.
+    pub(super) fn stretch(&self, axis: Axis, across: i16, near: i16, reach: i16) -> Option<Stretch> {
+        let is_start = |along: &i16| self.is_way(axis, *along, across) && self.left_in_band(axis, *along, across) > 0;
+        let first = (0..=reach).flat_map(|off| [near + off, near - off]).find(is_start)?;
+        let mut stretch = Stretch { from: first, to: first, count: self.left_in_band(axis, first, across) };
+        for direction in [-1, 1] {
+            let (mut along, mut gap) = (first + direction, 0);
+            while gap < 4 && self.is_way(axis, along, across) {
+                let left = self.left_in_band(axis, along, across);
+                if left > 0 {
+                    gap = 0;
+                    stretch.count += left;
+                    stretch.from = stretch.from.min(along);
+                    stretch.to = stretch.to.max(along);
+                } else {
+                    gap += 1;
+                }
+                along += direction;
+            }
+        }
+        Some(stretch)
+    }
+
+    /// Whether a lane that has come to this quarter has more to sweep just ahead.
+    pub(super) fn is_more_ahead(&self, axis: Axis, along: i16, across: i16, sign: i16) -> bool {
+        (0..=5)
+            .map(|step| along + sign * step)
+            .take_while(|&along| self.is_way(axis, along, across))
+            .any(|along| self.left_in_band(axis, along, across) > 0)
+    }
+
+    /// Along and across a lane: the quarter at a point (metres).
+    pub(super) fn place(&self, axis: Axis, point_m: [f32; 2]) -> [i16; 2] {
+        let Quarter { col, row } = self.quarter_at(point_m);
+        match axis {
+            Axis::X => [col, row],
+            Axis::Y => [row, col],
+        }
+    }
+
+    /// Centre of the quarter at this place along and across a lane, metres.
+    pub(super) fn point_m(&self, axis: Axis, along: i16, across: i16) -> [f32; 2] {
+        self.centre_m(axis.quarter(along, across))
+    }
+
+    /// Whether nothing known stands on the straight line from here to there (metres), as wide as a cell.
+    pub(super) fn is_open(&self, from_m: [f32; 2], to_m: [f32; 2]) -> bool {
+        (1..=8).all(|step| {
+            let share = step as f32 / 8.0;
+            let [x_m, y_m] = [0, 1].map(|axis| from_m[axis] + share * (to_m[axis] - from_m[axis]));
+            self.picture.is_free(self.picture.cell_at(x_m, y_m))
+        })
+    }
+
+    /// The same with room for the body beside it.
+    pub(super) fn is_passable(&self, from_m: [f32; 2], to_m: [f32; 2]) -> bool {
+        (1..=8).all(|step| {
+            let share = step as f32 / 8.0;
+            let [x_m, y_m] = [0, 1].map(|axis| from_m[axis] + share * (to_m[axis] - from_m[axis]));
+            is_passable(&self.picture, self.picture.cell_at(x_m, y_m))
+        })
+    }
+}

@@ -1,0 +1,118 @@
+//! Which floor was swept: four bits a cell of the picture, one for each of its quarters.
+
+use crate::pilot::memory::Cell;
+
+/// Cells along an edge of the picture.
+pub(super) const CELLS: usize = 80;
+
+/// A quarter of a cell, counted from the picture's lower corner; it may lie outside.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Quarter {
+    pub col: i16,
+    pub row: i16,
+}
+
+impl Quarter {
+    /// The cell that it is a quarter of.
+    pub(super) fn cell(self) -> Cell {
+        Cell { col: self.col.div_euclid(2), row: self.row.div_euclid(2) }
+    }
+
+    fn bit(self) -> u8 {
+        1 << (self.col.rem_euclid(2) + 2 * self.row.rem_euclid(2))
+    }
+}
+
+/// All quarters of a cell.
+const WHOLE: u8 = 0xF;
+
+/// Which floor was swept, or was given up.
+#[derive(Clone, Debug)]
+pub(super) struct Swept {
+    /// Two cells a byte.
+    cells: [[u8; CELLS / 2]; CELLS],
+}
+
+impl Swept {
+    /// Nothing yet.
+    pub(super) fn new() -> Self {
+        Self { cells: [[0; CELLS / 2]; CELLS] }
+    }
+
+    /// The swept quarters of a cell, a bit each; all of them outside the picture.
+    fn of(&self, cell: Cell) -> u8 {
+        let row = self.cells.get(cell.row as usize);
+        let both = row.and_then(|row| row.get((cell.col >> 1) as usize)).copied().unwrap_or(0xFF);
+        (both >> (4 * (cell.col & 1))) & WHOLE
+    }
+
+    fn put(&mut self, cell: Cell, quarters: u8) {
+        let row = self.cells.get_mut(cell.row as usize);
+        if let Some(both) = row.and_then(|row| row.get_mut((cell.col >> 1) as usize)) {
+            let shift = 4 * (cell.col & 1);
+            *both = (*both & !(WHOLE << shift)) | (quarters << shift);
+        }
+    }
+
+    /// Whether this quarter was swept; one outside the picture counts as swept.
+    pub(super) fn is_swept(&self, quarter: Quarter) -> bool {
+        self.of(quarter.cell()) & quarter.bit() != 0
+    }
+
+    /// Marks a quarter as swept; whether it was not before.
+    pub(super) fn sweep(&mut self, quarter: Quarter) -> bool {
+        let before = self.of(quarter.cell());
+        self.put(quarter.cell(), before | quarter.bit());
+        before & quarter.bit() == 0
+    }
+
+    /// Quarters of a cell that were not swept.
+    pub(super) fn left_in(&self, cell: Cell) -> u32 {
+        (WHOLE & !self.of(cell)).count_ones()
+    }
+
+    /// Marks a whole cell as swept, or as not.
+    pub(super) fn set(&mut self, cell: Cell, is_swept: bool) {
+        self.put(cell, if is_swept { WHOLE } else { 0 });
+    }
+
+    /// Follows the picture, whose cells are now called otherwise by so many columns and rows less. What comes in was not swept.
+    pub(super) fn shift(&mut self, cols: i16, rows: i16) {
+        for step in 0..CELLS as i16 {
+            let row = if rows >= 0 { step } else { CELLS as i16 - 1 - step };
+            for step in 0..CELLS as i16 {
+                let col = if cols >= 0 { step } else { CELLS as i16 - 1 - step };
+                let from = Cell { col: col + cols, row: row + rows };
+                let is_inside = (from.col as usize) < CELLS && (from.row as usize) < CELLS;
+                let quarters = if is_inside { self.of(from) } else { 0 };
+                self.put(Cell { col, row }, quarters);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quarter_is_swept_once_and_follows_the_picture() {
+        let mut swept = Swept::new();
+        let quarter = Quarter { col: 21, row: 10 };
+        assert!(swept.sweep(quarter) && !swept.sweep(quarter));
+        assert_eq!(swept.left_in(quarter.cell()), 3);
+        swept.shift(3, -2);
+        let moved = Quarter { col: 15, row: 14 };
+        assert!(swept.is_swept(moved) && !swept.is_swept(quarter));
+        swept.shift(-3, 2);
+        assert!(swept.is_swept(quarter) && !swept.is_swept(moved));
+    }
+
+    #[test]
+    fn outside_there_is_nothing_to_sweep() {
+        let mut swept = Swept::new();
+        for quarter in [Quarter { col: -1, row: 5 }, Quarter { col: 5, row: 160 }, Quarter { col: i16::MIN, row: 0 }] {
+            assert!(swept.is_swept(quarter) && !swept.sweep(quarter));
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Between the pieces of floor: looking for the next one, on the way there, and home.
+
+use slam_core::Pose;
+use slam_core::angle::wrap;
+
+use super::near::free_ahead_m;
+use super::wave::{Aim, Slice, Target, unpacked};
+use super::{FloorJob, Phase};
+
+/// A target whose way was blocked more often is given up.
+const MAX_BLOCKED: u8 = 4;
+/// Cells that a search goes through in one step.
+const SLICE: usize = 100;
+/// Home is this near, metres.
+const HOME_M: f32 = 0.03;
+
+impl<const S: usize> FloorJob<S> {
+    pub(super) fn plan(&mut self, aim: Aim, time_us: u64) {
+        self.begin(Phase::Plan { aim, escape: 2, begun: false }, time_us);
+    }
+
+    pub(super) fn aim_home(&self) -> Aim {
+        let home = self.frame.pose(&self.home);
+        Aim::Place(self.sheet.picture.cell_at(home.x_m, home.y_m))
+    }
+
+    /// What it was after is done, or cannot be done from here: on to the next.
+    pub(super) fn finish_target(&mut self, now_us: u64) {
+        let is_left = match self.target {
+            Some(Target::Edge { at, .. }) => self.sheet.swept.left_in(at) == 4,
+            Some(Target::Open(cell)) => self.gained == 0 && self.sheet.swept.left_in(cell) > 0,
+            _ => false,
+        };
+        if is_left {
+            self.give_up();
+        }
+        self.target = None;
+        self.plan(Aim::Floor, now_us);
+    }
+
+    pub(super) fn search(&mut self, aim: Aim, escape: i16, begun: bool, pose: &Pose, now_us: u64) -> (f32, f32) {
+        if !begun {
+            let here = self.sheet.picture.cell_at(pose.x_m, pose.y_m);
+            self.wave.begin(&mut self.sheet, here, escape);
+            self.phase = Phase::Plan { aim, escape, begun: true };
+        }
+        match self.wave.search(&mut self.sheet, aim, SLICE) {
+            Slice::More => {}
+            Slice::Found(target) => {
+                self.route = self.wave.route(&self.sheet, target);
+                if self.target.replace(target) != Some(target) {
+                    (self.gained, self.blocked) = (0, 0);
+                }
+                self.begin(Phase::Transit { target, aim }, now_us);
+            }
+            Slice::Nothing if escape < 5 => self.begin(Phase::Plan { aim, escape: 5, begun: false }, now_us),
+            Slice::Nothing => self.find_nothing(aim, now_us),
+        }
+        (0.0, 0.0)
+    }
+
+    pub(super) fn find_nothing(&mut self, aim: Aim, now_us: u64) {
+        if aim != Aim::Floor {
+            // The way home is blocked: what the bumper felt may be gone.
+            self.retries += 1;
+            self.sheet.picture.forget_visits();
+            if self.retries > 4 {
+                self.begin(Phase::Over { is_home: false }, now_us);
+            } else {
+                self.begin(Phase::Plan { aim, escape: 5, begun: false }, now_us);
+            }
+        } else if self.retries == 0 && !self.given_up.is_empty() {
+            self.retries = 1;
+            self.sheet.picture.forget_visits();
+            for index in 0..self.given_up.len() {
+                let [x_m, y_m] = self.given_up[index];
+                self.sheet.swept.set(self.sheet.picture.cell_at(x_m, y_m), false);
+            }
+            self.given_up.clear();
+            self.plan(Aim::Floor, now_us);
+        } else {
+            let aim = self.aim_home();
+            self.plan(aim, now_us);
+        }
+    }
+
+    pub(super) fn transit(&mut self, target: Target, aim: Aim, pose: &Pose, now_us: u64) -> (f32, f32) {
+        let here_m = [pose.x_m, pose.y_m];
+        // On to the farthest of the next cells that a straight line leads to.
+        let is_straight = |cell: &[u8; 2]| self.sheet.is_passable(here_m, self.sheet.picture.centre_m(unpacked(*cell)));
+        let skip =
+            (0..self.route.len().min(6)).rev().find(|&ahead| is_straight(&self.route[self.route.len() - 1 - ahead]));
+        self.route.truncate(self.route.len() - skip.unwrap_or(0));
+        let Some(next) = self.route.last() else {
+            self.arrive(target, pose, now_us);
+            return (0.0, 0.0);
+        };
+        let to_m = self.sheet.picture.centre_m(unpacked(*next));
+        if libm::hypotf(to_m[0] - here_m[0], to_m[1] - here_m[1]) < 0.06 {
+            self.route.pop();
+        }
+        let command = self.towards(to_m, pose, now_us);
+        if command.0 <= 0.01 && command.1.abs() < 0.1 && self.blocked > MAX_BLOCKED {
+            self.lose_patience(pose, now_us);
+        } else if command.0 <= 0.01 && command.1.abs() < 0.1 {
+            // Something stands in the way.
+            let [x_m, y_m] = pose.transform([self.config.drive.radius_m + 0.06, 0.0]);
+            self.sheet.picture.block(self.sheet.picture.cell_at(x_m, y_m));
+            self.blocked += 1;
+            self.plan(aim, now_us);
+        }
+        command
+    }
+
+    /// A forward speed and a turn rate straight to a point, metres.
+    pub(super) fn towards(&self, to_m: [f32; 2], pose: &Pose, now_us: u64) -> (f32, f32) {
+        let drive = &self.config.drive;
+        let bearing_rad = libm::atan2f(to_m[1] - pose.y_m, to_m[0] - pose.x_m);
+        let off_rad = wrap(bearing_rad - pose.theta_rad);
+        let aligned = (1.0 - off_rad.abs() / 0.6).max(0.0);
+        let free_m = free_ahead_m(self.near.seen_from(pose, now_us), drive.radius_m + 0.004);
+        let forward_mps = (drive.speed_mps * aligned).min(2.0 * (free_m - 0.01)).max(0.0);
+        (forward_mps, (3.0 * off_rad).clamp(-drive.turn_radps, drive.turn_radps))
+    }
+
+    pub(super) fn arrive(&mut self, target: Target, pose: &Pose, now_us: u64) {
+        match target {
+            Target::Place(_) => self.begin(Phase::Home, now_us),
+            Target::Edge { at, .. } => {
+                self.begin(Phase::Seek { to_m: Some(self.sheet.picture.centre_m(at)) }, now_us);
+            }
+            Target::Open(cell) => match self.first_lane(cell, pose) {
+                Some((lane, at_m)) => self.begin(Phase::Enter { lane, at_m }, now_us),
+                None => {
+                    self.give_up();
+                    self.plan(Aim::Floor, now_us);
+                }
+            },
+        }
+    }
+
+    pub(super) fn go_home(&mut self, pose: &Pose, now_us: u64) -> (f32, f32) {
+        let home = self.frame.pose(&self.home);
+        if libm::hypotf(home.x_m - pose.x_m, home.y_m - pose.y_m) < HOME_M {
+            self.begin(Phase::Over { is_home: true }, now_us);
+        }
+        self.towards([home.x_m, home.y_m], pose, now_us)
+    }
+}

@@ -1,0 +1,169 @@
+//! Where to go next: a wave through the picture, some cells a step, to the nearest floor that was not swept.
+
+use heapless::{Deque, Vec};
+
+use super::sheet::Sheet;
+use crate::pilot::memory::Cell;
+use crate::pilot::search::is_passable;
+
+/// The eight neighbours of a cell, those straight ahead first.
+const NEIGHBOURS: [(i16, i16); 8] = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)];
+
+/// Cells of the wave's front. When it is full the wave leaves out cells: far places are found later.
+const FRONT: usize = 288;
+
+/// How much farther an edge may be than open floor to be preferred, in cells: what is beside walls is swept first, for lanes
+/// overlap it on their way.
+const EDGE_PREFERENCE: u8 = 26;
+
+/// Cells of a route. Of a longer one the first ones are kept, and the rest is looked for when they are done.
+pub(super) const ROUTE: usize = 96;
+
+/// What the wave is to find.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Aim {
+    /// Floor that was not swept.
+    Floor,
+    /// A place, in cells.
+    Place(Cell),
+}
+
+/// What the wave found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Target {
+    /// Open floor.
+    Open(Cell),
+    /// Floor beside something, and the cell beside it where the robot has room.
+    Edge { at: Cell, from: Cell },
+    /// The place that was aimed at.
+    Place(Cell),
+}
+
+impl Target {
+    /// The cell to drive to.
+    pub(super) fn stand(self) -> Cell {
+        match self {
+            Self::Open(cell) | Self::Place(cell) | Self::Edge { from: cell, .. } => cell,
+        }
+    }
+}
+
+/// How a slice of the search ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Slice {
+    /// There is more to search.
+    More,
+    /// This is the nearest.
+    Found(Target),
+    /// There is none.
+    Nothing,
+}
+
+/// The way to a target, cell by cell, the next one last.
+pub(super) type Route = Vec<[u8; 2], ROUTE>;
+
+/// A search under way.
+#[derive(Clone, Debug)]
+pub(super) struct Wave {
+    /// Cells of the front, and their steps from the start.
+    front: Deque<([u8; 2], u8), FRONT>,
+    start: Cell,
+    /// The nearest open floor, and its steps from the start.
+    open: Option<(Cell, u8)>,
+    /// Cells from the start within which the way may be narrow.
+    escape: i16,
+}
+
+fn packed(cell: Cell) -> [u8; 2] {
+    [cell.col as u8, cell.row as u8]
+}
+
+pub(super) fn unpacked([col, row]: [u8; 2]) -> Cell {
+    Cell { col: col.into(), row: row.into() }
+}
+
+impl Wave {
+    pub(super) fn new() -> Self {
+        Self { front: Deque::new(), start: Cell::default(), open: None, escape: 0 }
+    }
+
+    /// Begins a search where the robot is; `escape` cells from there the way may be narrow.
+    pub(super) fn begin(&mut self, sheet: &mut Sheet, start: Cell, escape: i16) {
+        sheet.picture.clear_steps();
+        self.front.clear();
+        self.open = None;
+        self.start = start;
+        self.escape = escape;
+        if sheet.picture.is_inside(start) {
+            sheet.picture.set_step_label(start, 0);
+            let _ = self.front.push_back((packed(start), 0));
+        }
+    }
+
+    /// Searches on through at most so many cells.
+    pub(super) fn search(&mut self, sheet: &mut Sheet, aim: Aim, cells: usize) -> Slice {
+        for _ in 0..cells {
+            let Some((cell, steps)) = self.front.pop_front().map(|(cell, steps)| (unpacked(cell), steps)) else {
+                return self.open.map_or(Slice::Nothing, |(cell, _)| Slice::Found(Target::Open(cell)));
+            };
+            if let Some((open, near)) = self.open
+                && steps > near.saturating_add(EDGE_PREFERENCE)
+            {
+                return Slice::Found(Target::Open(open));
+            }
+            match target_at(sheet, cell, aim) {
+                Some(Target::Open(_)) if self.open.is_some() => {}
+                Some(Target::Open(open)) => self.open = Some((open, steps)),
+                Some(target) => return Slice::Found(target),
+                None => {}
+            }
+            let label = sheet.picture.step_label(cell).unwrap_or(0);
+            for (cols, rows) in NEIGHBOURS {
+                let next = cell.offset(cols, rows);
+                if sheet.picture.is_inside(next) && sheet.picture.step_label(next).is_none() && self.is_way(sheet, next)
+                {
+                    sheet.picture.set_step_label(next, (label + 1) % 3);
+                    let _ = self.front.push_back((packed(next), steps.saturating_add(1)));
+                }
+            }
+        }
+        Slice::More
+    }
+
+    fn is_way(&self, sheet: &Sheet, cell: Cell) -> bool {
+        let is_near = cell.moves_to(self.start) <= self.escape && sheet.picture.is_free(cell);
+        is_near || is_passable(&sheet.picture, cell)
+    }
+
+    /// The way to a target that was just found, without the cell where the robot is.
+    pub(super) fn route(&self, sheet: &Sheet, target: Target) -> Route {
+        let mut route = Route::new();
+        let mut cell = target.stand();
+        while cell != self.start {
+            if route.is_full() {
+                route.remove(0);
+            }
+            let _ = route.push(packed(cell));
+            let Some(label) = sheet.picture.step_label(cell) else { break };
+            let before = (label + 2) % 3;
+            let mut neighbours = NEIGHBOURS.iter().map(|&(cols, rows)| cell.offset(cols, rows));
+            let Some(next) = neighbours.find(|&next| sheet.picture.step_label(next) == Some(before)) else { break };
+            cell = next;
+        }
+        route
+    }
+}
+
+fn target_at(sheet: &Sheet, cell: Cell, aim: Aim) -> Option<Target> {
+    match aim {
+        Aim::Place(place) => (cell == place).then_some(Target::Place(cell)),
+        Aim::Floor => {
+            let edge =
+                NEIGHBOURS.iter().map(|&(cols, rows)| cell.offset(cols, rows)).find(|&at| sheet.is_edge_left(at));
+            match edge {
+                Some(at) => Some(Target::Edge { at, from: cell }),
+                None => sheet.is_open_left(cell).then_some(Target::Open(cell)),
+            }
+        }
+    }
+}
