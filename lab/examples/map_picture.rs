@@ -2,7 +2,8 @@
 //!
 //! `cargo run --release -p lab --example map_picture -- docs/map.svg [PLAN] [MINUTES] [SEED]`
 
-use lab::{input::settings::Settings, run::Run, show::report};
+use lab::run::{Job, Run};
+use lab::{input::settings::Settings, show::report};
 use slam_core::Config;
 use std::{env, error::Error, fs, path::PathBuf};
 
@@ -15,6 +16,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let out = env::temp_dir().join(format!("map-picture-{}", std::process::id()));
     let run = Run {
         plan,
+        job: Job::Explore,
         minutes,
         seed,
         rig: None,
