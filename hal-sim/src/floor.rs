@@ -337,7 +337,8 @@ mod tests {
         // A square of 1 m less a rim of 4.5 cm, its corners as round as the brush.
         let area_m2 = 0.91 * 0.91 - (4.0 - core::f64::consts::PI) * 0.125 * 0.125;
         let score = room().score();
-        assert!((score.floor_m2 - area_m2).abs() < 0.03, "{} is not {area_m2}", score.floor_m2);
+        // The raster may take a cell's width off each side.
+        assert!((score.floor_m2 - area_m2).abs() < 4.0 * 0.91 * CELL_M, "{} is not {area_m2}", score.floor_m2);
         assert!((score.largest_hole_m2 - score.floor_m2).abs() < 1e-9);
     }
 

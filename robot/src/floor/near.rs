@@ -13,7 +13,7 @@ const POINTS: usize = 64;
 const SAME_M: f32 = 0.022;
 
 /// Farther away nothing matters, metres.
-const REACH_M: f32 = 0.6;
+const REACH_M: f32 = 0.45;
 
 /// What is this near to the body when the bumper is pressed is what presses it, metres.
 const SLACK_M: f32 = 0.035;
@@ -111,7 +111,11 @@ impl Near {
             let [dx, dy] = [x_m - beam.mount_m[0], y_m - beam.mount_m[1]];
             let along_m = dx * beam.direction[0] + dy * beam.direction[1];
             let aside_m = dy * beam.direction[0] - dx * beam.direction[1];
-            along_m > 0.0 && along_m < beam.min_m + 0.01 && aside_m.abs() < 0.03
+            let is_in_zone = along_m > 0.0 && along_m < beam.min_m - 0.015 && aside_m.abs() < 0.03;
+            // Just beyond the blind zone a reading may be folded back: what is known to be nearer tells.
+            let may_be_folded = beam.range_m < beam.min_m + 0.04;
+            let is_nearer = along_m > 0.0 && along_m < beam.range_m - 0.001 && aside_m.abs() < 0.02;
+            is_in_zone || may_be_folded && is_nearer
         })
     }
 
