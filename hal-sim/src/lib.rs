@@ -34,6 +34,7 @@ pub mod options;
 pub mod plan;
 pub mod plan_file;
 pub mod pose;
+pub mod random_home;
 pub mod rig;
 pub mod rng;
 pub mod scanner;

@@ -9,6 +9,7 @@ use input_file::{FileError, Number, TomlFile};
 
 use crate::plan::{Cliff, Door, Face, Person, Plan, Room, Round};
 use crate::pose::Pose2;
+use crate::random_home::random_home;
 use keys::{Cuboid, File, Point};
 
 /// The built-in plans: name and text.
@@ -30,7 +31,7 @@ const LEG_RADIUS_M: f64 = 0.15;
 /// Speed of a person where the file names none, m/s.
 const WALKING_MPS: f64 = 0.5;
 
-/// The plan with this built-in name, or else the plan in the file of this name.
+/// The plan with this built-in name, the random home `random-SEED`, or else the plan in the file of this name.
 ///
 /// # Errors
 /// Neither exists, or the file is not a plan.
@@ -38,10 +39,16 @@ pub fn load(name_or_file: &str) -> Result<Plan, FileError> {
     if let Some((name, text)) = BUILT_IN.iter().find(|(name, _)| *name == name_or_file) {
         return parse(&format!("built-in plan {name}"), name, text);
     }
+    if let Some(seed) = name_or_file.strip_prefix("random-").and_then(|seed| seed.parse().ok()) {
+        return Ok(random_home(seed));
+    }
     let path = Path::new(name_or_file);
     if !path.exists() {
         let names = BUILT_IN.map(|(name, _)| name).join(", ");
-        return Err(FileError::new(path, format!("is neither a file nor a built-in plan; built in are {names}")));
+        return Err(FileError::new(
+            path,
+            format!("is neither a file nor a built-in plan; built in are {names} and random-SEED"),
+        ));
     }
     let text = input_file::read(path)?;
     let stem = path.file_stem().map_or_else(|| name_or_file.into(), |stem| stem.to_string_lossy().into_owned());

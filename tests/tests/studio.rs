@@ -234,6 +234,7 @@ fn a_run(name: &str) -> PathBuf {
     let config = Config::for_rig(&default_rig());
     let run = Run {
         plan: "flat".into(),
+        job: lab::run::Job::Explore,
         minutes: 1.0,
         seed: 5,
         rig: None,

@@ -83,7 +83,7 @@ impl<const S: usize> FloorJob<S> {
         let off_m = (left * (across_m - lane.across_m)).clamp(-0.06, 0.06);
         let turn_radps = (3.5 * off_rad - 14.0 * off_m).clamp(-drive.turn_radps, drive.turn_radps);
         let free_m = free_ahead_m(self.near.seen_from(pose, now_us), drive.radius_m + 0.004);
-        let forward_mps = drive.speed_mps.min(2.0 * (free_m - 0.01)) * (1.0 - off_rad.abs() / 0.6).max(0.0);
+        let forward_mps = self.config.open_mps.min(2.0 * (free_m - 0.01)) * (1.0 - off_rad.abs() / 0.6).max(0.0);
         let [along, _] = self.sheet.place(lane.axis, [pose.x_m, pose.y_m]);
         let [_, across] = self.sheet.place(lane.axis, self.lane_point_m(&lane, pose));
         if free_m < 0.025 || !self.sheet.is_more_ahead(lane.axis, along, across, lane.sign) {
@@ -108,7 +108,7 @@ impl<const S: usize> FloorJob<S> {
         let [along, across] = self.sheet.place(lane.axis, self.lane_point_m(&lane, &pose));
         for shift in [3 * lane.side, -3 * lane.side, 2 * lane.side, -2 * lane.side] {
             let Some(stretch) = self.sheet.stretch(lane.axis, across + shift, along, 6) else { continue };
-            if stretch.count < 4 {
+            if stretch.count < 8 {
                 continue;
             }
             let is_from_low = (along - stretch.from).abs() <= (along - stretch.to).abs();

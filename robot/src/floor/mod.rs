@@ -32,6 +32,8 @@ use wave::{Aim, Route, Target, Wave};
 pub struct FloorConfig {
     /// Size of the robot and manner of driving.
     pub drive: PilotConfig,
+    /// Speed along lanes and on the way to them, m/s.
+    pub open_mps: f32,
     /// Gap between body and wall when it goes along one, metres.
     pub gap_m: f32,
     /// Age of a reading when it is used, seconds.
@@ -40,7 +42,12 @@ pub struct FloorConfig {
 
 impl Default for FloorConfig {
     fn default() -> Self {
-        Self { drive: PilotConfig { turn_radps: 1.2, ..PilotConfig::default() }, gap_m: 0.015, reading_age_s: 0.038 }
+        Self {
+            drive: PilotConfig { turn_radps: 1.2, ..PilotConfig::default() },
+            open_mps: 0.3,
+            gap_m: 0.015,
+            reading_age_s: 0.038,
+        }
     }
 }
 
@@ -112,9 +119,9 @@ enum Phase {
 }
 
 /// Without new floor for so long a path an edge is done, metres.
-const BARREN_M: f32 = 1.0;
+const BARREN_M: f32 = 0.7;
 /// Path along an edge that a new quarter is worth, metres: one row of them, 13 a metre, is not enough to go on.
-const WORTH_M: f32 = 0.04;
+const WORTH_M: f32 = 0.035;
 /// A point that a beam ended at is kept so long, microseconds.
 const SEEN_US: u64 = 8_000_000;
 /// Without coming 5 cm farther for so long, the way is given up, microseconds.
@@ -163,6 +170,8 @@ pub struct FloorJob<const S: usize> {
     turn_sign: f32,
     given_up: heapless::Vec<[f32; 2], GIVEN_UP>,
     retries: u8,
+    /// How often it left a pocket.
+    pockets: u8,
     /// How often the way to the target was blocked.
     blocked: u8,
     steps: u8,
@@ -199,6 +208,7 @@ impl<const S: usize> FloorJob<S> {
             turn_sign: 1.0,
             given_up: heapless::Vec::new(),
             retries: 0,
+            pockets: 0,
             blocked: 0,
             steps: 0,
         }
@@ -290,7 +300,7 @@ impl<const S: usize> FloorJob<S> {
         let new = self.sheet.sweep(pose);
         self.gained = self.gained.saturating_add(new);
         let step_m = libm::hypotf(pose.x_m - last.x_m, pose.y_m - last.y_m);
-        self.credit_m = (self.credit_m - step_m + WORTH_M * f32::from(new)).min(BARREN_M);
+        self.credit_m = (self.credit_m - step_m + WORTH_M * f32::from(new)).min(self.credit_m.max(BARREN_M));
         let ([x_m, y_m], _) = self.moved;
         if libm::hypotf(pose.x_m - x_m, pose.y_m - y_m) > 0.05 {
             self.moved = ([pose.x_m, pose.y_m], time_us);

@@ -11,10 +11,10 @@ pub(super) const QUARTER_M: f32 = 0.078;
 
 /// Quarters whose centre came this near to the robot's are swept, metres: where the path wavers by a centimetre, those beside it
 /// still are.
-const SWEPT_M: f32 = 0.1;
+const SWEPT_M: f32 = 0.12;
 
 /// Quarters that a robot comes for: 0.024 m^2, half of the largest piece that may be missed.
-const WORTHWHILE: u32 = 4;
+const WORTHWHILE: u32 = 5;
 
 /// Along which axis of the job's frame a lane runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

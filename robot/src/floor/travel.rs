@@ -11,6 +11,13 @@ use super::{FloorJob, Phase};
 const MAX_BLOCKED: u8 = 4;
 /// Cells that a search goes through in one step.
 const SLICE: usize = 100;
+/// Where a search reaches fewer cells than this the robot is in a pocket, which it leaves along its walls for so long a path
+/// (metres), so often at most.
+const POCKET: u16 = 40;
+const POCKET_M: f32 = 2.0;
+const MAX_POCKETS: u8 = 12;
+/// A way home is looked for so often, every second time from farther along the walls.
+const MAX_RETURNS: u8 = 12;
 /// Home is this near, metres.
 const HOME_M: f32 = 0.03;
 
@@ -60,12 +67,20 @@ impl<const S: usize> FloorJob<S> {
     }
 
     pub(super) fn find_nothing(&mut self, aim: Aim, now_us: u64) {
-        if aim != Aim::Floor {
+        if self.wave.reached < POCKET && self.pockets < MAX_POCKETS {
+            // It came into a pocket along its walls, and so it gets out.
+            self.pockets += 1;
+            self.begin_edge(1.0, now_us);
+            self.credit_m = POCKET_M;
+        } else if aim != Aim::Floor {
             // The way home is blocked: what the bumper felt may be gone.
             self.retries += 1;
             self.sheet.picture.forget_visits();
-            if self.retries > 4 {
+            if self.retries > MAX_RETURNS {
                 self.begin(Phase::Over { is_home: false }, now_us);
+            } else if self.retries.is_multiple_of(2) {
+                self.begin_edge(1.0, now_us);
+                self.credit_m = POCKET_M;
             } else {
                 self.begin(Phase::Plan { aim, escape: 5, begun: false }, now_us);
             }
@@ -119,7 +134,7 @@ impl<const S: usize> FloorJob<S> {
         let off_rad = wrap(bearing_rad - pose.theta_rad);
         let aligned = (1.0 - off_rad.abs() / 0.6).max(0.0);
         let free_m = free_ahead_m(self.near.seen_from(pose, now_us), drive.radius_m + 0.004);
-        let forward_mps = (drive.speed_mps * aligned).min(2.0 * (free_m - 0.01)).max(0.0);
+        let forward_mps = (self.config.open_mps * aligned).min(2.0 * (free_m - 0.01)).max(0.0);
         (forward_mps, (3.0 * off_rad).clamp(-drive.turn_radps, drive.turn_radps))
     }
 

@@ -14,7 +14,7 @@ const FRONT: usize = 288;
 
 /// How much farther an edge may be than open floor to be preferred, in cells: what is beside walls is swept first, for lanes
 /// overlap it on their way.
-const EDGE_PREFERENCE: u8 = 26;
+const EDGE_PREFERENCE: u8 = 14;
 
 /// Cells of a route. Of a longer one the first ones are kept, and the rest is looked for when they are done.
 pub(super) const ROUTE: usize = 96;
@@ -72,6 +72,8 @@ pub(super) struct Wave {
     open: Option<(Cell, u8)>,
     /// Cells from the start within which the way may be narrow.
     escape: i16,
+    /// Cells that the search went through.
+    pub reached: u16,
 }
 
 fn packed(cell: Cell) -> [u8; 2] {
@@ -84,7 +86,7 @@ pub(super) fn unpacked([col, row]: [u8; 2]) -> Cell {
 
 impl Wave {
     pub(super) fn new() -> Self {
-        Self { front: Deque::new(), start: Cell::default(), open: None, escape: 0 }
+        Self { front: Deque::new(), start: Cell::default(), open: None, escape: 0, reached: 0 }
     }
 
     /// Begins a search where the robot is; `escape` cells from there the way may be narrow.
@@ -92,6 +94,7 @@ impl Wave {
         sheet.picture.clear_steps();
         self.front.clear();
         self.open = None;
+        self.reached = 0;
         self.start = start;
         self.escape = escape;
         if sheet.picture.is_inside(start) {
@@ -106,6 +109,7 @@ impl Wave {
             let Some((cell, steps)) = self.front.pop_front().map(|(cell, steps)| (unpacked(cell), steps)) else {
                 return self.open.map_or(Slice::Nothing, |(cell, _)| Slice::Found(Target::Open(cell)));
             };
+            self.reached = self.reached.saturating_add(1);
             if let Some((open, near)) = self.open
                 && steps > near.saturating_add(EDGE_PREFERENCE)
             {
@@ -156,7 +160,7 @@ impl Wave {
 
 fn target_at(sheet: &Sheet, cell: Cell, aim: Aim) -> Option<Target> {
     match aim {
-        Aim::Place(place) => (cell == place).then_some(Target::Place(cell)),
+        Aim::Place(place) => (cell.moves_to(place) <= 1).then_some(Target::Place(cell)),
         Aim::Floor => {
             let edge =
                 NEIGHBOURS.iter().map(|&(cols, rows)| cell.offset(cols, rows)).find(|&at| sheet.is_edge_left(at));

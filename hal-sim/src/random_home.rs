@@ -1,0 +1,230 @@
+//! Homes drawn at random: rooms with doors between them, furniture along the walls, tables on legs. For tests of what must not
+//! depend on the homes at hand.
+
+use crate::plan::{Face, Plan, Room, Round};
+use crate::pose::Pose2;
+use crate::rng::Rng;
+use crate::world::World;
+
+/// Thickness of walls between rooms, metres.
+const WALL_M: f64 = 0.1;
+
+/// A room is at least this long on each side, metres.
+const ROOM_M: f64 = 2.2;
+
+/// Way that is left free beside doors and between pieces of furniture, metres.
+const WAY_M: f64 = 0.55;
+
+/// Draws of a place until there is none.
+const DRAWS: usize = 40;
+
+/// A rectangle, metres.
+#[derive(Clone, Copy, Debug)]
+struct Area {
+    min_m: [f64; 2],
+    max_m: [f64; 2],
+}
+
+impl Area {
+    fn size_m(&self, axis: usize) -> f64 {
+        self.max_m[axis] - self.min_m[axis]
+    }
+
+    fn grown(&self, by_m: f64) -> Self {
+        Self { min_m: self.min_m.map(|low| low - by_m), max_m: self.max_m.map(|high| high + by_m) }
+    }
+
+    fn overlaps(&self, other: &Self) -> bool {
+        (0..2).all(|axis| self.min_m[axis] < other.max_m[axis] && other.min_m[axis] < self.max_m[axis])
+    }
+
+    /// The four sides, clockwise, so that each is seen from outside.
+    fn faces(&self) -> [Face; 4] {
+        let ([x0, y0], [x1, y1]) = (self.min_m, self.max_m);
+        let corners = [[x0, y0], [x0, y1], [x1, y1], [x1, y0]];
+        [0, 1, 2, 3].map(|i| Face { from_m: corners[i], to_m: corners[(i + 1) % 4], two_sided: false })
+    }
+}
+
+/// A home as it is drawn.
+struct Draft {
+    rng: Rng,
+    rooms: Vec<Area>,
+    /// Openings in walls.
+    doors: Vec<Area>,
+    solid: Vec<Area>,
+    furniture: Vec<Area>,
+    legs: Vec<Round>,
+}
+
+/// The home of this seed: 12 to 60 m^2, up to six rooms.
+pub fn random_home(seed: u64) -> Plan {
+    let mut rng = Rng::stream(seed, "home", 0);
+    let size_m = [rng.uniform(4.0, 9.0), rng.uniform(3.0, 6.5)];
+    let whole = Area { min_m: [0.0; 2], max_m: size_m };
+    let mut draft = Draft {
+        rng,
+        rooms: vec![whole],
+        doors: Vec::new(),
+        solid: Vec::new(),
+        furniture: Vec::new(),
+        legs: Vec::new(),
+    };
+    let wanted = 1 + (draft.rng.unit() * (size_m[0] * size_m[1] / 9.0)) as usize;
+    for _ in 0..DRAWS {
+        if draft.rooms.len() < wanted.min(6) {
+            draft.divide();
+        }
+    }
+    for room in 0..draft.rooms.len() {
+        draft.furnish(room);
+    }
+    draft.finish(seed, whole)
+}
+
+impl Draft {
+    /// Divides the largest room by a wall with a door, if that leaves its doors and those of its neighbours free.
+    fn divide(&mut self) {
+        let area_m2 = |room: &Area| room.size_m(0) * room.size_m(1);
+        let Some(index) =
+            (0..self.rooms.len()).max_by(|&a, &b| area_m2(&self.rooms[a]).total_cmp(&area_m2(&self.rooms[b])))
+        else {
+            return;
+        };
+        let room = self.rooms[index];
+        let axis = usize::from(room.size_m(1) > room.size_m(0));
+        let across = 1 - axis;
+        if room.size_m(axis) < 2.0 * ROOM_M + WALL_M {
+            return;
+        }
+        let at_m = self.rng.uniform(room.min_m[axis] + ROOM_M, room.max_m[axis] - ROOM_M - WALL_M);
+        let (mut wall, mut low, mut high) = (room, room, room);
+        (wall.min_m[axis], wall.max_m[axis]) = (at_m, at_m + WALL_M);
+        (low.max_m[axis], high.min_m[axis]) = (at_m, at_m + WALL_M);
+        if self.doors.iter().any(|door| door.grown(0.3).overlaps(&wall)) {
+            return;
+        }
+        let width_m = self.rng.uniform(0.75, 0.9);
+        let from_m = self.rng.uniform(room.min_m[across] + 0.15, room.max_m[across] - 0.15 - width_m);
+        let (mut before, mut after, mut door) = (wall, wall, wall);
+        (before.max_m[across], after.min_m[across]) = (from_m, from_m + width_m);
+        (door.min_m[across], door.max_m[across]) = (from_m, from_m + width_m);
+        self.solid.extend([before, after]);
+        self.doors.push(door);
+        self.rooms[index] = low;
+        self.rooms.push(high);
+    }
+
+    /// Puts furniture along a room's walls, and perhaps a table into it.
+    fn furnish(&mut self, room: usize) {
+        let room = self.rooms[room];
+        let pieces = (room.size_m(0) * room.size_m(1) / 4.0 * self.rng.uniform(0.5, 1.2)) as usize;
+        for _ in 0..pieces {
+            let place = (0..DRAWS).find_map(|_| {
+                let piece = self.along_wall(&room);
+                self.is_free(&piece).then_some(piece)
+            });
+            self.furniture.extend(place);
+        }
+        if self.rng.unit() < 0.5 {
+            self.put_table(&room);
+        }
+    }
+
+    fn along_wall(&mut self, room: &Area) -> Area {
+        let axis = usize::from(self.rng.unit() < 0.5);
+        let across = 1 - axis;
+        let length_m = self.rng.uniform(0.5, 2.0).min(0.6 * room.size_m(axis));
+        let depth_m = self.rng.uniform(0.3, 0.8).min(0.3 * room.size_m(across));
+        let from_m = self.rng.uniform(room.min_m[axis], room.max_m[axis] - length_m);
+        let mut piece = *room;
+        (piece.min_m[axis], piece.max_m[axis]) = (from_m, from_m + length_m);
+        if self.rng.unit() < 0.5 {
+            piece.max_m[across] = room.min_m[across] + depth_m;
+        } else {
+            piece.min_m[across] = room.max_m[across] - depth_m;
+        }
+        piece
+    }
+
+    fn is_free(&self, piece: &Area) -> bool {
+        let apart = |others: &[Area]| !others.iter().any(|other| other.grown(WAY_M).overlaps(piece));
+        apart(&self.doors) && apart(&self.furniture)
+    }
+
+    /// A table on four legs, a way from everything.
+    fn put_table(&mut self, room: &Area) {
+        let size_m = [self.rng.uniform(0.7, 1.4), self.rng.uniform(0.6, 0.9)];
+        if (0..2).any(|axis| room.size_m(axis) < size_m[axis] + 2.0 * WAY_M) {
+            return;
+        }
+        let radius_m = self.rng.uniform(0.02, 0.035);
+        let place = (0..DRAWS).find_map(|_| {
+            let min_m =
+                [0, 1].map(|axis| self.rng.uniform(room.min_m[axis] + WAY_M, room.max_m[axis] - WAY_M - size_m[axis]));
+            let table = Area { min_m, max_m: [min_m[0] + size_m[0], min_m[1] + size_m[1]] };
+            self.is_free(&table).then_some(table)
+        });
+        let Some(table) = place else { return };
+        self.furniture.push(table);
+        let corners = table.faces().map(|face| face.from_m);
+        self.legs.extend(corners.map(|centre_m| Round { centre_m, radius_m }));
+    }
+
+    fn finish(mut self, seed: u64, whole: Area) -> Plan {
+        let ([x0, y0], [x1, y1]) = (whole.min_m, whole.max_m);
+        let outline = [[x0, y0], [x1, y0], [x1, y1], [x0, y1]];
+        let mut faces: Vec<Face> =
+            (0..4).map(|i| Face { from_m: outline[i], to_m: outline[(i + 1) % 4], two_sided: false }).collect();
+        let is_table = |piece: &Area| self.legs.iter().any(|leg| leg.centre_m == piece.min_m);
+        let boxes = self.furniture.iter().filter(|piece| !is_table(piece));
+        faces.extend(self.solid.iter().chain(boxes).flat_map(Area::faces));
+        let named = |(i, room): (usize, &Area)| Room { name: format!("{i}"), min_m: room.min_m, max_m: room.max_m };
+        let rooms = self.rooms.iter().enumerate().map(named).collect();
+        let mut plan = Plan {
+            name: format!("random-{seed}"),
+            start: Pose2::default(),
+            faces,
+            rounds: self.legs,
+            rooms,
+            doors: Vec::new(),
+            people: Vec::new(),
+            cliffs: Vec::new(),
+            mishaps: crate::Mishaps::default(),
+        };
+        let world = World::new(&plan);
+        // A quarter of a metre beside the body: between its walls every room has that somewhere.
+        let start = (0..10_000).find_map(|_| {
+            let [x_m, y_m] = [0, 1].map(|axis| self.rng.uniform(whole.min_m[axis], whole.max_m[axis]));
+            let is_within = self.rooms.iter().any(|room| {
+                let here = Area { min_m: [x_m, y_m], max_m: [x_m, y_m] };
+                room.overlaps(&here) && !self.furniture.iter().any(|piece| piece.overlaps(&here))
+            });
+            (is_within && world.clearance_m([x_m, y_m]) > 0.42).then_some([x_m, y_m])
+        });
+        let [x_m, y_m] = start.unwrap_or([0.5 * x1, 0.5 * y1]);
+        plan.start = Pose2::new(x_m, y_m, self.rng.uniform(-core::f64::consts::PI, core::f64::consts::PI));
+        plan
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::floor::FloorRaster;
+
+    #[test]
+    fn homes_differ_and_a_robot_can_drive_in_most_of_their_rooms() {
+        for seed in 1..=40 {
+            let plan = random_home(seed);
+            assert_eq!(plan, random_home(seed));
+            assert_ne!(plan.faces, random_home(seed + 1).faces);
+            let world = World::new(&plan);
+            assert!(world.clearance_m([plan.start.x_m, plan.start.y_m]) > 0.17, "{seed}");
+            let floor_m2 = FloorRaster::new(&plan, 0.17, plan.start).score().floor_m2;
+            let rooms_m2: f64 =
+                plan.rooms.iter().map(|room| (room.max_m[0] - room.min_m[0]) * (room.max_m[1] - room.min_m[1])).sum();
+            assert!(floor_m2 > 0.5 * rooms_m2, "{seed}: {floor_m2} of {rooms_m2} m2");
+        }
+    }
+}
