@@ -119,7 +119,7 @@ enum Phase {
 }
 
 /// Without new floor for so long a path an edge is done, metres.
-const BARREN_M: f32 = 0.7;
+const BARREN_M: f32 = 1.0;
 /// Path along an edge that a new quarter is worth, metres: one row of them, 13 a metre, is not enough to go on.
 const WORTH_M: f32 = 0.035;
 /// A point that a beam ended at is kept so long, microseconds.
