@@ -19,6 +19,9 @@ const EDGE_PREFERENCE: u8 = 14;
 /// Cells of a route. Of a longer one the first ones are kept, and the rest is looked for when they are done.
 pub(super) const ROUTE: usize = 96;
 
+/// No way is longer, in cells.
+const LONGEST: usize = 512;
+
 /// What the wave is to find.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Aim {
@@ -143,7 +146,10 @@ impl Wave {
     pub(super) fn route(&self, sheet: &Sheet, target: Target) -> Route {
         let mut route = Route::new();
         let mut cell = target.stand();
-        while cell != self.start {
+        for _ in 0..LONGEST {
+            if cell == self.start {
+                return route;
+            }
             if route.is_full() {
                 route.remove(0);
             }
@@ -154,7 +160,8 @@ impl Wave {
             let Some(next) = neighbours.find(|&next| sheet.picture.step_label(next) == Some(before)) else { break };
             cell = next;
         }
-        route
+        // Where the front was full, steps that are known by threes may lead in a circle: that is no way.
+        Route::new()
     }
 }
 
