@@ -84,6 +84,8 @@ pub(crate) struct Fate {
     kicks: Rng,
     rugs: Rng,
     on_rug: Vec<bool>,
+    /// What was due up to then has befallen the robot, seconds.
+    until_s: f64,
     /// What is left of a rug's turn, radians, and how much of it comes a metre.
     turn_left_rad: f64,
     turn_per_m: f64,
@@ -98,6 +100,7 @@ impl Fate {
             kicks: Rng::stream(seed, "kick", 0),
             rugs: Rng::stream(seed, "rug", 0),
             on_rug: vec![false; mishaps.rugs.len()],
+            until_s: f64::NEG_INFINITY,
             turn_left_rad: 0.0,
             turn_per_m: 0.0,
         }
@@ -130,15 +133,10 @@ impl Fate {
         body.is_held = held || body.contacts.lifted;
     }
 
-    /// After that step, which began at `begin_s` and `before`: what moved the robot besides its wheels.
-    pub(crate) fn befall(
-        &mut self,
-        body: &mut Body,
-        before: &Pose2,
-        (begin_s, end_s): (f64, f64),
-        world: &World,
-        options: &SimOptions,
-    ) {
+    /// After that step, which began at `before`: what moved the robot besides its wheels.
+    pub(crate) fn befall(&mut self, body: &mut Body, before: &Pose2, end_s: f64, world: &World, options: &SimOptions) {
+        // From where the last step ended: time is set to the samples', and a step's own begin would leave gaps.
+        let begin_s = core::mem::replace(&mut self.until_s, end_s);
         let now = |at_s: f64| begin_s < at_s && at_s <= end_s;
         for kidnap in &self.mishaps.kidnaps {
             if now(kidnap.at_s + 0.5 * kidnap.carried_s) {

@@ -206,7 +206,7 @@ impl Simulation {
         self.fate.hold(&mut self.body, end_s);
         self.body.advance(self.duty, period_s, &self.world, &self.options);
         if !self.fate.is_kind() {
-            self.fate.befall(&mut self.body, &self.last_pose, (begin_s, end_s), &self.world, &self.options);
+            self.fate.befall(&mut self.body, &self.last_pose, end_s, &self.world, &self.options);
         }
         self.time_s = end_s;
         self.history.push(end_s, self.body.pose);

@@ -76,6 +76,15 @@ fn a_kick_moves_and_turns_the_robot_and_its_encoders_do_not_tell() {
 }
 
 #[test]
+fn what_happens_at_a_sample_s_time_happens() {
+    for at_s in [0.0, 0.04, 1.0, 1.6, 2.0] {
+        let [without, with] = after(&format!("[[kick]]\nat_s = {at_s:?}\nslide_m = 0.0\n"), 5, 2.2);
+        let turned_deg = without.relative(&with).theta_rad.to_degrees();
+        assert!((turned_deg.abs() - 15.0).abs() < 1e-6, "at {at_s} s it turns by {turned_deg} degrees");
+    }
+}
+
+#[test]
 fn a_wall_stops_a_kick() {
     for seed in 0..20 {
         let [_, with] = after("[[kick]]\nat_s = 1.0\nslide_m = 9.0\n", seed, 1.1);
