@@ -4,6 +4,8 @@ use crate::filter::ekf::{LEADING, MotionJacobian};
 use crate::filter::layout::{self, THETA, X, Y};
 use crate::geometry::angle::{sin_cos, wrap};
 use crate::geometry::pose::Pose;
+use crate::jolts::recent::Moment;
+use crate::jolts::search::Scene;
 use crate::sample::RangeInput;
 use crate::slam::Slam;
 
@@ -24,6 +26,22 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             self.displace(moved_m, [0.0; 2]);
             self.candidates.clear();
         }
+    }
+
+    /// Where the readings tell that something moved the robot besides its wheels, it is there. What was seen meanwhile was
+    /// seen from elsewhere: candidates and new walls are forgotten, and the map is of another epoch.
+    pub(crate) fn recover_from_jolt(&mut self) {
+        let moment = Moment { map: layout::pose(&self.ekf), reckoned: self.drive.dead_reckoning.pose };
+        let scene = Scene { ekf: &self.ekf, map: &self.map };
+        let Some(found) = self.jolts.search(&scene, &moment) else { return };
+        let [x_m, y_m, turn_rad] = found.by;
+        let Pose { x_m: x, y_m: y, theta_rad } = moment.map;
+        let pose = Pose { x_m: x + x_m, y_m: y + y_m, theta_rad: theta_rad + turn_rad };
+        self.ekf.predict([pose.x_m, pose.y_m, pose.theta_rad], &UNMOVED, &found.covariance);
+        self.first.follow(pose, self.map.grid(&self.ekf));
+        self.candidates.clear();
+        self.map.begin_epoch();
+        self.counters.add_jolt();
     }
 
     /// Moves the pose, and makes it less certain by a 1-sigma vector, both metres, in the frame of dead reckoning.

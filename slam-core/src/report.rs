@@ -191,6 +191,11 @@ impl Counters {
         count(&mut self.restarts, 1u8);
     }
 
+    /// Counts a displacement that readings told.
+    pub(crate) fn add_jolt(&mut self) {
+        count(&mut self.jolts, 1u8);
+    }
+
     /// Counts a sample whose motion, or time, cannot be, where this one's cannot.
     pub(crate) fn add_motion(&mut self, is_bad: bool) {
         count(&mut self.bad_motion, is_bad);
@@ -252,6 +257,7 @@ impl Counters {
         prunes: 0,
         bad_motion: 0,
         restarts: 0,
+        jolts: 0,
         taken_over: 0,
         not_taken: [0; NotTaken::COUNT],
     };
@@ -287,6 +293,8 @@ pub struct Counters {
     pub bad_motion: u32,
     /// Maps begun anew, with the calibration kept, because the estimator was unwell.
     pub restarts: u32,
+    /// Displacements of the robot that its wheels did not tell and its readings did.
+    pub jolts: u32,
     /// Hand-overs of look backs that were taken over.
     pub taken_over: u32,
     /// Those that were not, by reason, in the order of [`NotTaken::ALL`].

@@ -8,13 +8,15 @@ use crate::filter::ekf::{Ekf, Jacobian, storage};
 use crate::filter::layout::{self, ALPHA, THETA};
 use crate::geometry::angle::{sin_cos, wrap};
 use crate::health::HealthMonitor;
+use crate::jolts::Jolts;
+use crate::jolts::recent::Seen;
 use crate::measurement::first_estimates::{FirstEstimates, Linearisation};
 use crate::measurement::observe::Observer;
 use crate::measurement::sensor::{Sensor, SensorState};
 use crate::motion::drive::{Drive, DriveStates};
 use crate::motion::shortfall::Shortfall;
 use crate::motion::step::{Step, start_variance};
-use crate::report::{Counters, Health, Outcome, Refusal, StepReport};
+use crate::report::{Counters, Outcome, Refusal, StepReport};
 use crate::rig::{DriveModel, MAX_SENSORS, Rig, RigError};
 use crate::sample::{Motion, RangeInput, Sample};
 use crate::sensing::correlation::SurfaceCorrelation;
@@ -22,7 +24,6 @@ use crate::sensing::latency::{Latency, Timing};
 use crate::sensing::noise_level::NoiseLevels;
 use crate::sensing::output_noise::OutputNoise;
 use crate::sensing::sign::Sign;
-use crate::walls::anchor::Anchor;
 use crate::walls::map::Map;
 use crate::walls::upkeep::upkeep;
 use crate::walls::wall::WallPolicy;
@@ -34,10 +35,6 @@ const ROUNDING_STEPS: u32 = 16;
 
 /// Variances from this on, (decimetres)^2 or (decirad)^2, get it back at once: such a wall does not drift by that.
 const LARGE: f32 = 0.01;
-
-/// Square of the standard deviations of its prior that a calibration may be off and still be kept where its covariance is
-/// lost: three.
-const CREDIBLE: f32 = 9.0;
 
 /// The type of an estimator for so many range sensors (at most 16), walls of any kind, and readings that fit none and wait
 /// to become walls (at most 255): `slam_type!(sensors: 4, walls: 32, outliers: 64)`.
@@ -79,6 +76,7 @@ pub struct Slam<const S: usize, const W: usize, const B: usize, const ROWS: usiz
     pub(crate) map: Map<W>,
     pub(crate) candidates: Candidates<B>,
     pub(crate) monitor: HealthMonitor,
+    pub(crate) jolts: Jolts,
     pub(crate) counters: Counters,
 }
 
@@ -111,6 +109,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         map: Map::EMPTY,
         candidates: Candidates::NONE,
         monitor: HealthMonitor::NEW,
+        jolts: Jolts::NONE,
         counters: Counters::ZERO,
     };
 
@@ -171,13 +170,14 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.map.clear(config.walls.frame);
         self.candidates.clear();
         self.monitor = HealthMonitor::NEW;
+        self.jolts = Jolts::NONE;
         self.counters = Counters::ZERO;
         self.add_states();
         Ok(())
     }
 
     /// Adds the pose, the grid's direction and every calibration state that is to be estimated and not known exactly.
-    fn add_states(&mut self) {
+    pub(crate) fn add_states(&mut self) {
         let Self { rig, config, drive, sensors, latency, ekf, .. } = self;
         for variance in start_variance(&rig.drive).into_iter().chain([0.0]) {
             ekf.augment(0.0, &Jacobian::new(), variance);
@@ -215,6 +215,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.predict(&sample.motion, tick);
         self.turn_round(&sample.ranges);
         self.observe(&sample.ranges, tick.dt_s, &mut report);
+        self.recover_from_jolt();
         self.extend_map(tick.dt_s, &mut report);
         self.latency.settle(&mut self.ekf);
         let is_turn = self.counters.steps.is_multiple_of(ROUNDING_STEPS);
@@ -280,6 +281,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             number: self.counters.steps,
         };
         let spacing_m = Candidates::<B>::spacing_m(self.rig.sensors.len());
+        self.jolts.wait(dt_s, &self.drive.step, self.counters.steps);
         let sensors = self.rig.sensors.iter().zip(&mut self.sensors).enumerate();
         for (((index, (limits, state)), input), report) in sensors.zip(inputs).zip(&mut report.readings) {
             if *input == RangeInput::Missing {
@@ -293,12 +295,22 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             } else if matches!(reading, Err(Refusal::TooFar | Refusal::Floor)) {
                 observer.judge_absence(&sensor);
             }
-            let outcome = reading.and_then(|reading| observer.observe(&sensor, &reading));
+            let is_in_doubt = self.jolts.is_in_doubt();
+            let outcome = reading.and_then(|reading| match is_in_doubt {
+                true => Err(Refusal::Ambiguous),
+                false => observer.observe(&sensor, &reading),
+            });
             report.outcome = outcome.unwrap_or_else(Outcome::Refused);
             self.counters.add_reading(&report.outcome);
             self.monitor.note(&report.outcome, observer.path_m);
             if matches!(report.outcome, Outcome::Updated { .. }) {
                 self.shortfall = Shortfall::NONE;
+            }
+            if let Ok(reading) = &reading
+                && self.jolts.asks(index)
+            {
+                let seen = Seen::new(&sensor, reading, &timing, odometry, observer.ekf, observer.number);
+                self.jolts.note(index, seen, &report.outcome);
             }
             if let (Ok(reading), Outcome::Unexplained | Outcome::Gated { .. }) = (&reading, report.outcome) {
                 let ekf = &*observer.ekf;
@@ -334,52 +346,6 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             self.counters.add_changes(&changes);
             report.add(&changes);
         }
-    }
-
-    /// How the estimator is after this step; where it is so unwell that its map is of no use, it begins a new one. So many
-    /// states are looked at.
-    fn examine(&mut self, states: usize) -> Health {
-        let is_sound = self.ekf.is_sound(states);
-        let heading_variance = (!self.map.walls().is_empty()).then(|| self.map.heading_variance(&self.ekf));
-        match self.monitor.judge(self.drive.dead_reckoning.path_m, heading_variance, is_sound) {
-            Some(Health::Degenerate) => self.restart_without_covariance(),
-            Some(_) => self.restart_map(),
-            None => {}
-        }
-        self.monitor.health()
-    }
-
-    /// Begins a new map where the robot is, with the calibration as it is known. The pose goes on in the frame that it was
-    /// in; how well it is known there no reading of the new map tells.
-    pub fn restart_map(&mut self) {
-        self.map.forget_walls(&mut self.ekf);
-        self.map.drop_anchor(&mut self.ekf, start_variance(&self.rig.drive));
-        self.begin_anew();
-    }
-
-    /// The same where the covariance is none: the calibration keeps its values, as unsure as at the start.
-    fn restart_without_covariance(&mut self) {
-        const CALIBRATION: usize = ALPHA + 1;
-        let values: [f32; 4 + MAX_SENSORS] = core::array::from_fn(|i| self.ekf.mean(CALIBRATION + i));
-        self.map.forget_walls(&mut self.ekf);
-        self.map.anchor = Some(self.map.anchor.unwrap_or(Anchor::START).beyond_doubt(&self.ekf));
-        self.ekf.clear();
-        self.add_states();
-        for (i, value) in (CALIBRATION..self.ekf.len()).zip(values) {
-            let off = value - self.ekf.mean(i);
-            // What is no number is not kept, nor what the prior does not allow.
-            if off * off <= CREDIBLE * self.ekf.covariance(i, i) {
-                self.ekf.set_mean(i, value);
-            }
-        }
-        self.begin_anew();
-    }
-
-    fn begin_anew(&mut self) {
-        self.first = FirstEstimates::START;
-        self.shortfall = Shortfall::NONE;
-        self.candidates.clear();
-        self.counters.add_restart();
     }
 
     /// Where the beams ended, with the pose after the step.

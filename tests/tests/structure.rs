@@ -14,10 +14,10 @@ const LAYERS: &[&[&str]] = &[
     &["sensing"],
     &["walls"],
     &["measurement"],
-    &["births"],
+    &["births", "jolts"],
     &["config", "clock", "health"],
     &["slam"],
-    &["view", "displacement", "take_over", "kept"],
+    &["view", "displacement", "restart", "take_over", "kept"],
     &["take_up"],
 ];
 

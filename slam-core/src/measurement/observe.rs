@@ -337,28 +337,35 @@ impl Observer<'_> {
 
     /// Row of the measurement Jacobian without the age, at most seven entries.
     fn jacobian(&self, sensor: &Sensor, gain: f32, wall: &Wall, prediction: &Prediction) -> Jacobian {
-        let mut row = Jacobian::new();
-        let mut push = |i: usize, derivative: f32| {
-            // The capacity is three times what a measurement has.
-            let _ = row.push((i, derivative));
-        };
-        push(X, gain * prediction.by_position[0]);
-        push(Y, gain * prediction.by_position[1]);
-        push(THETA, gain * prediction.by_heading);
-        match wall.direction {
-            Direction::Grid(_) => push(ALPHA, gain * prediction.by_beta),
-            Direction::Free(theta) | Direction::NearGrid(theta, _) => push(theta, gain * prediction.by_beta),
-            Direction::Snapped(theta) => {
-                push(ALPHA, gain * prediction.by_beta);
-                if self.theta_moves {
-                    push(theta, gain * prediction.by_beta);
-                }
-            }
-        }
-        push(wall.rho, gain * prediction.by_rho);
+        let mut row = by_pose_and_wall(gain, wall, prediction, self.theta_moves);
         if let Some(state) = sensor.state.gain {
-            push(state, prediction.range_m);
+            // The capacity is more than twice what a measurement has.
+            let _ = row.push((state, prediction.range_m));
         }
         row
     }
+}
+
+/// Derivatives of what a sensor of this gain reads on a wall by the states of pose and wall, at most six.
+pub fn by_pose_and_wall(gain: f32, wall: &Wall, prediction: &Prediction, theta_moves: bool) -> Jacobian {
+    let mut row = Jacobian::new();
+    let mut push = |i: usize, derivative: f32| {
+        // The capacity is three times what a measurement has.
+        let _ = row.push((i, derivative));
+    };
+    push(X, gain * prediction.by_position[0]);
+    push(Y, gain * prediction.by_position[1]);
+    push(THETA, gain * prediction.by_heading);
+    match wall.direction {
+        Direction::Grid(_) => push(ALPHA, gain * prediction.by_beta),
+        Direction::Free(theta) | Direction::NearGrid(theta, _) => push(theta, gain * prediction.by_beta),
+        Direction::Snapped(theta) => {
+            push(ALPHA, gain * prediction.by_beta);
+            if theta_moves {
+                push(theta, gain * prediction.by_beta);
+            }
+        }
+    }
+    push(wall.rho, gain * prediction.by_rho);
+    row
 }

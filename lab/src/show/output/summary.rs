@@ -208,6 +208,7 @@ fn counters(recording: &Recording) -> Value {
         "prunes": counters.prunes,
         "bad_motion": counters.bad_motion,
         "restarts": counters.restarts,
+        "jolts": counters.jolts,
     })
 }
 

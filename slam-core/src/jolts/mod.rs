@@ -1,0 +1,208 @@
+//! Jolts: displacements of the robot that its wheels do not tell. Somebody kicks it, or a door hits it.
+//!
+//! A jolt shows in readings that miss their walls all at once: a sensor that comes to the end of a wall, to a chair or to a
+//! person does so alone. Where several turn from hits to misses together, the readings since are held against the map twice,
+//! with the pose as it is and with the displaced one under which they fit best, and none of them is used meanwhile. The
+//! robot is taken to be displaced where that is so much likelier that no chance of an hour explains it (a generalised
+//! likelihood ratio test for jumps, Willsky and Jones 1976, with the likelihood of readings that may be of anything).
+
+pub mod recent;
+pub mod search;
+
+use crate::jolts::recent::{Moment, Recent, Seen};
+use crate::jolts::search::{Displacement, STARTS, Scene};
+use crate::motion::step::Step;
+use crate::report::Outcome;
+
+/// Time between two looks at a sensor, seconds: a robot at walking pace sees another place of the wall by then.
+const LOOK_S: f32 = 0.15;
+
+/// Time within a look until every sensor that sees something has been looked at, seconds: two readings of an analogue one.
+const WHOLE_S: f32 = 0.08;
+
+/// A sensor changes, from hitting its wall to missing it or to nothing, or from missing it, once in so many metres that its
+/// beam's middle moves: a wall's end, a chair, a door.
+const CHANGE_M: f32 = 0.75;
+
+/// Distance of a beam's middle from the robot, metres, by which turns move it.
+const MIDDLE_M: f32 = 0.5;
+
+/// Least and greatest chance of a change between two looks: people walk; and one that is as likely as not tells nothing.
+const CHANGES: (f32, f32) = (0.02, 0.6);
+
+/// Chance that a sensor of a displaced robot changes.
+const DISPLACED: f32 = 0.6;
+
+/// Log of the odds against a jolt between two looks: one in an hour of driving.
+const RARE: f32 = 10.1;
+
+/// Log of the odds of a jolt by sensors that change at once from which on a displacement is looked for: twelve to one.
+const WORTH: f32 = 2.5;
+
+/// Log of the odds at which the robot is taken to be displaced, twenty to one, and by which that displacement must be likelier
+/// than any other.
+const SURE: f32 = 3.0;
+
+/// For so long, seconds, it is looked for: a robot at walking pace has seen a metre of other walls by then.
+const TRIAL_S: f32 = 4.0;
+
+/// What became of the sensors at a look, a bit each.
+#[derive(Clone, Copy, Debug, Default)]
+struct Look {
+    asked: u16,
+    hit: u16,
+    missed: u16,
+}
+
+/// Readings that may be of a displaced robot.
+#[derive(Clone, Copy, Debug)]
+struct Trial {
+    /// Step since which they count.
+    onset: u32,
+    /// Log of the odds of a jolt by sensors that changed at once.
+    told: f32,
+    /// For how long, seconds.
+    for_s: f32,
+    /// The next start of the search.
+    start: usize,
+    /// The best displacement of this round.
+    best: Displacement,
+    /// Log odds of the best of this round's others.
+    other: f32,
+}
+
+/// What speaks for a jolt, and the search for the displacement.
+#[derive(Clone, Debug)]
+pub struct Jolts {
+    recent: Recent,
+    /// Time since this look began, seconds, and its step.
+    since_s: f32,
+    begun: u32,
+    /// How far beams moved in it, and from the last one to it, metres.
+    moved_m: f32,
+    between_m: f32,
+    before: Look,
+    now: Look,
+    trial: Option<Trial>,
+}
+
+impl Jolts {
+    /// Nothing was seen.
+    pub const NONE: Self = {
+        let look = Look { asked: 0, hit: 0, missed: 0 };
+        Self {
+            recent: Recent::NONE,
+            since_s: 0.0,
+            begun: 0,
+            moved_m: 0.0,
+            between_m: 0.0,
+            before: look,
+            now: look,
+            trial: None,
+        }
+    };
+
+    /// Time goes on by so much, seconds, to the step of this number.
+    pub fn wait(&mut self, dt_s: f32, step: &Step, number: u32) {
+        self.since_s += dt_s;
+        self.moved_m += step.path_m + MIDDLE_M * step.increment.turn_rad.abs();
+        if self.since_s >= LOOK_S {
+            (self.since_s, self.begun) = (0.0, number);
+            self.between_m = core::mem::take(&mut self.moved_m);
+            self.before = core::mem::take(&mut self.now);
+        }
+        if let Some(trial) = &mut self.trial {
+            trial.for_s += dt_s;
+        }
+    }
+
+    /// Whether it is in doubt where the robot is, so that readings are not to be used.
+    pub fn is_in_doubt(&self) -> bool {
+        self.trial.is_some()
+    }
+
+    /// Whether the sensor of this index is to be looked at now.
+    pub fn asks(&self, sensor: usize) -> bool {
+        self.now.asked & (1 << (sensor & 15)) == 0
+    }
+
+    /// Takes in a reading of the sensor of this index and what became of it.
+    pub fn note(&mut self, sensor: usize, seen: Seen, outcome: &Outcome) {
+        self.recent.push(seen);
+        let bit = 1 << (sensor & 15);
+        self.now.asked |= bit;
+        match outcome {
+            Outcome::Updated { .. } => self.now.hit |= bit,
+            Outcome::Gated { .. } => self.now.missed |= bit,
+            _ => {}
+        }
+    }
+
+    /// Whether every sensor had time for a new reading since this look began: one that holds its readings has one in 48 ms.
+    fn is_whole(&self) -> bool {
+        self.since_s >= WHOLE_S
+    }
+
+    /// Log of the odds of a jolt since the last look, by how many of its sensors changed.
+    fn told(&self) -> f32 {
+        let (least, most) = CHANGES;
+        let (usual, after) = (((self.between_m + self.moved_m) / CHANGE_M).clamp(least, most), DISPLACED);
+        let (before, now) = (&self.before, &self.now);
+        let kept = (before.hit & now.hit | before.missed & now.missed).count_ones();
+        let changed = (before.hit & !now.hit | before.missed & !now.missed).count_ones();
+        changed as f32 * libm::logf(after / usual) + kept as f32 * libm::logf((1.0 - after) / (1.0 - usual))
+    }
+
+    /// A reason to look for a displacement: sensors that changed at once, with one that misses its wall now among them.
+    fn suspect(&self) -> Option<Trial> {
+        if self.before.hit & self.now.missed == 0 || !self.is_whole() {
+            return None;
+        }
+        let told = self.told();
+        let trial = Trial {
+            onset: self.begun,
+            told,
+            for_s: 0.0,
+            start: 0,
+            best: Displacement::start(0),
+            other: f32::NEG_INFINITY,
+        };
+        (told > WORTH).then_some(trial)
+    }
+
+    /// Goes on with the search where there is reason to: one of its starts a step. The displacement, once it is likely enough.
+    pub fn search(&mut self, scene: &Scene, moment: &Moment) -> Option<Displacement> {
+        self.trial = self.trial.or_else(|| self.suspect());
+        let trial = self.trial.as_mut()?;
+        let readings = self.recent.since(trial.onset, moment);
+        trial.rank(scene.improve(&readings, &Displacement::start(trial.start)));
+        trial.start += 1;
+        if trial.start < STARTS {
+            return None;
+        }
+        // With the readings of the last steps.
+        let best = scene.improve(&readings, &core::mem::replace(&mut trial.best, Displacement::start(0)));
+        let other = core::mem::replace(&mut trial.other, f32::NEG_INFINITY);
+        trial.start = 0;
+        let log_odds = best.log_odds + trial.told - RARE;
+        let is_late = trial.for_s > TRIAL_S;
+        let is_sure = log_odds > SURE && best.log_odds > other + SURE;
+        if is_sure || is_late || log_odds < -2.0 * SURE {
+            self.trial = None;
+            self.now = Look::default();
+        }
+        (is_sure || is_late && log_odds > 0.0).then_some(best)
+    }
+}
+
+impl Trial {
+    /// Keeps the best displacement of this round, and how likely the best of the others is.
+    fn rank(&mut self, found: Displacement) {
+        let best = self.best;
+        let [better, worse] = if found.log_odds > best.log_odds { [found, best] } else { [best, found] };
+        if better.is_apart_from(&worse) {
+            self.other = self.other.max(worse.log_odds);
+        }
+        self.best = better;
+    }
+}

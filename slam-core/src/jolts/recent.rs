@@ -1,0 +1,103 @@
+//! The readings of the last moments as beams in the frame of dead reckoning.
+
+use crate::filter::ekf::EkfView;
+use crate::geometry::angle::{sin_cos, wrap};
+use crate::geometry::pose::Pose;
+use crate::measurement::beam::Beam;
+use crate::measurement::sensor::Sensor;
+use crate::motion::dead_reckoning::DeadReckoning;
+use crate::sensing::latency::Timing;
+use crate::sensing::range::Reading;
+use heapless::{Deque, Vec};
+
+/// Readings that are kept: of eight sensors a second.
+pub const READINGS: usize = 48;
+
+/// A reading as it was made.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// Step in which it was made.
+    pub step: u32,
+    /// Where its beam began, metres, and its unit vector, in the frame of dead reckoning.
+    pub origin_m: [f32; 2],
+    /// Unit vector of the beam.
+    pub direction: [f32; 2],
+    /// Range corrected by the sensor's gain, metres.
+    pub range_m: f32,
+    /// Standard deviation of the sensor's noise there, metres.
+    pub sigma_m: f32,
+    /// What else may be met, metres of the beam.
+    pub span_m: f32,
+}
+
+impl Seen {
+    /// A reading of this step.
+    pub fn new(
+        sensor: &Sensor,
+        reading: &Reading,
+        timing: &Timing,
+        odometry: &DeadReckoning,
+        ekf: &EkfView,
+        step: u32,
+    ) -> Self {
+        let pose = &odometry.pose;
+        let mount = sensor.state.mount_then(&sensor.limits.model, timing, ekf);
+        let beam = mount.beam([pose.x_m, pose.y_m], sin_cos(pose.theta_rad));
+        Self {
+            step,
+            origin_m: beam.origin,
+            direction: beam.direction,
+            range_m: reading.range_m / sensor.state.gain(ekf),
+            sigma_m: reading.sigma_m(),
+            span_m: sensor.limits.max_m - sensor.limits.min_m,
+        }
+    }
+}
+
+/// Where the robot is, in the map and by dead reckoning.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment {
+    /// In the map.
+    pub map: Pose,
+    /// In the frame of dead reckoning.
+    pub reckoned: Pose,
+}
+
+/// The last readings, oldest first.
+#[derive(Clone, Debug)]
+pub struct Recent(Deque<Seen, READINGS>);
+
+/// A reading as a beam in the map.
+#[derive(Clone, Copy, Debug)]
+pub struct Sighting {
+    /// The beam, its arm from the robot's present position.
+    pub beam: Beam,
+    /// The reading.
+    pub seen: Seen,
+}
+
+impl Recent {
+    /// No readings.
+    pub const NONE: Self = Self(Deque::new());
+
+    /// Adds one; the oldest makes room.
+    pub fn push(&mut self, seen: Seen) {
+        if self.0.is_full() {
+            let _ = self.0.pop_front();
+        }
+        let _ = self.0.push_back(seen);
+    }
+
+    /// Those from this step on, in the map.
+    pub fn since(&self, step: u32, moment: &Moment) -> Vec<Sighting, READINGS> {
+        let Moment { map, reckoned } = moment;
+        let (s, c) = sin_cos(wrap(map.theta_rad - reckoned.theta_rad));
+        let rotate = |[x, y]: [f32; 2]| [c * x - s * y, s * x + c * y];
+        let in_map = |seen: &Seen| {
+            let arm = rotate([seen.origin_m[0] - reckoned.x_m, seen.origin_m[1] - reckoned.y_m]);
+            let origin = [map.x_m + arm[0], map.y_m + arm[1]];
+            Sighting { beam: Beam { arm, origin, direction: rotate(seen.direction) }, seen: *seen }
+        };
+        self.0.iter().filter(|seen| seen.step >= step).map(in_map).collect()
+    }
+}

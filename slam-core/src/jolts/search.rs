@@ -1,0 +1,220 @@
+//! The displacement of the robot under which its last readings fit the map best, and how likely it is.
+
+use crate::filter::ekf::EkfView;
+use crate::geometry::angle::sin_cos;
+use crate::jolts::recent::Sighting;
+use crate::measurement::beam::{Beam, Prediction};
+use crate::measurement::line_of_sight::{Candidate, first_met};
+use crate::measurement::observe::by_pose_and_wall;
+use crate::sensing::range::SURFACE_M;
+use crate::walls::manhattan::ManhattanFrame;
+use crate::walls::map::MapView;
+
+/// How far a jolt moves a robot, each axis, metres, and turns it, radians, 1-sigma: by a foot's push or a swinging door, by
+/// a rug's edge or while the wheels turn against a threshold for a second.
+const SIZE: [f32; 3] = [0.2, 0.2, 0.25];
+
+/// Walls lie to one another as the map says, to this, metres.
+const WALLS_M: f32 = 0.01;
+
+/// Share of readings of anything else than the wall: the odds of the gate, one to two, for a third.
+const ELSE: f32 = 0.3;
+
+/// What one surface can say, as log odds: in one look of so many thousands it is not the robot that moved but what it sees,
+/// a chair, a bin, a curtain, a door.
+const SURFACE_SAYS: f32 = 9.0;
+
+/// Turns with which the search begins, in tenths of a radian: neighbours are half of what a beam at half its span can be off
+/// and meet its wall.
+const TURNS: [f32; STARTS] = [0.0, 1.2, -1.2, 2.4, -2.4, 3.6, -3.6];
+
+/// Displacements that differ by more, metres or radians, are two.
+const APART: (f32, f32) = (0.05, 0.1);
+
+/// Number of starts.
+pub const STARTS: usize = 7;
+
+/// Standard deviations with which readings are held against walls, one after the other, metres: from what a jolt moves to
+/// what sensors have (graduated non-convexity, Blake and Zisserman 1987).
+const ROUNDS_M: [f32; 6] = [0.12, 0.08, 0.05, 0.02, 0.0, 0.0];
+
+/// A wall met so little beyond its end is met.
+const BEYOND_END_M: f32 = 0.05;
+
+/// Walls of one map that readings can be told apart by: each has its own sum.
+const SURFACES: usize = 24;
+
+/// A displacement of the robot, in the map, about where it is now.
+#[derive(Clone, Copy, Debug)]
+pub struct Displacement {
+    /// x and y, metres, and turn, radians.
+    pub by: [f32; 3],
+    /// Their covariance.
+    pub covariance: [[f32; 3]; 3],
+    /// Log of the odds for it and against none.
+    pub log_odds: f32,
+}
+
+impl Displacement {
+    /// Whether it is another one than this: beyond what both are known to.
+    pub fn is_apart_from(&self, other: &Self) -> bool {
+        let [x, y, turn] = core::array::from_fn(|i| (self.by[i] - other.by[i]).abs());
+        x.max(y) > APART.0 || turn > APART.1
+    }
+
+    /// Where the search begins for the `start`th time.
+    pub fn start(start: usize) -> Self {
+        let turn_rad = 0.1 * TURNS.get(start).copied().unwrap_or_default();
+        Self { by: [0.0, 0.0, turn_rad], covariance: [[0.0; 3]; 3], log_odds: f32::NEG_INFINITY }
+    }
+
+    /// The beam of a robot that was displaced so.
+    fn of(&self, sighting: &Sighting) -> Beam {
+        let [x_m, y_m, turn_rad] = self.by;
+        let (s, c) = sin_cos(turn_rad);
+        let rotate = |[x, y]: [f32; 2]| [c * x - s * y, s * x + c * y];
+        let Beam { arm, origin, direction } = sighting.beam;
+        let turned = rotate(arm);
+        let origin = [origin[0] - arm[0] + x_m + turned[0], origin[1] - arm[1] + y_m + turned[1]];
+        Beam { arm: turned, origin, direction: rotate(direction) }
+    }
+}
+
+/// The map that readings are held against.
+pub struct Scene<'a> {
+    /// The state.
+    pub ekf: &'a EkfView,
+    /// The walls.
+    pub map: &'a MapView,
+}
+
+/// A reading held against the wall that its beam meets.
+struct Held {
+    met: Candidate,
+    innovation_m: f32,
+    variance_m2: f32,
+    prediction: Prediction,
+}
+
+/// What a reading, or all of them of one surface, say.
+#[derive(Clone, Copy, Default)]
+struct Said {
+    wall: u16,
+    log_odds: f32,
+}
+
+impl Scene<'_> {
+    /// The displacement near this one under which the readings fit best, by Gauss and Newton's method with each reading
+    /// weighed by the probability that it is the wall's.
+    pub fn improve(&self, readings: &[Sighting], from: &Displacement) -> Displacement {
+        let mut found = *from;
+        let grid = ManhattanFrame::of(self.ekf);
+        for round_m in ROUNDS_M {
+            let mut information = prior();
+            let mut gradient: [f32; 3] = core::array::from_fn(|i| -information[i][i] * found.by[i]);
+            for sighting in readings {
+                let Some(held) = self.hold(&grid, sighting, &found, round_m) else { continue };
+                let [fits, anything] = likelihoods(&held, sighting);
+                let weight = fits / (fits + anything) / held.variance_m2;
+                let [by_x, by_y] = held.prediction.by_position;
+                let by = [by_x, by_y, held.prediction.by_heading];
+                for ((row, slope), by_i) in information.iter_mut().zip(&mut gradient).zip(by) {
+                    *slope += weight * by_i * held.innovation_m;
+                    for (entry, by_j) in row.iter_mut().zip(by) {
+                        *entry += weight * by_i * by_j;
+                    }
+                }
+            }
+            let covariance = inverse(&information);
+            for (by, row) in found.by.iter_mut().zip(covariance) {
+                *by += row[0] * gradient[0] + row[1] * gradient[1] + row[2] * gradient[2];
+            }
+            found.covariance = covariance;
+        }
+        found.log_odds = self.log_odds(&grid, readings, &found);
+        found
+    }
+
+    /// Log of the odds of a displacement against none: what the readings say, what is known of jolts, and how small a part of
+    /// all jolts it is (Laplace's approximation).
+    fn log_odds(&self, grid: &ManhattanFrame, readings: &[Sighting], found: &Displacement) -> f32 {
+        let none = Displacement::start(0);
+        let mut surfaces = [Said::default(); SURFACES];
+        let mut known = 0;
+        for sighting in readings {
+            let with = self.hold(grid, sighting, found, 0.0);
+            let without = self.hold(grid, sighting, &none, 0.0).map(|held| self.as_known(held, sighting));
+            let says = |held: &Option<Held>| {
+                let anything = ELSE / sighting.seen.span_m;
+                libm::logf(held.as_ref().map_or(anything, |held| likelihoods(held, sighting).iter().sum()))
+            };
+            let Some(held) = with.as_ref().or(without.as_ref()) else { continue };
+            let wall = self.map.walls().get(held.met.index).map_or(0, |wall| wall.id);
+            let place = surfaces.iter().take(known).position(|said| said.wall == wall).unwrap_or(known);
+            known = known.max(place + 1).min(SURFACES);
+            if let Some(said) = surfaces.get_mut(place) {
+                *said = Said { wall, log_odds: said.log_odds + says(&with) - says(&without) };
+            }
+        }
+        let said: f32 = surfaces.iter().map(|said| said.log_odds.clamp(-SURFACE_SAYS, SURFACE_SAYS)).sum();
+        let known_of_jolts: f32 = found.by.iter().zip(SIZE).map(|(by, size)| -0.5 * (by / size) * (by / size)).sum();
+        let [a, b, c] = SIZE.map(|size| size * size);
+        let part = 0.5 * libm::logf((determinant(&found.covariance) / (a * b * c)).max(f32::MIN_POSITIVE));
+        said + known_of_jolts + part
+    }
+
+    /// A reading of a robot so displaced, held against the wall that it should have met, with so much more noise.
+    fn hold(&self, grid: &ManhattanFrame, sighting: &Sighting, found: &Displacement, more_m: f32) -> Option<Held> {
+        let seen = &sighting.seen;
+        let beam = found.of(sighting);
+        let within_m = seen.range_m + seen.span_m;
+        let met = first_met(self.ekf, grid, self.map.walls(), &beam, 0.0, within_m, BEYOND_END_M)?;
+        let prediction = beam.predict(&met.line);
+        let across_m2 = WALLS_M * WALLS_M + more_m * more_m;
+        let variance_m2 =
+            seen.sigma_m * seen.sigma_m + SURFACE_M * SURFACE_M + across_m2 / (met.cos_incidence * met.cos_incidence);
+        let innovation_m = seen.range_m - prediction.range_m;
+        Some(Held { met, innovation_m, variance_m2, prediction })
+    }
+
+    /// The same with the variance of a robot that is where the filter has it: as well as that is known.
+    fn as_known(&self, held: Held, sighting: &Sighting) -> Held {
+        let Some(wall) = self.map.walls().get(held.met.index) else { return held };
+        let sigma_m = sighting.seen.sigma_m;
+        let known_m2 = self.ekf.variance(&by_pose_and_wall(1.0, wall, &held.prediction, false));
+        Held { variance_m2: known_m2 + sigma_m * sigma_m + SURFACE_M * SURFACE_M, ..held }
+    }
+}
+
+/// Densities of a reading that is the wall's, and of one that is of anything within the sensor's span.
+fn likelihoods(held: &Held, sighting: &Sighting) -> [f32; 2] {
+    const INVERSE_SQRT_TAU: f32 = 0.398_942_3; // 1 / sqrt(2 pi)
+    let square = held.innovation_m * held.innovation_m / held.variance_m2;
+    let normal = INVERSE_SQRT_TAU / libm::sqrtf(held.variance_m2) * libm::expf(-0.5 * square);
+    [(1.0 - ELSE) * normal, ELSE / sighting.seen.span_m]
+}
+
+/// Information of what is known of jolts.
+fn prior() -> [[f32; 3]; 3] {
+    let mut rows = [[0.0; 3]; 3];
+    for (i, size) in SIZE.into_iter().enumerate() {
+        rows[i][i] = 1.0 / (size * size);
+    }
+    rows
+}
+
+fn determinant(m: &[[f32; 3]; 3]) -> f32 {
+    m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
+        + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
+}
+
+/// Inverse of a symmetric positive definite matrix.
+fn inverse(m: &[[f32; 3]; 3]) -> [[f32; 3]; 3] {
+    let cofactor = |i: usize, j: usize| {
+        let [r0, r1] = [(i + 1) % 3, (i + 2) % 3];
+        let [c0, c1] = [(j + 1) % 3, (j + 2) % 3];
+        m[r0][c0] * m[r1][c1] - m[r0][c1] * m[r1][c0]
+    };
+    let inverse = 1.0 / determinant(m);
+    core::array::from_fn(|i| core::array::from_fn(|j| inverse * cofactor(j, i)))
+}

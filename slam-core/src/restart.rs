@@ -1,0 +1,64 @@
+//! A new map where the estimator is so unwell that the old one is of no use.
+
+use crate::filter::layout::ALPHA;
+use crate::jolts::Jolts;
+use crate::measurement::first_estimates::FirstEstimates;
+use crate::motion::shortfall::Shortfall;
+use crate::motion::step::start_variance;
+use crate::report::Health;
+use crate::rig::MAX_SENSORS;
+use crate::slam::Slam;
+use crate::walls::anchor::Anchor;
+
+/// Square of the standard deviations of its prior that a calibration may be off and still be kept where its covariance is
+/// lost: three.
+const CREDIBLE: f32 = 9.0;
+
+impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, W, B, ROWS> {
+    /// How the estimator is after this step; where it is so unwell that its map is of no use, it begins a new one. So many
+    /// states are looked at.
+    pub(crate) fn examine(&mut self, states: usize) -> Health {
+        let is_sound = self.ekf.is_sound(states);
+        let heading_variance = (!self.map.walls().is_empty()).then(|| self.map.heading_variance(&self.ekf));
+        match self.monitor.judge(self.drive.dead_reckoning.path_m, heading_variance, is_sound) {
+            Some(Health::Degenerate) => self.restart_without_covariance(),
+            Some(_) => self.restart_map(),
+            None => {}
+        }
+        self.monitor.health()
+    }
+
+    /// Begins a new map where the robot is, with the calibration as it is known. The pose goes on in the frame that it was
+    /// in; how well it is known there no reading of the new map tells.
+    pub fn restart_map(&mut self) {
+        self.map.forget_walls(&mut self.ekf);
+        self.map.drop_anchor(&mut self.ekf, start_variance(&self.rig.drive));
+        self.begin_anew();
+    }
+
+    /// The same where the covariance is none: the calibration keeps its values, as unsure as at the start.
+    fn restart_without_covariance(&mut self) {
+        const CALIBRATION: usize = ALPHA + 1;
+        let values: [f32; 4 + MAX_SENSORS] = core::array::from_fn(|i| self.ekf.mean(CALIBRATION + i));
+        self.map.forget_walls(&mut self.ekf);
+        self.map.anchor = Some(self.map.anchor.unwrap_or(Anchor::START).beyond_doubt(&self.ekf));
+        self.ekf.clear();
+        self.add_states();
+        for (i, value) in (CALIBRATION..self.ekf.len()).zip(values) {
+            let off = value - self.ekf.mean(i);
+            // What is no number is not kept, nor what the prior does not allow.
+            if off * off <= CREDIBLE * self.ekf.covariance(i, i) {
+                self.ekf.set_mean(i, value);
+            }
+        }
+        self.begin_anew();
+    }
+
+    fn begin_anew(&mut self) {
+        self.first = FirstEstimates::START;
+        self.shortfall = Shortfall::NONE;
+        self.candidates.clear();
+        self.jolts = Jolts::NONE;
+        self.counters.add_restart();
+    }
+}
