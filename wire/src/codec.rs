@@ -118,10 +118,10 @@ mod tests {
 
     #[test]
     fn the_format_is_pinned() {
-        // version 3, Command = 6, Stop = 1, CRC-32, in COBS.
+        // version 4, Command = 6, Stop = 1, CRC-32, in COBS.
         let bytes = encode(&Frame::Command(Command::Stop)).unwrap();
-        let checksum = CRC.checksum(&[3, 6, 1]).to_le_bytes();
-        assert_eq!(bytes.as_slice(), [8, 3, 6, 1, checksum[0], checksum[1], checksum[2], checksum[3], 0]);
+        let checksum = CRC.checksum(&[4, 6, 1]).to_le_bytes();
+        assert_eq!(bytes.as_slice(), [8, 4, 6, 1, checksum[0], checksum[1], checksum[2], checksum[3], 0]);
         assert_eq!(CRC.checksum(b"123456789"), 0xcbf4_3926);
     }
 

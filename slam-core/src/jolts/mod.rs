@@ -43,8 +43,8 @@ const WORTH: f32 = 2.5;
 /// than any other.
 const SURE: f32 = 3.0;
 
-/// For so long, seconds, it is looked for: a robot at walking pace has seen a metre of other walls by then.
-const TRIAL_S: f32 = 4.0;
+/// For so long, seconds, it is looked for: a robot at walking pace has seen half a metre of other walls by then.
+const TRIAL_S: f32 = 2.0;
 
 /// What became of the sensors at a look, a bit each.
 #[derive(Clone, Copy, Debug, Default)]
@@ -187,7 +187,7 @@ impl Jolts {
         let log_odds = best.log_odds + trial.told - RARE;
         let is_late = trial.for_s > TRIAL_S;
         let is_sure = log_odds > SURE && best.log_odds > other + SURE;
-        if is_sure || is_late || log_odds < -2.0 * SURE {
+        if is_sure || is_late || log_odds < -SURE {
             self.trial = None;
             self.now = Look::default();
         }

@@ -10,8 +10,8 @@ use crate::sensing::latency::Timing;
 use crate::sensing::range::Reading;
 use heapless::{Deque, Vec};
 
-/// Readings that are kept: of eight sensors a second.
-pub const READINGS: usize = 48;
+/// Readings that are kept: of half of eight sensors three quarters of a second.
+pub const READINGS: usize = 20;
 
 /// A reading as it was made.
 #[derive(Clone, Copy, Debug)]
