@@ -47,7 +47,7 @@ pub struct Extent {
     pub turn: f64,
     /// Most points.
     pub points: usize,
-    /// A reading is taken after so much way, metres, or a turn of as many radians times [`TURN_PER_STEP`].
+    /// A reading is taken after so much way, metres, or a turn of as many radians times `TURN_PER_STEP`.
     pub step: f64,
 }
 

@@ -38,7 +38,7 @@ pub struct Monitor {
     /// Let the studio take part in the line, from this machine: an address such as 127.0.0.1:8091.
     #[arg(long, value_name = "ADDRESS")]
     serve: Option<String>,
-    /// With --serve: the origin of a studio that is served from elsewhere, such as https://example.org.
+    /// With --serve: the origin of a studio that is served from elsewhere, such as `https://example.org`.
     #[arg(long, value_name = "ORIGIN", requires = "serve")]
     allow: Option<String>,
 }

@@ -172,12 +172,15 @@ impl Jolts {
 
     /// Goes on with the search where there is reason to: one of its starts a step. The displacement, once it is likely enough.
     pub fn search(&mut self, scene: &Scene, moment: &Moment) -> Option<Displacement> {
-        self.trial = self.trial.or_else(|| self.suspect());
-        let trial = self.trial.as_mut()?;
+        // A step that updates with readings does not search, and one that searches does so once: each costs what it can.
+        let Some(trial) = &mut self.trial else {
+            self.trial = self.suspect();
+            return None;
+        };
         let readings = self.recent.since(trial.onset, moment);
-        trial.rank(scene.improve(&readings, &Displacement::start(trial.start)));
-        trial.start += 1;
         if trial.start < STARTS {
+            trial.rank(scene.improve(&readings, &Displacement::start(trial.start)));
+            trial.start += 1;
             return None;
         }
         // With the readings of the last steps.
