@@ -67,7 +67,8 @@ impl Hil {
         let folder = Folder::prepare(&self.out, &NAMES).map_err(|error| error.to_string())?;
         let mut files = Files::create(&folder, &robot, &rig_toml)?;
         let hand_overs = self.hand_overs.unwrap_or_else(|| self.robot.hands_over());
-        let mut shadow = Shadow::new(self.robot, hand_overs)?;
+        let is_timed = matches!(self.target, Target::EmulatorTimed { .. });
+        let mut shadow = Shadow::new(self.robot, hand_overs, is_timed)?;
         let word = if hand_overs { "hand-overs" } else { "no-hand-overs" };
         let mut link = Link::new(self.target.start(word)?)?;
         link.send_command(Command::Start)?;
