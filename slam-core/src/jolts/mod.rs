@@ -36,8 +36,8 @@ const DISPLACED: f32 = 0.6;
 /// Log of the odds against a jolt between two looks: one in an hour of driving.
 const RARE: f32 = 10.1;
 
-/// Log of the odds of a jolt by sensors that change at once from which on a displacement is looked for: twelve to one.
-const WORTH: f32 = 2.5;
+/// Log of the odds of a jolt by sensors that change at once from which on a displacement is looked for: fifty to one, two sensors of two.
+const WORTH: f32 = 4.0;
 
 /// Log of the odds at which the robot is taken to be displaced, twenty to one, and by which that displacement must be likelier
 /// than any other.
