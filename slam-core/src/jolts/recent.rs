@@ -98,6 +98,11 @@ impl Recent {
             let origin = [map.x_m + arm[0], map.y_m + arm[1]];
             Sighting { beam: Beam { arm, origin, direction: rotate(seen.direction) }, seen: *seen }
         };
-        self.0.iter().filter(|seen| seen.step >= step).map(in_map).collect()
+        let mut found = Vec::new();
+        for seen in self.0.iter().filter(|seen| seen.step >= step) {
+            // There is room for all that are kept.
+            let _ = found.push(in_map(seen));
+        }
+        found
     }
 }
