@@ -42,10 +42,23 @@ pub struct FloorScore {
     pub home_m: f64,
     /// What the robot did, and for how many seconds.
     pub time: Vec<(String, f64)>,
+    /// What the robot did, and how far it drove and how much floor it swept for the first time meanwhile.
+    pub ways: Vec<Way>,
     /// The shares over time.
     pub progress: Vec<FloorShare>,
     /// The floor from above.
     pub picture: FloorPicture,
+}
+
+/// What part of the path was driven for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Way {
+    /// What the robot did, in a word.
+    pub doing: &'static str,
+    /// Length of this part, metres.
+    pub path_m: f64,
+    /// Floor swept in it for the first time, m^2.
+    pub new_m2: f64,
 }
 
 /// How much of the floor was swept by some time.
@@ -89,6 +102,7 @@ pub struct FloorRaster {
     start: Pose2,
     progress: Vec<FloorShare>,
     time: Vec<(&'static str, f64)>,
+    ways: Vec<Way>,
     last_t_s: f64,
     bumps: u32,
     was_pressed: bool,
@@ -138,6 +152,7 @@ impl FloorRaster {
             start,
             progress: Vec::new(),
             time: Vec::new(),
+            ways: Vec::new(),
             last_t_s: 0.0,
             bumps: 0,
             was_pressed: false,
@@ -219,9 +234,15 @@ impl FloorRaster {
         let from = self.last.replace(pose).unwrap_or(pose);
         let moved_m = libm::hypot(pose.x_m - from.x_m, pose.y_m - from.y_m);
         if is_on_floor && moved_m < CARRIED_M {
+            let swept = self.swept;
             self.path_m += moved_m;
             self.sweep(t_s, [0.5 * (from.x_m + pose.x_m), 0.5 * (from.y_m + pose.y_m)]);
             self.sweep(t_s, [pose.x_m, pose.y_m]);
+            let new_m2 = (self.swept - swept) as f64 * CELL_M * CELL_M;
+            match self.ways.iter_mut().find(|way| way.doing == doing) {
+                Some(way) => (way.path_m, way.new_m2) = (way.path_m + moved_m, way.new_m2 + new_m2),
+                None => self.ways.push(Way { doing, path_m: moved_m, new_m2 }),
+            }
         }
         if self.progress.last().is_none_or(|last| t_s - last.t_s >= PROGRESS_S) {
             self.progress.push(self.share(t_s));
@@ -266,6 +287,7 @@ impl FloorRaster {
             bumps: self.bumps,
             home_m,
             time: self.time.iter().map(|(name, sum_s)| ((*name).to_owned(), *sum_s)).collect(),
+            ways: self.ways.clone(),
             progress,
             picture: FloorPicture {
                 corner_m: self.corner_m,

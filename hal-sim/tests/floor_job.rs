@@ -1,44 +1,18 @@
 //! The floor job by what it leaves: swept floor, and a robot that is back.
 
-use hal_sim::floor::{FloorRaster, FloorScore, Moment};
-use hal_sim::{ClosedLoop, Estimate, Plan, SimOptions, Simulation, default_rig, plan_file};
+use hal_sim::{SimOptions, clean, default_rig, plan_file};
 use robot::{FloorConfig, FloorJob, FloorState};
-use slam_core::{Config, HostSlam};
-
-/// Cleans a home with the default robot and estimator, for so many minutes at most.
-fn clean(plan: &Plan, seed: u64, minutes: f64) -> (FloorScore, FloorState) {
-    let rig = default_rig();
-    let simulation = Simulation::new(plan, &rig, SimOptions::default(), seed).expect("the robot fits");
-    let mut slam = HostSlam::with_config(rig.clone(), Config::default()).expect("a good rig");
-    let mut floor = FloorRaster::new(plan, simulation.options().body_radius_m, simulation.pose_in_plan());
-    let mut robot = ClosedLoop::cleaning(simulation, &rig, FloorConfig::default());
-    while !robot.is_over() && robot.simulation.time_s() < 60.0 * minutes {
-        robot.step(&mut |sample| {
-            let report = slam.step(sample);
-            Estimate { pose: slam.pose(), ranges_m: report.readings.map(|reading| reading.range_m) }
-        });
-        if let (Some((alpha_rad, _)), Some(job)) = (slam.alpha(), &mut robot.floor_job) {
-            job.align(alpha_rad);
-        }
-        let contacts = robot.simulation.contacts();
-        floor.record(&Moment {
-            t_s: robot.simulation.time_s(),
-            pose: robot.simulation.pose_in_plan(),
-            doing: robot.doing(),
-            is_pressed: contacts.bump_left || contacts.bump_right,
-            is_on_floor: true,
-        });
-    }
-    let state = robot.floor_job.expect("it cleans").state();
-    (floor.score(), state)
-}
 
 #[test]
 fn rooms_are_swept_and_the_robot_comes_back() {
     for plan in ["room", "l-shape"] {
         let plan = plan_file::load(plan).expect("a built-in plan");
-        let (score, state) = clean(&plan, 1, 20.0);
-        assert_eq!(state, FloorState::Done, "{}", plan.name);
+        let drive = clean(&plan, SimOptions::default(), 1, 20.0).expect("the robot fits");
+        let (score, progress) = (drive.score, drive.progress);
+        assert_eq!(progress.state, FloorState::Done, "{}", plan.name);
+        assert!(progress.share() >= 0.95, "{}: it takes {} for its share", plan.name, progress.share());
+        let told_s: f64 = progress.seconds_in.iter().map(|seconds| f64::from(*seconds)).sum();
+        assert!((told_s - 60.0 * drive.minutes).abs() < 2.0, "{}: {told_s} s are told", plan.name);
         assert!(score.swept >= 0.96, "{}: {} of the floor", plan.name, score.swept);
         assert!(score.largest_hole_m2 <= 0.05, "{}: {} m2 missed in one", plan.name, score.largest_hole_m2);
         assert!(score.home_m <= 0.2, "{}: {} m from where it started", plan.name, score.home_m);

@@ -10,6 +10,7 @@ mod frame;
 mod hug;
 mod lanes;
 mod near;
+mod progress;
 mod sheet;
 mod swept;
 mod travel;
@@ -18,12 +19,14 @@ mod wave;
 use slam_core::angle::wrap;
 use slam_core::{Pose, Rig};
 
-use crate::pilot::beam::{Beam, draw_beam};
+use crate::pilot::beam::{Beam, Passed, draw_beam};
 use crate::pilot::{PilotConfig, Senses};
 use crate::traits::WheelSpeeds;
 use frame::Frame;
 use lanes::Lane;
 use near::Near;
+use progress::Tally;
+pub use progress::{FloorProgress, FloorState};
 use sheet::{Axis, QUARTER_M, Sheet};
 use wave::{Aim, Route, Target, Wave};
 
@@ -51,48 +54,6 @@ impl Default for FloorConfig {
     }
 }
 
-/// What the floor job is doing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum FloorState {
-    /// Along whatever stands on the floor.
-    #[default]
-    Edge,
-    /// Along a lane.
-    Lane,
-    /// To the next floor that was not swept.
-    Transit,
-    /// Looking for the next floor, standing.
-    Planning,
-    /// Backing off from something touched.
-    BackingOff,
-    /// Once more to where the way was blocked.
-    Retry,
-    /// Back to where it started.
-    Return,
-    /// Done, and back.
-    Done,
-    /// Done, and the way back is blocked.
-    Away,
-}
-
-impl FloorState {
-    /// What it is called.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Edge => "edges",
-            Self::Lane => "lanes",
-            Self::Transit => "transit",
-            Self::Planning => "planning",
-            Self::BackingOff => "backing off",
-            Self::Retry => "retries",
-            Self::Return => "return",
-            Self::Done => "done",
-            Self::Away => "away",
-        }
-    }
-}
-
 /// What the job is at.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Phase {
@@ -102,6 +63,8 @@ enum Phase {
     Edge { side: f32 },
     /// Looking for somewhere to go.
     Plan { aim: Aim, escape: i16, begun: bool },
+    /// Taking the way there from the search.
+    Trace { target: Target, aim: Aim },
     /// On the way to a target.
     Transit { target: Target, aim: Aim },
     /// Straight to where a lane begins.
@@ -175,6 +138,7 @@ pub struct FloorJob<const S: usize> {
     /// How often the way to the target was blocked.
     blocked: u8,
     steps: u8,
+    tally: Tally,
 }
 
 impl<const S: usize> FloorJob<S> {
@@ -211,6 +175,7 @@ impl<const S: usize> FloorJob<S> {
             pockets: 0,
             blocked: 0,
             steps: 0,
+            tally: Tally::default(),
         }
     }
 
@@ -229,7 +194,7 @@ impl<const S: usize> FloorJob<S> {
         match self.phase {
             Phase::Seek { .. } | Phase::Edge { .. } => FloorState::Edge,
             Phase::Lane(_) | Phase::Enter { .. } => FloorState::Lane,
-            Phase::Plan { .. } => FloorState::Planning,
+            Phase::Plan { .. } | Phase::Trace { .. } => FloorState::Planning,
             Phase::Transit { aim: Aim::Place(_), .. } | Phase::Home => FloorState::Return,
             Phase::Transit { .. } if self.retries > 0 => FloorState::Retry,
             Phase::Transit { .. } => FloorState::Transit,
@@ -237,6 +202,11 @@ impl<const S: usize> FloorJob<S> {
             Phase::Over { is_home: true } => FloorState::Done,
             Phase::Over { is_home: false } => FloorState::Away,
         }
+    }
+
+    /// How far it is.
+    pub fn progress(&self) -> FloorProgress {
+        self.tally.progress(self.state())
     }
 
     /// Whether it is over.
@@ -247,6 +217,7 @@ impl<const S: usize> FloorJob<S> {
     /// The wheel speeds until the next step. A pose that is not finite stops the robot.
     pub fn step(&mut self, senses: &Senses<S>) -> WheelSpeeds {
         let pose = self.frame.pose(&senses.pose);
+        self.tally.step(&self.sheet, self.state(), senses.time_us);
         if !(pose.x_m.is_finite() && pose.y_m.is_finite() && pose.theta_rad.is_finite()) || senses.contacts.lifted {
             return WheelSpeeds::STOP;
         }
@@ -261,7 +232,7 @@ impl<const S: usize> FloorJob<S> {
     fn look(&mut self, senses: &Senses<S>, pose: &Pose) {
         if self.sheet.keep_around(pose) {
             self.route.clear();
-            if let Phase::Transit { aim, .. } | Phase::Plan { aim, .. } = self.phase {
+            if let Phase::Transit { aim, .. } | Phase::Trace { aim, .. } | Phase::Plan { aim, .. } = self.phase {
                 let aim = if let Aim::Place(_) = aim { self.aim_home() } else { aim };
                 self.plan(aim, senses.time_us);
             }
@@ -282,12 +253,18 @@ impl<const S: usize> FloorJob<S> {
             if beam.max_m <= 0.0 {
                 continue;
             }
-            draw_beam(&mut self.sheet.picture, beam, &then, &self.config.drive, self.steps.is_multiple_of(4));
             let before_m = core::mem::replace(&mut self.before_m[index], range_m.unwrap_or(f32::INFINITY));
-            if beam.age == 0
-                && (beam.range_m - before_m).abs() < STEADY_M
-                && !self.near.is_blinded(beam, &then, senses.time_us)
-            {
+            // What a blinded sensor shows, and what it does not, says nothing of what is beyond.
+            if self.near.is_blinded(beam, &then, senses.time_us) {
+                continue;
+            }
+            let passed = match beam.age {
+                0 if self.steps.is_multiple_of(4) => Passed::Vanish,
+                0 => Passed::Stay,
+                _ => Passed::End,
+            };
+            draw_beam(&mut self.sheet.picture, beam, &then, &self.config.drive, passed);
+            if beam.age == 0 && (beam.range_m - before_m).abs() < STEADY_M {
                 let at_m = then.transform(beam.point_m(beam.range_m));
                 self.near.add(at_m, senses.time_us.saturating_add(SEEN_US), pose, senses.time_us);
             }
@@ -299,6 +276,7 @@ impl<const S: usize> FloorJob<S> {
         self.path_m += libm::hypotf(pose.x_m - last.x_m, pose.y_m - last.y_m);
         let new = self.sheet.sweep(pose);
         self.gained = self.gained.saturating_add(new);
+        self.tally.add(new);
         let step_m = libm::hypotf(pose.x_m - last.x_m, pose.y_m - last.y_m);
         self.credit_m = (self.credit_m - step_m + WORTH_M * f32::from(new)).min(self.credit_m.max(BARREN_M));
         let ([x_m, y_m], _) = self.moved;
@@ -330,6 +308,7 @@ impl<const S: usize> FloorJob<S> {
             Phase::Seek { to_m } => self.seek(to_m, pose, now_us),
             Phase::Edge { side } => self.edge(side, pose, now_us),
             Phase::Plan { aim, escape, begun } => self.search(aim, escape, begun, pose, now_us),
+            Phase::Trace { target, aim } => self.trace(target, aim, now_us),
             Phase::Transit { target, aim } => self.transit(target, aim, pose, now_us),
             Phase::Enter { lane, at_m } => self.enter(lane, at_m, pose, now_us),
             Phase::Lane(lane) => self.follow_lane(lane, pose, now_us),

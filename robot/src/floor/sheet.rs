@@ -112,14 +112,14 @@ impl Sheet {
         !self.swept.is_swept(quarter) && self.picture.is_free(quarter.cell())
     }
 
-    /// Whether all of a cell is floor beside something that stands there, and nothing of it was swept.
+    /// During a search: whether all of a cell is floor beside something that stands there, and nothing of it was swept.
     pub(super) fn is_edge_left(&self, cell: Cell) -> bool {
-        self.swept.left_in(cell) == 4 && self.picture.is_free(cell) && !is_passable(&self.picture, cell)
+        self.swept.left_in(cell) == 4 && self.picture.is_free(cell) && !self.picture.has_room(cell)
     }
 
-    /// Whether there is floor to sweep in this cell, where the body has room, and with what is beside it enough to come for.
+    /// During a search: whether there is floor to sweep in this cell, where the body has room, and with what is beside it enough to come for.
     pub(super) fn is_open_left(&self, cell: Cell) -> bool {
-        let left = |cell: Cell| if is_passable(&self.picture, cell) { self.swept.left_in(cell) } else { 0 };
+        let left = |cell: Cell| if self.picture.has_room(cell) { self.swept.left_in(cell) } else { 0 };
         let around = || (-1..=1).flat_map(|row| (-1..=1).map(move |col| cell.offset(col, row))).map(left).sum::<u32>();
         left(cell) > 0 && around() >= WORTHWHILE
     }

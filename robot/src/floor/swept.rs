@@ -1,6 +1,6 @@
 //! Which floor was swept: four bits a cell of the picture, one for each of its quarters.
 
-use crate::pilot::memory::Cell;
+use crate::pilot::memory::{Cell, incoming, moved_origin, stored};
 
 /// Cells along an edge of the picture.
 pub(super) const CELLS: usize = 80;
@@ -29,27 +29,33 @@ const WHOLE: u8 = 0xF;
 /// Which floor was swept, or was given up.
 #[derive(Clone, Debug)]
 pub(super) struct Swept {
-    /// Two cells a byte.
+    /// Two cells a byte, stored as the picture's are.
     cells: [[u8; CELLS / 2]; CELLS],
+    /// The column and row in which the lower corner is stored.
+    origin: [u8; 2],
 }
 
 impl Swept {
     /// Nothing yet.
     pub(super) fn new() -> Self {
-        Self { cells: [[0; CELLS / 2]; CELLS] }
+        Self { cells: [[0; CELLS / 2]; CELLS], origin: [0; 2] }
+    }
+
+    fn stored_at(&self, cell: Cell) -> Option<[usize; 2]> {
+        Some([stored::<CELLS>(cell.row, self.origin[1])?, stored::<CELLS>(cell.col, self.origin[0])?])
     }
 
     /// The swept quarters of a cell, a bit each; all of them outside the picture.
     fn of(&self, cell: Cell) -> u8 {
-        let row = self.cells.get(cell.row as usize);
-        let both = row.and_then(|row| row.get((cell.col >> 1) as usize)).copied().unwrap_or(0xFF);
-        (both >> (4 * (cell.col & 1))) & WHOLE
+        let Some([row, col]) = self.stored_at(cell) else { return WHOLE };
+        let both = self.cells.get(row).and_then(|row| row.get(col / 2)).copied().unwrap_or(0xFF);
+        (both >> (4 * (col % 2))) & WHOLE
     }
 
     fn put(&mut self, cell: Cell, quarters: u8) {
-        let row = self.cells.get_mut(cell.row as usize);
-        if let Some(both) = row.and_then(|row| row.get_mut((cell.col >> 1) as usize)) {
-            let shift = 4 * (cell.col & 1);
+        let Some([row, col]) = self.stored_at(cell) else { return };
+        if let Some(both) = self.cells.get_mut(row).and_then(|row| row.get_mut(col / 2)) {
+            let shift = 4 * (col % 2);
             *both = (*both & !(WHOLE << shift)) | (quarters << shift);
         }
     }
@@ -78,16 +84,11 @@ impl Swept {
 
     /// Follows the picture, whose cells are now called otherwise by so many columns and rows less. What comes in was not swept.
     pub(super) fn shift(&mut self, cols: i16, rows: i16) {
-        for step in 0..CELLS as i16 {
-            let row = if rows >= 0 { step } else { CELLS as i16 - 1 - step };
-            for step in 0..CELLS as i16 {
-                let col = if cols >= 0 { step } else { CELLS as i16 - 1 - step };
-                let from = Cell { col: col + cols, row: row + rows };
-                let is_inside = (from.col as usize) < CELLS && (from.row as usize) < CELLS;
-                let quarters = if is_inside { self.of(from) } else { 0 };
-                self.put(Cell { col, row }, quarters);
-            }
-        }
+        self.origin = [moved_origin::<CELLS>(self.origin[0], cols), moved_origin::<CELLS>(self.origin[1], rows)];
+        let all = 0..CELLS as i16;
+        let columns = all.clone().flat_map(|row| incoming::<CELLS>(cols).map(move |col| Cell { col, row }));
+        let rows = incoming::<CELLS>(rows).flat_map(|row| all.clone().map(move |col| Cell { col, row }));
+        columns.chain(rows).for_each(|cell| self.put(cell, 0));
     }
 }
 

@@ -9,8 +9,6 @@ use super::{FloorJob, Phase};
 
 /// A target whose way was blocked more often is given up.
 const MAX_BLOCKED: u8 = 4;
-/// Cells that a search goes through in one step.
-const SLICE: usize = 100;
 /// Where a search reaches fewer cells than this the robot is in a pocket, which it leaves along its walls for so long a path
 /// (metres), so often at most.
 const POCKET: u16 = 40;
@@ -48,21 +46,28 @@ impl<const S: usize> FloorJob<S> {
     pub(super) fn search(&mut self, aim: Aim, escape: i16, begun: bool, pose: &Pose, now_us: u64) -> (f32, f32) {
         if !begun {
             let here = self.sheet.picture.cell_at(pose.x_m, pose.y_m);
-            self.wave.begin(&mut self.sheet, here, escape);
+            self.wave.begin(here, escape);
             self.phase = Phase::Plan { aim, escape, begun: true };
         }
-        match self.wave.search(&mut self.sheet, aim, SLICE) {
+        match self.wave.search(&mut self.sheet, aim) {
             Slice::More => {}
             Slice::Found(target) => {
-                self.route = self.wave.route(&self.sheet, target);
                 if self.target.replace(target) != Some(target) {
                     (self.gained, self.blocked) = (0, 0);
                 }
-                self.begin(Phase::Transit { target, aim }, now_us);
+                self.route.clear();
+                self.begin(Phase::Trace { target, aim }, now_us);
             }
             Slice::Nothing if escape < 5 => self.begin(Phase::Plan { aim, escape: 5, begun: false }, now_us),
             Slice::Nothing => self.find_nothing(aim, now_us),
         }
+        (0.0, 0.0)
+    }
+
+    /// Takes the way to the target from the search: a step of its own, since it may be long.
+    pub(super) fn trace(&mut self, target: Target, aim: Aim, now_us: u64) -> (f32, f32) {
+        self.route = self.wave.route(&self.sheet, target);
+        self.begin(Phase::Transit { target, aim }, now_us);
         (0.0, 0.0)
     }
 

@@ -3,8 +3,8 @@
 use heapless::{Deque, Vec};
 
 use super::sheet::Sheet;
+use super::swept::CELLS;
 use crate::pilot::memory::Cell;
-use crate::pilot::search::is_passable;
 
 /// The eight neighbours of a cell, those straight ahead first.
 const NEIGHBOURS: [(i16, i16); 8] = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)];
@@ -15,6 +15,11 @@ const FRONT: usize = 288;
 /// How much farther an edge may be than open floor to be preferred, in cells: what is beside walls is swept first, for lanes
 /// overlap it on their way.
 const EDGE_PREFERENCE: u8 = 14;
+
+/// Rows of the picture that are made ready in one step, and cells that are gone through.
+const ROWS: usize = 16;
+const SLICE: usize = 25;
+const _: () = assert!(CELLS.is_multiple_of(ROWS));
 
 /// Cells of a route. Of a longer one the first ones are kept, and the rest is looked for when they are done.
 pub(super) const ROUTE: usize = 96;
@@ -75,6 +80,8 @@ pub(super) struct Wave {
     open: Option<(Cell, u8)>,
     /// Cells from the start within which the way may be narrow.
     escape: i16,
+    /// The row of the picture that is made ready next.
+    row: i16,
     /// Cells that the search went through.
     pub reached: u16,
 }
@@ -89,26 +96,41 @@ pub(super) fn unpacked([col, row]: [u8; 2]) -> Cell {
 
 impl Wave {
     pub(super) fn new() -> Self {
-        Self { front: Deque::new(), start: Cell::default(), open: None, escape: 0, reached: 0 }
+        Self { front: Deque::new(), start: Cell::default(), open: None, escape: 0, row: 0, reached: 0 }
     }
 
     /// Begins a search where the robot is; `escape` cells from there the way may be narrow.
-    pub(super) fn begin(&mut self, sheet: &mut Sheet, start: Cell, escape: i16) {
-        sheet.picture.clear_steps();
+    pub(super) fn begin(&mut self, start: Cell, escape: i16) {
         self.front.clear();
         self.open = None;
         self.reached = 0;
+        self.row = 0;
         self.start = start;
         self.escape = escape;
-        if sheet.picture.is_inside(start) {
-            sheet.picture.set_step_label(start, 0);
-            let _ = self.front.push_back((packed(start), 0));
-        }
     }
 
-    /// Searches on through at most so many cells.
-    pub(super) fn search(&mut self, sheet: &mut Sheet, aim: Aim, cells: usize) -> Slice {
-        for _ in 0..cells {
+    /// Makes some rows of the picture ready; whether all are.
+    fn prepare(&mut self, sheet: &mut Sheet) -> bool {
+        if self.row == CELLS as i16 {
+            return true;
+        }
+        for _ in 0..ROWS {
+            sheet.picture.begin_row(self.row);
+            self.row += 1;
+        }
+        if self.row == CELLS as i16 && sheet.picture.is_inside(self.start) {
+            sheet.picture.set_step_label(self.start, 0);
+            let _ = self.front.push_back((packed(self.start), 0));
+        }
+        false
+    }
+
+    /// Searches on, as much as a step allows.
+    pub(super) fn search(&mut self, sheet: &mut Sheet, aim: Aim) -> Slice {
+        if !self.prepare(sheet) {
+            return Slice::More;
+        }
+        for _ in 0..SLICE {
             let Some((cell, steps)) = self.front.pop_front().map(|(cell, steps)| (unpacked(cell), steps)) else {
                 return self.open.map_or(Slice::Nothing, |(cell, _)| Slice::Found(Target::Open(cell)));
             };
@@ -139,7 +161,7 @@ impl Wave {
 
     fn is_way(&self, sheet: &Sheet, cell: Cell) -> bool {
         let is_near = cell.moves_to(self.start) <= self.escape && sheet.picture.is_free(cell);
-        is_near || is_passable(&sheet.picture, cell)
+        is_near || sheet.picture.has_room(cell)
     }
 
     /// The way to a target that was just found, without the cell where the robot is.

@@ -57,14 +57,25 @@ impl Beam {
     }
 }
 
-/// Draws one beam into the picture: free up to its end (obstacles on its way vanish only where it `clears`), and a hit
-/// there where it is near enough to be placed.
+/// What becomes of obstacles that a beam seems to pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Passed {
+    /// They vanish.
+    Vanish,
+    /// They stay, and what is behind them is free.
+    Stay,
+    /// They stay, and what is behind them is not seen.
+    End,
+}
+
+/// Draws one beam into the picture: free up to its end, and a hit there where it is near enough to be placed. A beam without a
+/// reading makes no obstacle vanish: a sensor that is blind sees nothing, too.
 pub(crate) fn draw_beam<const N: usize>(
     memory: &mut Memory<N>,
     beam: &Beam,
     pose: &Pose,
     config: &PilotConfig,
-    clears: bool,
+    passed: Passed,
 ) {
     let trusted_m = config.trusted_m.min(0.8 * beam.max_m);
     let empty = beam.age >= EMPTY_STEPS;
@@ -83,8 +94,11 @@ pub(crate) fn draw_beam<const N: usize>(
     let mut range_m = 0.0;
     while range_m < free_m {
         let cell = cell_at(memory, range_m);
-        // A sensor that is blind sees nothing, too: it makes no wall vanish.
-        if cell != last && (clears && !empty || !memory.is_obstacle(cell)) {
+        let is_obstacle = cell != last && memory.is_obstacle(cell);
+        if is_obstacle && passed == Passed::End {
+            break;
+        }
+        if cell != last && (!is_obstacle || passed == Passed::Vanish && !empty) {
             memory.see_free(cell);
         }
         last = cell;

@@ -27,25 +27,49 @@ const NEUTRAL: u8 = 8;
 const OCCUPIED: u8 = 12;
 const HIT: u8 = 3;
 const VISITED: u8 = 0x10;
+/// The floor job's search keeps here, for as long as it lasts, where the body has room; it remembers no visits.
+const ROOM: u8 = VISITED;
 const STEP: u8 = 0x60;
 const STEP_SHIFT: u32 = 5;
 /// Touched by the bumper or without a floor: no beam that passes above clears it.
 const BLOCKED: u8 = 0x80;
 
-/// `N` by `N` cells, one byte each.
+/// `N` by `N` cells, one byte each, of a plane that is rolled up both ways: when the picture moves, cells stay where they are
+/// stored, and those that fall off at one side come in, empty, at the other.
 #[derive(Clone, Debug)]
 pub(crate) struct Memory<const N: usize> {
     cells: [[u8; N]; N],
     /// Place of the lower corner in the estimated frame, in cells.
     corner: [i32; 2],
+    /// The column and row in which it is stored.
+    origin: [u8; 2],
     pub cell_m: f32,
+}
+
+/// Where a row or column is stored that lies so many cells from the lower corner, itself stored at `origin`; none outside.
+pub(crate) fn stored<const N: usize>(index: i16, origin: u8) -> Option<usize> {
+    // A negative one becomes a large one.
+    let index = usize::from(index as u16);
+    let rolled = index + usize::from(origin);
+    (index < N).then_some(if rolled < N { rolled } else { rolled - N })
+}
+
+/// Where the lower corner is stored after the picture moved by so many cells.
+pub(crate) fn moved_origin<const N: usize>(origin: u8, moved: i16) -> u8 {
+    (i16::from(origin) + moved).rem_euclid(N as i16) as u8
+}
+
+/// The rows or columns that come in when the picture moves by so many cells, counted from its new lower corner.
+pub(crate) fn incoming<const N: usize>(moved: i16) -> core::ops::Range<i16> {
+    let cells = N as i16;
+    if moved >= 0 { (cells - moved).max(0)..cells } else { 0..(-moved).min(cells) }
 }
 
 impl<const N: usize> Memory<N> {
     /// Nothing known; the start in the middle.
     pub(crate) fn new(cell_m: f32) -> Self {
         let half = (N / 2) as i32;
-        Self { cells: [[0; N]; N], corner: [-half, -half], cell_m }
+        Self { cells: [[0; N]; N], corner: [-half, -half], origin: [0; 2], cell_m }
     }
 
     pub(crate) fn cell_at(&self, x_m: f32, y_m: f32) -> Cell {
@@ -63,14 +87,18 @@ impl<const N: usize> Memory<N> {
         [middle(cell.col, self.corner[0]), middle(cell.row, self.corner[1])]
     }
 
+    fn stored_at(&self, cell: Cell) -> Option<[usize; 2]> {
+        Some([stored::<N>(cell.row, self.origin[1])?, stored::<N>(cell.col, self.origin[0])?])
+    }
+
     fn get(&self, cell: Cell) -> u8 {
-        let row = self.cells.get(cell.row as usize);
-        row.and_then(|row| row.get(cell.col as usize)).copied().unwrap_or(0)
+        let value = self.stored_at(cell).and_then(|[row, col]| self.cells.get(row)?.get(col));
+        value.copied().unwrap_or(0)
     }
 
     fn edit(&mut self, cell: Cell, change: impl FnOnce(u8) -> u8) {
-        let row = self.cells.get_mut(cell.row as usize);
-        if let Some(value) = row.and_then(|row| row.get_mut(cell.col as usize)) {
+        let place = self.stored_at(cell);
+        if let Some(value) = place.and_then(|[row, col]| self.cells.get_mut(row)?.get_mut(col)) {
             *value = change(*value);
         }
     }
@@ -151,6 +179,36 @@ impl<const N: usize> Memory<N> {
         self.cells.as_flattened_mut().iter_mut().for_each(|value| *value &= !STEP);
     }
 
+    /// Makes a row ready for a search: no steps yet, and known where the body has room.
+    pub(crate) fn begin_row(&mut self, row: i16) {
+        // In the order of storage, in which the last column is beside the first: the body is never near there.
+        let mut is_tight = [false; N];
+        for row in [row - 1, row, row + 1] {
+            let Some(row) = stored::<N>(row, self.origin[1]).and_then(|row| self.cells.get(row)) else { continue };
+            for (is_tight, value) in is_tight.iter_mut().zip(row) {
+                // Blocked is the highest bit.
+                *is_tight |= *value >= BLOCKED || *value & EVIDENCE >= OCCUPIED;
+            }
+        }
+        let Some(row) = stored::<N>(row, self.origin[1]).and_then(|row| self.cells.get_mut(row)) else { return };
+        let mut before = is_tight.last().copied().unwrap_or(false);
+        for (col, value) in row.iter_mut().enumerate() {
+            let here = is_tight.get(col).copied().unwrap_or(false);
+            let after = is_tight.get(col + 1).copied().unwrap_or(false);
+            let is_free = *value & EVIDENCE != 0;
+            *value &= !(STEP | ROOM);
+            if is_free && !(before || here || after) {
+                *value |= ROOM;
+            }
+            before = here;
+        }
+    }
+
+    /// Whether the body has room here, as of when the search began.
+    pub(crate) fn has_room(&self, cell: Cell) -> bool {
+        self.get(cell) & ROOM != 0
+    }
+
     /// Number of steps from the search's start modulo 3, where the search has been.
     pub(crate) fn step_label(&self, cell: Cell) -> Option<u8> {
         ((self.get(cell) & STEP) >> STEP_SHIFT).checked_sub(1)
@@ -184,15 +242,13 @@ impl<const N: usize> Memory<N> {
     fn shift(&mut self, cols: i16, rows: i16) {
         self.corner[0] += i32::from(cols);
         self.corner[1] += i32::from(rows);
-        // Cells are read before they are written: forwards or backwards, by the direction of the shift.
-        for step in 0..N as i16 {
-            let row = if rows >= 0 { step } else { N as i16 - 1 - step };
-            for step in 0..N as i16 {
-                let col = if cols >= 0 { step } else { N as i16 - 1 - step };
-                let cell = Cell { col, row };
-                let value = self.get(cell.offset(cols, rows));
-                self.edit(cell, |_| value);
-            }
+        self.origin = [moved_origin::<N>(self.origin[0], cols), moved_origin::<N>(self.origin[1], rows)];
+        for row in incoming::<N>(rows) {
+            let row = stored::<N>(row, self.origin[1]).and_then(|row| self.cells.get_mut(row));
+            row.into_iter().for_each(|row| row.fill(0));
+        }
+        for col in incoming::<N>(cols).filter_map(|col| stored::<N>(col, self.origin[0])) {
+            self.cells.iter_mut().filter_map(|row| row.get_mut(col)).for_each(|value| *value = 0);
         }
     }
 }

@@ -19,7 +19,7 @@ use slam_core::{Pose, Rig};
 
 use crate::contact::Contacts;
 use crate::traits::WheelSpeeds;
-use beam::{Beam, draw_beam};
+use beam::{Beam, Passed, draw_beam};
 use confinement::Confinement;
 use memory::{Cell, Memory};
 use patience::Patience;
@@ -216,10 +216,10 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
         }
         self.memory.stand_on(here);
         self.steps = self.steps.wrapping_add(1);
-        let clears = self.steps.is_multiple_of(CLEARING_STEPS);
+        let passed = if self.steps.is_multiple_of(CLEARING_STEPS) { Passed::Vanish } else { Passed::Stay };
         for beam in &self.beams {
             if beam.max_m > 0.0 {
-                draw_beam(&mut self.memory, beam, pose, &self.config, clears);
+                draw_beam(&mut self.memory, beam, pose, &self.config, passed);
             }
         }
     }

@@ -1,0 +1,203 @@
+//! What a reader sees of the floor job: what it is doing, how much is swept, and where time went.
+
+use super::sheet::{QUARTER_M, Sheet};
+use super::swept::CELLS;
+use crate::pilot::memory::Cell;
+use crate::pilot::search::is_passable;
+
+/// What the floor job is doing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(u8)]
+pub enum FloorState {
+    /// Along whatever stands on the floor.
+    #[default]
+    Edge,
+    /// Along a lane.
+    Lane,
+    /// To the next floor that was not swept.
+    Transit,
+    /// Looking for the next floor, standing.
+    Planning,
+    /// Backing off from something touched.
+    BackingOff,
+    /// Once more to where the way was blocked.
+    Retry,
+    /// Back to where it started.
+    Return,
+    /// Backwards out of the dock.
+    Undocking,
+    /// To the place in front of the dock.
+    Staging,
+    /// In front of the dock, turning towards it and waiting until it knows where it is.
+    Aligning,
+    /// Slowly straight to the dock.
+    Approaching,
+    /// On against the dock until the charging contact closes.
+    Pressing,
+    /// In the dock, with floor left to sweep.
+    Charging,
+    /// Stopped on request.
+    Paused,
+    /// Off the floor, or carried and not located yet.
+    Lost,
+    /// Held: its wheels turn or stall and it does not move.
+    Held,
+    /// Done, and back.
+    Done,
+    /// Done, and not back: the way is blocked, or the dock gave no contact.
+    Away,
+}
+
+impl FloorState {
+    /// Every one, in the order of [`FloorProgress::seconds_in`].
+    pub const ALL: [Self; 18] = [
+        Self::Edge,
+        Self::Lane,
+        Self::Transit,
+        Self::Planning,
+        Self::BackingOff,
+        Self::Retry,
+        Self::Return,
+        Self::Undocking,
+        Self::Staging,
+        Self::Aligning,
+        Self::Approaching,
+        Self::Pressing,
+        Self::Charging,
+        Self::Paused,
+        Self::Lost,
+        Self::Held,
+        Self::Done,
+        Self::Away,
+    ];
+
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Edge => "edges",
+            Self::Lane => "lanes",
+            Self::Transit => "transit",
+            Self::Planning => "planning",
+            Self::BackingOff => "backing off",
+            Self::Retry => "retries",
+            Self::Return => "return",
+            Self::Undocking => "undocking",
+            Self::Staging => "staging",
+            Self::Aligning => "aligning",
+            Self::Approaching => "approaching",
+            Self::Pressing => "pressing",
+            Self::Charging => "charging",
+            Self::Paused => "paused",
+            Self::Lost => "lost",
+            Self::Held => "held",
+            Self::Done => "done",
+            Self::Away => "away",
+        }
+    }
+}
+
+/// How far the floor job is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FloorProgress {
+    /// What it is doing.
+    pub state: FloorState,
+    /// Floor swept so far by the estimated path, m^2.
+    pub swept_m2: f32,
+    /// Floor that was seen, has room for the body and is not swept, m^2; counted anew every thirteen seconds.
+    pub left_m2: f32,
+    /// Seconds spent in each state, in the order of [`FloorState::ALL`].
+    pub seconds_in: [u16; FloorState::ALL.len()],
+}
+
+impl FloorProgress {
+    /// Share of the floor seen so far that is swept.
+    pub fn share(&self) -> f32 {
+        self.swept_m2 / (self.swept_m2 + self.left_m2).max(QUARTER_M * QUARTER_M)
+    }
+}
+
+/// Cells of the picture that are counted in one step.
+const COUNTED: usize = 20;
+
+/// Counts floor and time, a little each step.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Tally {
+    /// Quarters swept.
+    swept: u32,
+    /// Quarters left as of the last whole count, and in this one so far.
+    left: u16,
+    counted: u16,
+    /// The cell counted next, row by row.
+    next: u16,
+    /// Time in each state, seconds; microseconds of a second begun; when it was counted last.
+    seconds_in: [u16; FloorState::ALL.len()],
+    begun_us: u32,
+    last_us: Option<u64>,
+}
+
+/// A gap between two steps counts as at most this long, microseconds.
+const LONGEST_US: u64 = 1_000_000;
+
+impl Tally {
+    pub(super) fn add(&mut self, new_quarters: u16) {
+        self.swept = self.swept.saturating_add(new_quarters.into());
+    }
+
+    /// A step in this state ended now.
+    pub(super) fn step(&mut self, sheet: &Sheet, state: FloorState, now_us: u64) {
+        for _ in 0..COUNTED {
+            let cell = Cell { col: self.next as i16 % CELLS as i16, row: self.next as i16 / CELLS as i16 };
+            let left = sheet.swept.left_in(cell) as u16;
+            if left > 0 && is_passable(&sheet.picture, cell) {
+                self.counted = self.counted.saturating_add(left);
+            }
+            self.next += 1;
+            if usize::from(self.next) == CELLS * CELLS {
+                (self.left, self.counted, self.next) = (self.counted, 0, 0);
+            }
+        }
+        let passed_us = now_us.saturating_sub(self.last_us.unwrap_or(now_us)).min(LONGEST_US);
+        self.last_us = Some(now_us);
+        self.begun_us += passed_us as u32;
+        while self.begun_us >= 1_000_000 {
+            self.begun_us -= 1_000_000;
+            if let Some(seconds) = self.seconds_in.get_mut(state as usize) {
+                *seconds = seconds.saturating_add(1);
+            }
+        }
+    }
+
+    pub(super) fn progress(&self, state: FloorState) -> FloorProgress {
+        let area_m2 = |quarters: u32| quarters as f32 * QUARTER_M * QUARTER_M;
+        FloorProgress {
+            state,
+            swept_m2: area_m2(self.swept),
+            left_m2: area_m2(self.left.into()),
+            seconds_in: self.seconds_in,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_state_is_listed_at_its_place_and_has_a_name_of_its_own() {
+        for (index, state) in FloorState::ALL.into_iter().enumerate() {
+            assert_eq!(state as usize, index);
+            assert!(FloorState::ALL.iter().filter(|other| other.name() == state.name()).count() == 1);
+        }
+    }
+
+    #[test]
+    fn time_goes_to_the_state_of_the_moment_and_a_pause_of_the_clock_to_none() {
+        let (mut tally, sheet) = (Tally::default(), Sheet::new());
+        (0..=100).for_each(|step| tally.step(&sheet, FloorState::Lane, step * 40_000));
+        tally.step(&sheet, FloorState::Edge, 3_600_000_000);
+        let progress = tally.progress(FloorState::Edge);
+        assert_eq!(progress.seconds_in[FloorState::Lane as usize], 4);
+        assert!(progress.seconds_in[FloorState::Edge as usize] <= 1);
+    }
+}
