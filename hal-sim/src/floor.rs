@@ -1,5 +1,7 @@
 //! How much of the floor a drive swept: a raster of the true floor plan under the true path.
 
+mod rebuilt;
+
 use std::collections::VecDeque;
 
 use crate::plan::{Cliff, Plan};
@@ -92,7 +94,8 @@ pub struct FloorRaster {
     columns: usize,
     rows: usize,
     is_floor: Vec<bool>,
-    passes: Vec<u8>,
+    /// When each cell was swept first and again, seconds since the start; infinite where it was not.
+    swept_s: Vec<[f32; 2]>,
     last_s: Vec<f64>,
     floor: usize,
     swept: usize,
@@ -100,6 +103,7 @@ pub struct FloorRaster {
     path_m: f64,
     last: Option<Pose2>,
     start: Pose2,
+    radius_m: f64,
     progress: Vec<FloorShare>,
     time: Vec<(&'static str, f64)>,
     ways: Vec<Way>,
@@ -142,7 +146,7 @@ impl FloorRaster {
             columns,
             rows,
             is_floor: vec![false; columns * rows],
-            passes: vec![0; columns * rows],
+            swept_s: vec![[f32::INFINITY; 2]; columns * rows],
             last_s: vec![f64::NEG_INFINITY; columns * rows],
             floor: 0,
             swept: 0,
@@ -150,6 +154,7 @@ impl FloorRaster {
             path_m: 0.0,
             last: None,
             start,
+            radius_m,
             progress: Vec::new(),
             time: Vec::new(),
             ways: Vec::new(),
@@ -252,12 +257,33 @@ impl FloorRaster {
     fn sweep(&mut self, t_s: f64, centre_m: [f64; 2]) {
         for cell in self.within(centre_m, 0.5 * BRUSH_M) {
             if self.is_floor[cell] && t_s - self.last_s[cell] > PASS_S {
-                self.swept += usize::from(self.passes[cell] == 0);
-                self.twice += usize::from(self.passes[cell] == 1);
-                self.passes[cell] = self.passes[cell].saturating_add(1);
+                let [first_s, again_s] = &mut self.swept_s[cell];
+                if first_s.is_infinite() {
+                    *first_s = t_s as f32;
+                    self.swept += 1;
+                } else if again_s.is_infinite() {
+                    *again_s = t_s as f32;
+                    self.twice += 1;
+                }
             }
             self.last_s[cell] = t_s;
         }
+    }
+
+    /// Where the raster lies: its lower corner in the plan's frame, metres, and its cells in a row.
+    pub fn place(&self) -> ([f64; 2], usize) {
+        (self.corner_m, self.columns)
+    }
+
+    /// When each cell was swept first and again, seconds since the start, row by row, along x first: infinite where it was not,
+    /// NaN where the brush cannot reach.
+    pub fn swept_s(&self) -> impl Iterator<Item = [f32; 2]> + '_ {
+        self.is_floor.iter().zip(&self.swept_s).map(|(is_floor, at_s)| if *is_floor { *at_s } else { [f32::NAN; 2] })
+    }
+
+    /// How much of the floor is swept now.
+    pub fn now(&self) -> FloorShare {
+        self.share(self.last_t_s)
     }
 
     fn share(&self, t_s: f64) -> FloorShare {
@@ -268,15 +294,12 @@ impl FloorRaster {
     /// What was swept so far.
     pub fn score(&self) -> FloorScore {
         let area_m2 = |cells: usize| cells as f64 * CELL_M * CELL_M;
-        let share = self.share(self.last_t_s);
+        let share = self.now();
         let home_m = self.last.map_or(0.0, |pose| libm::hypot(pose.x_m - self.start.x_m, pose.y_m - self.start.y_m));
         let mut progress = self.progress.clone();
         progress.push(share);
-        let codes = self
-            .is_floor
-            .iter()
-            .zip(&self.passes)
-            .map(|(is_floor, passes)| if *is_floor { 1 + passes.min(&2) } else { 0 });
+        let code = |swept_s: &[f32; 2]| 1 + swept_s.iter().filter(|at_s| at_s.is_finite()).count() as u8;
+        let codes = self.is_floor.iter().zip(&self.swept_s).map(|(is_floor, at)| if *is_floor { code(at) } else { 0 });
         FloorScore {
             floor_m2: area_m2(self.floor),
             swept: share.swept,
@@ -300,7 +323,7 @@ impl FloorRaster {
 
     /// Cells of the largest piece of floor that was missed.
     fn largest_hole(&self) -> usize {
-        let is_missed = |cell: usize| self.is_floor[cell] && self.passes[cell] == 0;
+        let is_missed = |cell: usize| self.is_floor[cell] && self.swept_s[cell][0].is_infinite();
         let mut is_counted = vec![false; self.is_floor.len()];
         let mut largest = 0;
         for first in 0..self.is_floor.len() {
@@ -345,11 +368,11 @@ mod tests {
         [[outline]]\npoints_m = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]]\n\
         [[wall]]\nfrom_m = [1.0, 0.0]\nto_m = [1.0, 1.0]\n";
 
-    fn moment(t_s: f64, x_m: f64) -> Moment {
+    pub(super) fn moment(t_s: f64, x_m: f64) -> Moment {
         Moment { t_s, pose: Pose2::new(x_m, 0.5, 0.0), doing: "lanes", is_pressed: false, is_on_floor: true }
     }
 
-    fn room() -> FloorRaster {
+    pub(super) fn room() -> FloorRaster {
         let plan = plan_file::parse("home.toml", "home", ROOM).unwrap();
         FloorRaster::new(&plan, 0.17, plan.start)
     }

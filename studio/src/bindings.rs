@@ -1,6 +1,7 @@
 //! What the page's scripts call. Objects go over as JSON, columns of numbers as `Float64Array`s, errors as texts that say what
 //! is wrong, where, and what would be right.
 
+use lab::run::Job;
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use crate::watched::command;
@@ -13,8 +14,9 @@ pub struct Simulation(Simulated);
 #[wasm_bindgen]
 impl Simulation {
     #[wasm_bindgen(constructor)]
-    pub fn new(plan: String, rig: String, seed: u32) -> Result<Simulation, String> {
-        Simulated::new(&Scene { plan, rig, seed: seed.into() }).map(Simulation)
+    pub fn new(plan: String, rig: String, job: &str, seed: u32) -> Result<Simulation, String> {
+        let (_, job) = Job::ALL.into_iter().find(|(name, _)| *name == job).ok_or("the job must be explore or clean")?;
+        Simulated::new(&Scene { plan, rig, job, seed: seed.into() }).map(Simulation)
     }
 
     pub fn advance(&mut self, until_s: f64, most: usize) {
@@ -31,6 +33,10 @@ impl Simulation {
 
     pub fn home(&self) -> String {
         self.0.home().to_string()
+    }
+
+    pub fn floor(&self) -> Vec<f32> {
+        self.0.floor()
     }
 
     pub fn steps(&mut self) -> Vec<f64> {

@@ -189,7 +189,7 @@ mod tests {
     use crate::{Scene, Simulated};
 
     fn driven() -> (Simulated, Files) {
-        let mut simulated = Simulated::new(&Scene { plan: "room".into(), rig: String::new(), seed: 3 }).unwrap();
+        let mut simulated = Simulated::new(&Scene { plan: "room".into(), seed: 3, ..Scene::default() }).unwrap();
         simulated.advance(20.0, 1000);
         let log = ("log.csv".to_owned(), simulated.log().as_bytes().to_vec());
         let rig = ("rig.toml".to_owned(), simulated.rig_toml().as_bytes().to_vec());

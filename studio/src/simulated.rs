@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
+use hal_sim::floor::CELL_M;
 use hal_sim::{Plan, Pose2, SimOptions, plan_file};
 use lab::evaluate::smoother;
 use lab::input::log::writer;
 use lab::input::rig_file::{Robot, rig_error};
 use lab::recording::{Recording, health};
-use lab::run::{Drive, Session};
+use lab::run::{Drive, Job, Session};
 use lab::show::report::growing::Growing;
 use lab::show::report::{self};
 use serde_json::{Value, json};
@@ -33,13 +34,16 @@ pub struct Scene {
     pub plan: String,
     /// The name of a built-in robot, or a rig file's text; the default robot where empty.
     pub rig: String,
+    /// What the robot is to do.
+    pub job: Job,
     /// Everything random follows from it.
     pub seed: u64,
 }
 
-/// A robot that maps a home.
+/// A robot that maps a home, or sweeps its floor.
 pub struct Simulated {
     drive: Drive,
+    job: Job,
     session: Session,
     robot: Robot,
     rig_toml: String,
@@ -56,18 +60,22 @@ impl Simulated {
     pub fn new(scene: &Scene) -> Result<Self, String> {
         let plan = plan_of(&scene.plan)?;
         let (robot, rig_toml) = robot_of(&scene.rig)?;
-        let drive = Drive::new(&plan, &robot, SimOptions::default(), scene.seed).map_err(|error| error.to_string())?;
+        let begin = match scene.job {
+            Job::Explore => Drive::new,
+            Job::Clean => Drive::cleaning,
+        };
+        let drive = begin(&plan, &robot, SimOptions::default(), scene.seed).map_err(|error| error.to_string())?;
         let config = Config::for_rig(&robot.rig);
         let session = Session::new(&robot, config, plan.name.clone())
             .map_err(|error| rig_error(Path::new("rig"), &error).to_string())?;
         let log = writer::header(&robot) + "\n";
-        Ok(Self { drive, session, robot, rig_toml, plan, growing: Growing::default(), log })
+        Ok(Self { drive, job: scene.job, session, robot, rig_toml, plan, growing: Growing::default(), log })
     }
 
     /// Drives on until this time, seconds since the start, but for at most so many samples.
     pub fn advance(&mut self, until_s: f64, most: usize) {
         for _ in 0..most {
-            if self.time_s().is_some_and(|time_s| time_s >= until_s.min(LONGEST_S)) {
+            if self.drive.is_over() || self.time_s().is_some_and(|time_s| time_s >= until_s.min(LONGEST_S)) {
                 return;
             }
             let row = self.drive.step(&mut self.session);
@@ -97,11 +105,19 @@ impl Simulated {
         head
     }
 
-    /// What stands where now, in the plan's frame, metres: `faces` as x0, y0, x1, y1, `rounds` as x, y and radius.
+    /// What stands where now, in the plan's frame, metres: `faces` as x0, y0, x1, y1, `rounds` as x, y and radius; where the
+    /// floor is swept, how [`Simulated::floor`] lies: its lower corner, a cell's edge, and cells in a row.
     pub fn home(&self) -> Value {
         let faces = self.plan.faces.iter().map(|face| [face.from_m, face.to_m].concat());
         let rounds = self.plan.rounds.iter().map(|round| [round.centre_m[0], round.centre_m[1], round.radius_m]);
-        json!({ "faces": faces.collect::<Vec<_>>(), "rounds": rounds.collect::<Vec<_>>() })
+        let (corner_m, columns) = self.drive.floor().place();
+        let floor = (self.job == Job::Clean).then(|| json!({ "corner": corner_m, "cell": CELL_M, "columns": columns }));
+        json!({ "faces": faces.collect::<Vec<_>>(), "rounds": rounds.collect::<Vec<_>>(), "floor": floor })
+    }
+
+    /// When each cell of the floor was swept first and again, see [`hal_sim::floor::FloorRaster::swept_s`].
+    pub fn floor(&self) -> Vec<f32> {
+        self.drive.floor().swept_s().flatten().collect()
     }
 
     /// The steps that the page has not got, see [`Growing::steps`].
@@ -166,7 +182,7 @@ impl Simulated {
         session.begin_in(map).map_err(|what| format!("the kept map {what}"))?;
         (self.session, self.growing) = (session, Growing::default());
         self.log = writer::header(&self.robot) + "\n";
-        self.drive.reboot();
+        self.drive.reboot(&self.robot);
         Ok(())
     }
 
@@ -186,6 +202,8 @@ impl Simulated {
         let step = self.recording().steps.last();
         let (searching, health) = (step.is_some_and(|step| step.searching), step.map(|step| health::name(step.health)));
         let complaint = self.recording().complaint();
+        let (doing, is_over) = (self.drive.doing(), self.drive.is_over());
+        let swept = (self.job == Job::Clean).then(|| self.drive.floor().now());
         let simulation = self.drive.simulation();
         let (pose, contacts, time_s) = (simulation.pose(), simulation.contacts(), simulation.time_s());
         let people = self.plan.people.iter().map(|person| {
@@ -204,6 +222,9 @@ impl Simulated {
             "searching": searching,
             "health": health,
             "complaint": complaint,
+            "doing": doing,
+            "over": is_over,
+            "swept": swept.map(|share| [share.swept, share.twice]),
             "searched": searched.map(|searched| json!({
                 "log_odds": searched.log_odds,
                 "walls": searched.walls[0],
@@ -244,7 +265,7 @@ mod tests {
     use super::*;
 
     fn scene(plan: &str) -> Scene {
-        Scene { plan: plan.into(), rig: String::new(), seed: 1 }
+        Scene { plan: plan.into(), seed: 1, ..Scene::default() }
     }
 
     #[test]
@@ -308,6 +329,23 @@ mod tests {
         assert!(simulated.rebuild("[[wall]]").is_err());
         simulated.advance(30.0, 1000);
         assert!(simulated.recording().walls().len() > 1);
+    }
+
+    #[test]
+    fn a_robot_that_cleans_sweeps_the_floor_and_stops_when_it_is_back() {
+        let mut simulated = Simulated::new(&Scene { job: Job::Clean, ..scene("room") }).unwrap();
+        simulated.advance(60.0, 10_000);
+        let early = simulated.state();
+        let seen = simulated.floor().chunks(2).filter(|at_s| at_s[0] <= 60.0).count() as f64;
+        let floor = simulated.floor().chunks(2).filter(|at_s| !at_s[0].is_nan()).count() as f64;
+        assert!((early["swept"][0].as_f64().unwrap() - seen / floor).abs() < 1e-9, "{early}");
+        simulated.advance(LONGEST_S, 100_000);
+        let late = simulated.state();
+        assert_eq!((&late["over"], &late["doing"]), (&json!(true), &json!("done")), "{late}");
+        assert!(late["swept"][0].as_f64().unwrap() > 0.9, "{late}");
+        let steps = simulated.recording().steps.len();
+        simulated.advance(LONGEST_S, 10);
+        assert_eq!(simulated.recording().steps.len(), steps);
     }
 
     #[test]

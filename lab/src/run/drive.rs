@@ -25,7 +25,7 @@ pub struct Drive {
 const AWAY_M: f64 = 0.35;
 
 impl Drive {
-    /// A robot at the plan's start. Every random number follows from `seed`.
+    /// A robot at the plan's start that maps the home. Every random number follows from `seed`.
     ///
     /// # Errors
     /// The rig cannot be simulated or the robot does not fit where the plan puts it.
@@ -108,7 +108,7 @@ impl Drive {
         mut each: impl FnMut(&Row, &Recording) -> Result<(), E>,
     ) -> Result<(), E> {
         let mut t_s = f64::NEG_INFINITY;
-        while t_s < duration_s && !self.robot.is_over() {
+        while t_s < duration_s && !self.is_over() {
             let row = self.step(session);
             t_s = row.t_s;
             each(&row, session.recording())?;
@@ -151,18 +151,38 @@ impl Drive {
         figures
     }
 
-    /// The robot's program begins anew where the robot stands: its pilot knows nothing of before.
-    pub fn reboot(&mut self) {
-        self.robot.pilot.forget();
+    /// The program of this robot begins anew where it stands: its pilot or floor job knows nothing of before.
+    pub fn reboot(&mut self, robot: &Robot) {
+        let simulation = self.robot.simulation.clone();
+        self.robot = match &self.robot.floor_job {
+            Some(_) => ClosedLoop::cleaning(simulation, &robot.rig, FloorConfig::default()),
+            None => ClosedLoop::new(simulation, &robot.rig, PilotConfig::default()),
+        };
         self.stuck = None;
     }
 
     /// Holds what is estimated from now on against this plan, which the robot's home was rebuilt by.
     pub fn rebuild(&mut self, plan: &Plan) {
         self.robot.simulation.rebuild(plan);
+        self.floor.rebuild(plan);
         let start = self.robot.simulation.start_in_plan();
         let faces = plan.faces.iter().map(|face| face.seen_from(&start));
         self.plan = faces.map(|face| Segment { from_m: face.from_m, to_m: face.to_m }).collect();
+    }
+
+    /// What the robot is doing, in a word or two.
+    pub fn doing(&self) -> &'static str {
+        self.robot.doing()
+    }
+
+    /// Whether the robot has nothing left to do.
+    pub fn is_over(&self) -> bool {
+        self.robot.is_over()
+    }
+
+    /// The floor as it was swept so far.
+    pub fn floor(&self) -> &FloorRaster {
+        &self.floor
     }
 
     /// The robot in its home, to be looked at and meddled with.

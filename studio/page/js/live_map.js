@@ -6,6 +6,13 @@ class LiveMap extends MapView {
   // Walls of a kept map while the robot searches it, and what is being drawn; x0, y0, x1, y1.
   ghost = [];
   sketch = [];
+  // The floor of a robot that sweeps it.
+  floor = null;
+
+  paintGrid(surface) {
+    super.paintGrid(surface);
+    if (this.floor && this.shown.floor) this.floor.paint(this);
+  }
 
   paint() {
     super.paint();

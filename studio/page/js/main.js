@@ -73,6 +73,7 @@ class Studio {
     this.live.reset(head, turn);
     this.clock.seek(0);
     this.map.ghost = [];
+    this.map.floor = null;
     document.getElementById("eyebrow").textContent = eyebrow;
     document.getElementById("title").textContent = head.title;
     document.getElementById("foot").textContent = `${head.program}. Everything is computed in this page; it sends nothing anywhere.`;
@@ -154,7 +155,7 @@ class Studio {
     fillCounts(live.run);
     if (!document.querySelector("#walls:hover")) fillWallTable(live.shown, map);
     drawBirths(document.getElementById("births"), live.run, map.theme);
-    const kinds = [!live.run.truth, !live.run.plan.length, live.run.walls.some((wall) => wall.kind === "free")].join();
+    const kinds = [!map.floor, !live.run.truth, !live.run.plan.length, live.run.walls.some((wall) => wall.kind === "free")].join();
     if (kinds !== this.kinds) {
       this.kinds = kinds;
       buildLayerToggles(map, live.shown);

@@ -22,7 +22,7 @@ class Simulate {
       if (byId("plan").value) this.choosePlan(byId("plan").value);
       this.restart();
     });
-    byId("robot").addEventListener("change", () => this.restart());
+    for (const id of ["robot", "job"]) byId(id).addEventListener("change", () => this.restart());
     byId("apply-plan").addEventListener("click", () => this.rebuild(byId("plan-text").value));
     for (const knob of KNOBS) byId(`knob-${knob}`).addEventListener("change", () => this.restart());
     for (const knob of KNOBS) byId(`knob-${knob}`).addEventListener("input", () => this.showKnobs());
@@ -88,7 +88,7 @@ class Simulate {
     const begun = this.studio.attempt(() => {
       const robot = document.getElementById("robot").value;
       const rig = this.isTuned ? tuned_rig(robot, JSON.stringify(this.knobs())) : robot;
-      return new Simulation(this.name || this.text, rig, seed);
+      return new Simulation(this.name || this.text, rig, document.getElementById("job").value, seed);
     });
     if (!begun) return;
     this.program?.free();
@@ -107,12 +107,22 @@ class Simulate {
     this.longest = head.longest_s;
     this.start = { x: head.start[0], y: head.start[1], theta: head.start[2] };
     this.wasSearching = false;
+    this.state = null;
     this.studio.begin(this, head, this.start.theta, eyebrow);
-    this.home = JSON.parse(this.program.home());
-    this.showHome([], []);
+    this.takeHome();
     this.program.advance(0, 1);
     this.deliver();
     this.studio.clock.play(true);
+  }
+
+  // Takes the home as it is now, and where its floor lies if that is swept.
+  takeHome() {
+    const { map } = this.studio;
+    this.home = JSON.parse(this.program.home());
+    this.showHome([], []);
+    if (!this.home.floor) return;
+    map.floor ??= new LiveFloor(() => this.program.floor(), (x, y) => this.toShown(x, y));
+    map.floor.lie(this.home.floor);
   }
 
   // The true plan in the start frame, which is what the map is held against, with what moves.
@@ -147,8 +157,7 @@ class Simulate {
     this.name = Object.keys(this.plans).find((name) => this.plans[name] === text) ?? "";
     document.getElementById("plan").value = this.name;
     document.getElementById("plan-text").value = text;
-    this.home = JSON.parse(this.program.home());
-    this.showHome([], []);
+    this.takeHome();
     this.studio.map.setBounds(mapBounds(this.studio.live.shown));
     this.studio.map.draw();
   }
@@ -164,7 +173,7 @@ class Simulate {
   }
 
   get ended() {
-    return this.studio.live.run.end >= this.longest;
+    return this.state?.over || this.studio.live.run.end >= this.longest;
   }
 
   // Drives on until a time or a deadline.
@@ -174,7 +183,7 @@ class Simulate {
       program.advance(seconds, CHUNK);
       // Of a robot that is lost each piece is placed by itself.
       if (this.wasSearching) this.deliver();
-    } while ((program.time() ?? 0) < Math.min(seconds, this.longest) && performance.now() < deadline);
+    } while (!this.ended && (program.time() ?? 0) < Math.min(seconds, this.longest) && performance.now() < deadline);
     this.deliver();
   }
 
@@ -219,7 +228,8 @@ class Simulate {
     } else words.push("Located.");
     if (state.health && state.health !== "well") words.push(`The estimator is unwell: ${state.health}.`);
     if (state.bumped) words.push("It has bumped into something.");
-    if (this.ended) words.push("An hour is driven: start again.");
+    if (state.swept) words.push(cleaningWords(state));
+    if (this.ended && !state.over) words.push("An hour is driven: start again.");
     return words.join(" ");
   }
 
@@ -233,7 +243,8 @@ class Simulate {
 
   // A link with everything that the scene is made of, behind the address's #: servers never see it.
   async share() {
-    const scene = { plan: this.name || this.text, robot: document.getElementById("robot").value, seed: Number(document.getElementById("seed").value) };
+    const byId = (id) => document.getElementById(id);
+    const scene = { plan: this.name || this.text, robot: byId("robot").value, job: byId("job").value, seed: Number(byId("seed").value) };
     if (this.isTuned) scene.knobs = this.knobs();
     location.hash = `scene=${await packed(JSON.stringify(scene))}`;
     const said = document.getElementById("shared");
@@ -251,6 +262,7 @@ class Simulate {
     const byId = (id) => document.getElementById(id);
     byId("robot").value = String(scene.robot ?? "sharp");
     if (!byId("robot").value) byId("robot").value = "sharp";
+    byId("job").value = scene.job === "clean" ? "clean" : "explore";
     byId("seed").value = String(Number(scene.seed) >>> 0);
     for (const knob of KNOBS) if (Number.isFinite(scene.knobs?.[knob])) byId(`knob-${knob}`).value = String(scene.knobs[knob]);
     const plan = String(scene.plan ?? "flat");
@@ -259,6 +271,12 @@ class Simulate {
     byId("plan").value = "";
     byId("plan-text").value = plan;
   }
+}
+
+// What a robot that sweeps the floor does, and how far it is.
+function cleaningWords({ doing, swept: [once, twice] }) {
+  const now = { done: "The floor is swept, and it is back where it started", away: "The floor is swept; the way back is blocked" };
+  return `${now[doing] ?? `Sweeping: ${doing}`}. ${fixed(100 * once, 1)} % of the floor that it can reach is swept, ${fixed(100 * twice, 1)} % twice or more.`;
 }
 
 // A round thing as segments.
