@@ -8,12 +8,13 @@ use std::collections::BTreeMap;
 use lab::input::log::{Row, writer};
 use lab::input::rig_file::{MAX_SENSORS, Robot};
 use lab::numbers::shortest;
-use lab::recording::{CalibrationSnapshot, MapSnapshot, ParameterInfo, Pose2, Recording, SensorInfo, Step};
+use lab::run::{begun, parameter_name};
+use lab::recording::{CalibrationSnapshot, MapSnapshot, Pose2, Recording, Step};
 use lab::show::report::growing::Growing;
 use lab::show::report::{self};
 use serde_json::{Value, json};
-use slam_core::{Config, Health, RangeInput, ReadingReport, RobotSlam, WallKind, WallView};
-use wire::{Command, DecodeError, Decoder, Estimate, Faults, Frame, Parameter, SENSORS, encode};
+use slam_core::{Config, RangeInput, ReadingReport, RobotSlam, WallView};
+use wire::{Command, DecodeError, Decoder, Estimate, Faults, Frame, SENSORS, encode};
 
 use crate::rig::robot_of;
 use crate::simulated::LONGEST_S;
@@ -63,7 +64,7 @@ impl Watched {
         let (robot, rig_toml) = robot_of(rig)?;
         let shadow = shadow_of(&robot)?;
         let log = writer::header(&robot) + "\n";
-        let recording = begun(&robot);
+        let recording = begun(&robot, "Your robot");
         Ok(Self {
             robot,
             rig_toml,
@@ -151,7 +152,7 @@ impl Watched {
         let is_last = wall.index + 1 == wall.of;
         self.walls.insert(wall.index, wall);
         if let Some(step) = self.recording.steps.len().checked_sub(1).filter(|_| is_last) {
-            let walls = self.walls.values().filter(|known| known.index < wall.of).map(view_of).collect();
+            let walls = self.walls.values().filter(|known| known.index < wall.of).map(WallView::from).collect();
             self.recording.maps.push(MapSnapshot { step, walls });
             if self.recording.calibration.is_empty() {
                 let values = vec![(1.0, 0.0); self.recording.parameters.len()];
@@ -163,25 +164,11 @@ impl Watched {
     fn calibration(&mut self, calibration: &wire::Calibration) {
         let Some(step) = self.recording.steps.len().checked_sub(1) else { return };
         let of_name = |name: &str| {
-            let found = calibration.factors.iter().find(|factor| self.name_of(factor.parameter) == name);
+            let found = calibration.factors.iter().find(|factor| parameter_name(factor.parameter.into(), &self.robot.names) == name);
             found.map_or((1.0, 0.0), |factor| (factor.estimate, factor.sigma))
         };
         let values = self.recording.parameters.iter().map(|parameter| of_name(&parameter.name)).collect();
         self.recording.calibration.push(CalibrationSnapshot { step, values });
-    }
-
-    fn name_of(&self, parameter: Parameter) -> String {
-        match parameter {
-            Parameter::ScaleLeft => "scale_left".to_owned(),
-            Parameter::ScaleRight => "scale_right".to_owned(),
-            Parameter::Track => "track".to_owned(),
-            Parameter::ScaleDistance => "scale_distance".to_owned(),
-            Parameter::ScaleTurn => "scale_turn".to_owned(),
-            Parameter::Veer => "veer".to_owned(),
-            Parameter::Gain(index) => {
-                self.robot.names.get(usize::from(index)).map_or_else(String::new, |name| format!("gain_{name}"))
-            }
-        }
     }
 
     /// The robot was started again: what was shown is of another life.
@@ -291,25 +278,6 @@ fn shadow_of(robot: &Robot) -> Result<Box<RobotSlam>, String> {
     Ok(Box::new(slam))
 }
 
-fn begun(robot: &Robot) -> Recording {
-    let sensors = robot.rig.sensors.iter().zip(&robot.names).map(|(sensor, name)| SensorInfo {
-        name: name.clone(),
-        x_m: sensor.mount.x_m.into(),
-        y_m: sensor.mount.y_m.into(),
-        bearing_rad: sensor.mount.bearing_rad.into(),
-        span_m: [sensor.min_m.into(), sensor.max_m.into()],
-    });
-    let gains = robot.names.iter().map(|name| format!("gain_{name}"));
-    let drive = ["scale_left", "scale_right", "track"].map(str::to_owned);
-    let parameters = gains.chain(drive).map(|name| ParameterInfo { name, truth: None });
-    Recording {
-        title: "Your robot".to_owned(),
-        sensors: sensors.collect(),
-        parameters: parameters.collect(),
-        ..Recording::default()
-    }
-}
-
 fn step_of(estimate: &Estimate, t_s: f64) -> Step {
     let [xx, xy, xt, yy, yt, tt] = estimate.covariance;
     let pose = |[x, y, theta]: [f32; 3]| Pose2::new(x.into(), y.into(), theta.into());
@@ -321,30 +289,7 @@ fn step_of(estimate: &Estimate, t_s: f64) -> Step {
         alpha: estimate.alpha.map(|[alpha_rad, sigma_rad]| (alpha_rad, sigma_rad)),
         dead_reckoning: pose(estimate.dead_reckoning),
         walls: estimate.walls.into(),
-        health: match estimate.health {
-            wire::Health::Well => Health::Well,
-            wire::Health::Unexplained => Health::Unexplained,
-            wire::Health::Contradicted => Health::Contradicted,
-            wire::Health::Disoriented => Health::Disoriented,
-            wire::Health::Degenerate => Health::Degenerate,
-        },
+        health: estimate.health.into(),
         ..Step::default()
-    }
-}
-
-fn view_of(wall: &wire::Wall) -> WallView {
-    WallView {
-        id: wall.id,
-        kind: match wall.kind {
-            wire::WallKind::Free => WallKind::Free,
-            wire::WallKind::Snapped => WallKind::Snapped,
-            wire::WallKind::Grid => WallKind::Grid,
-        },
-        rho_m: wall.rho_m,
-        beta_rad: wall.beta_rad,
-        lo_m: wall.lo_m,
-        hi_m: wall.hi_m,
-        sigma_rho_m: wall.sigma_rho_m,
-        updates: wall.updates,
     }
 }

@@ -70,22 +70,52 @@ impl Estimate {
 impl Wall {
     /// A wall of the map, number `index` of `of`.
     pub fn of(wall: &WallView, index: u8, of: u8) -> Self {
-        let kind = match wall.kind {
-            slam_core::WallKind::Free => WallKind::Free,
-            slam_core::WallKind::Snapped => WallKind::Snapped,
-            slam_core::WallKind::Grid => WallKind::Grid,
-        };
         Self {
             index,
             of,
             id: wall.id,
-            kind,
+            kind: wall.kind.into(),
             rho_m: wall.rho_m,
             beta_rad: wall.beta_rad,
             lo_m: wall.lo_m,
             hi_m: wall.hi_m,
             sigma_rho_m: wall.sigma_rho_m,
             updates: wall.updates,
+        }
+    }
+}
+
+impl From<&Wall> for WallView {
+    fn from(wall: &Wall) -> Self {
+        Self {
+            id: wall.id,
+            kind: wall.kind.into(),
+            rho_m: wall.rho_m,
+            beta_rad: wall.beta_rad,
+            lo_m: wall.lo_m,
+            hi_m: wall.hi_m,
+            sigma_rho_m: wall.sigma_rho_m,
+            updates: wall.updates,
+        }
+    }
+}
+
+impl From<slam_core::WallKind> for WallKind {
+    fn from(kind: slam_core::WallKind) -> Self {
+        match kind {
+            slam_core::WallKind::Free => Self::Free,
+            slam_core::WallKind::Snapped => Self::Snapped,
+            slam_core::WallKind::Grid => Self::Grid,
+        }
+    }
+}
+
+impl From<WallKind> for slam_core::WallKind {
+    fn from(kind: WallKind) -> Self {
+        match kind {
+            WallKind::Free => Self::Free,
+            WallKind::Snapped => Self::Snapped,
+            WallKind::Grid => Self::Grid,
         }
     }
 }
@@ -118,6 +148,20 @@ impl From<slam_core::Parameter> for Parameter {
     }
 }
 
+impl From<Parameter> for slam_core::Parameter {
+    fn from(parameter: Parameter) -> Self {
+        match parameter {
+            Parameter::ScaleLeft => Self::ScaleLeft,
+            Parameter::ScaleRight => Self::ScaleRight,
+            Parameter::Track => Self::Track,
+            Parameter::ScaleDistance => Self::ScaleDistance,
+            Parameter::ScaleTurn => Self::ScaleTurn,
+            Parameter::Veer => Self::Veer,
+            Parameter::Gain(sensor) => Self::Gain(sensor),
+        }
+    }
+}
+
 impl From<slam_core::Health> for Health {
     fn from(health: slam_core::Health) -> Self {
         match health {
@@ -126,6 +170,18 @@ impl From<slam_core::Health> for Health {
             slam_core::Health::Contradicted => Self::Contradicted,
             slam_core::Health::Disoriented => Self::Disoriented,
             slam_core::Health::Degenerate => Self::Degenerate,
+        }
+    }
+}
+
+impl From<Health> for slam_core::Health {
+    fn from(health: Health) -> Self {
+        match health {
+            Health::Well => Self::Well,
+            Health::Unexplained => Self::Unexplained,
+            Health::Contradicted => Self::Contradicted,
+            Health::Disoriented => Self::Disoriented,
+            Health::Degenerate => Self::Degenerate,
         }
     }
 }

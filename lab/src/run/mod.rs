@@ -12,7 +12,7 @@ pub use drive::Drive;
 pub use life::Searched;
 pub use relative::{RelativeReplay, RelativeSession, covariance_of, look_back, to_record, views};
 pub use replay::{Replay, Replayed};
-pub use session::Session;
+pub use session::{Session, begun, parameter_name};
 pub use simulate::{Job, Run};
 
 /// How far a run or a replay is.

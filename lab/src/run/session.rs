@@ -42,16 +42,7 @@ impl Session {
     /// A value of the rig that the estimator refuses.
     pub fn new(robot: &Robot, config: Config, title: impl Into<String>) -> Result<Self, RigError> {
         let slam = Box::new(HostSlam::with_config(robot.rig.clone(), config)?);
-        let parameters = parameters_of(robot);
-        let infos = parameters
-            .iter()
-            .map(|parameter| ParameterInfo { name: parameter_name(*parameter, &robot.names), truth: None });
-        let recording = Recording {
-            title: title.into(),
-            sensors: robot.rig.sensors.iter().zip(&robot.names).map(sensor_info).collect(),
-            parameters: infos.collect(),
-            ..Recording::default()
-        };
+        let (parameters, recording) = (parameters_of(robot), begun(robot, title));
         let back = config.hand_overs.then(|| Box::new(RobotBackEnd::IDLE));
         let life = Life::new(&robot.rig);
         let (first_s, estimator_time) = (None, Duration::ZERO);
@@ -295,6 +286,17 @@ fn innovation(outcome: &Outcome, sensor: &SensorInfo) -> Option<nis::Innovation>
     possible.then(|| nis::Innovation { value_m: innovation_m.into(), variance_m2: variance_m2.into(), span_m })
 }
 
+/// The record of a robot about to begin.
+pub fn begun(robot: &Robot, title: impl Into<String>) -> Recording {
+    let info = |parameter| ParameterInfo { name: parameter_name(parameter, &robot.names), truth: None };
+    Recording {
+        title: title.into(),
+        sensors: robot.rig.sensors.iter().zip(&robot.names).map(sensor_info).collect(),
+        parameters: parameters_of(robot).into_iter().map(info).collect(),
+        ..Recording::default()
+    }
+}
+
 /// What a record says of a sensor.
 pub(super) fn sensor_info((sensor, name): (&slam_core::RangeSensor, &String)) -> SensorInfo {
     SensorInfo {
@@ -316,7 +318,8 @@ fn parameters_of(robot: &Robot) -> Vec<Parameter> {
     gains.chain(drive.iter().copied()).collect()
 }
 
-fn parameter_name(parameter: Parameter, sensors: &[String]) -> String {
+/// What a parameter is called, of a robot with sensors of these names.
+pub fn parameter_name(parameter: Parameter, sensors: &[String]) -> String {
     match parameter {
         Parameter::ScaleLeft => "scale_left".to_owned(),
         Parameter::ScaleRight => "scale_right".to_owned(),

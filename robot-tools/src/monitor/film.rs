@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use foxglove_file::{Figures, Output, Topic, failed};
 use lab::recording::Pose2;
-use slam_core::{WallKind, WallView};
+use slam_core::WallView;
 use wire::{Estimate, Frame, Wall};
 
 /// An MCAP file that frames are added to.
@@ -59,13 +59,7 @@ impl Film {
             sigma_y_m: yy,
             sigma_theta_rad: tt,
             walls: estimate.walls.into(),
-            health: lab::recording::health::name(match estimate.health {
-                wire::Health::Well => slam_core::Health::Well,
-                wire::Health::Unexplained => slam_core::Health::Unexplained,
-                wire::Health::Contradicted => slam_core::Health::Contradicted,
-                wire::Health::Disoriented => slam_core::Health::Disoriented,
-                wire::Health::Degenerate => slam_core::Health::Degenerate,
-            }),
+            health: lab::recording::health::name(estimate.health.into()),
             ..Figures::default()
         };
         self.output.figures(self.t_s, &figures)
@@ -76,7 +70,7 @@ impl Film {
         if wall.index + 1 < wall.of {
             return Ok(());
         }
-        let views: Vec<WallView> = self.walls.values().map(view).collect();
+        let views: Vec<WallView> = self.walls.values().map(WallView::from).collect();
         self.output.walls(self.t_s, &views)?;
         self.output.path(self.t_s, &self.path)
     }
@@ -87,22 +81,5 @@ impl Film {
     /// What the system says.
     pub fn finish(self) -> Result<(), String> {
         self.output.finish().map_err(|error| failed(&self.file, &error).to_string())
-    }
-}
-
-fn view(wall: &Wall) -> WallView {
-    WallView {
-        id: wall.id,
-        kind: match wall.kind {
-            wire::WallKind::Free => WallKind::Free,
-            wire::WallKind::Snapped => WallKind::Snapped,
-            wire::WallKind::Grid => WallKind::Grid,
-        },
-        rho_m: wall.rho_m,
-        beta_rad: wall.beta_rad,
-        lo_m: wall.lo_m,
-        hi_m: wall.hi_m,
-        sigma_rho_m: wall.sigma_rho_m,
-        updates: wall.updates,
     }
 }
