@@ -7,6 +7,58 @@ use wasm_bindgen::prelude::wasm_bindgen;
 use crate::watched::command;
 use crate::{Files, Knobs, Replayed, Scene, Simulated, Watched, tuned};
 
+/// What the page asks of every source of a run, whatever it comes from.
+macro_rules! grows {
+    ($source:ident) => {
+        #[wasm_bindgen]
+        impl $source {
+            pub fn head(&self) -> String {
+                self.0.head().to_string()
+            }
+
+            pub fn state(&mut self) -> String {
+                self.0.state().to_string()
+            }
+
+            pub fn steps(&mut self) -> Vec<f64> {
+                self.0.steps()
+            }
+
+            pub fn map(&mut self) -> Option<String> {
+                self.0.map().map(|map| map.to_string())
+            }
+
+            pub fn figures(&self) -> String {
+                self.0.figures().to_string()
+            }
+
+            pub fn report(&self) -> Option<String> {
+                self.0.report()
+            }
+
+            pub fn look_back(&mut self, pieces: usize) -> Result<bool, String> {
+                self.0.look_back(pieces).map_err(str::to_owned)
+            }
+
+            pub fn looked_back(&self) -> Option<String> {
+                self.0.back().walls().map(|walls| walls.to_string())
+            }
+
+            pub fn looked_back_path(&self) -> Vec<f64> {
+                self.0.back().path(self.0.recording())
+            }
+
+            pub fn look_back_page(&self) -> Option<String> {
+                self.0.look_back_page()
+            }
+        }
+    };
+}
+
+grows!(Simulation);
+grows!(Replay);
+grows!(Robot);
+
 /// A simulated drive; each function is the one of this name of [`Simulated`].
 #[wasm_bindgen]
 pub struct Simulation(Simulated);
@@ -27,32 +79,12 @@ impl Simulation {
         self.0.time_s()
     }
 
-    pub fn head(&self) -> String {
-        self.0.head().to_string()
-    }
-
     pub fn home(&self) -> String {
         self.0.home().to_string()
     }
 
     pub fn floor(&self) -> Vec<f32> {
         self.0.floor()
-    }
-
-    pub fn steps(&mut self) -> Vec<f64> {
-        self.0.steps()
-    }
-
-    pub fn map(&mut self) -> Option<String> {
-        self.0.map().map(|map| map.to_string())
-    }
-
-    pub fn figures(&self) -> String {
-        self.0.figures().to_string()
-    }
-
-    pub fn state(&mut self) -> String {
-        self.0.state().to_string()
     }
 
     pub fn carry(&mut self) -> Result<(), String> {
@@ -94,10 +126,6 @@ impl Simulation {
     pub fn kept_map(&self) -> Vec<u8> {
         self.0.kept_map()
     }
-
-    pub fn report(&self, looks_back: bool) -> Option<String> {
-        self.0.report(looks_back)
-    }
 }
 
 /// The estimator over a log; each function is the one of this name of [`Replayed`].
@@ -133,28 +161,8 @@ impl Replay {
         self.0.is_over()
     }
 
-    pub fn head(&self) -> String {
-        self.0.head().to_string()
-    }
-
-    pub fn state(&self) -> String {
-        self.0.state().to_string()
-    }
-
-    pub fn steps(&mut self) -> Vec<f64> {
-        self.0.steps()
-    }
-
-    pub fn map(&mut self) -> Option<String> {
-        self.0.map().map(|map| map.to_string())
-    }
-
     pub fn maps(&self) -> String {
         self.0.maps().to_string()
-    }
-
-    pub fn figures(&self) -> String {
-        self.0.figures().to_string()
     }
 
     pub fn estimate(&self) -> String {
@@ -163,10 +171,6 @@ impl Replay {
 
     pub fn kept_map(&self) -> Vec<u8> {
         self.0.kept_map()
-    }
-
-    pub fn report(&self, looks_back: bool) -> Option<String> {
-        self.0.report(looks_back)
     }
 }
 
@@ -183,26 +187,6 @@ impl Robot {
 
     pub fn take(&mut self, bytes: &[u8]) {
         self.0.take(bytes);
-    }
-
-    pub fn head(&self) -> String {
-        self.0.head().to_string()
-    }
-
-    pub fn state(&self) -> String {
-        self.0.state().to_string()
-    }
-
-    pub fn steps(&mut self) -> Vec<f64> {
-        self.0.steps()
-    }
-
-    pub fn map(&mut self) -> Option<String> {
-        self.0.map().map(|map| map.to_string())
-    }
-
-    pub fn figures(&self) -> String {
-        self.0.figures().to_string()
     }
 
     pub fn log(&self) -> String {

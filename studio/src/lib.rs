@@ -5,11 +5,13 @@
 //! page asks for a little work a frame, and gets what has come since.
 
 mod bindings;
+mod looking_back;
 mod replayed;
 mod rig;
 mod simulated;
 mod watched;
 
+pub use looking_back::LookingBack;
 pub use replayed::{File, Files, Replayed};
 pub use rig::{Knobs, tuned};
 pub use simulated::{Scene, Simulated};

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use input_file::FileError;
-use lab::evaluate::{score, smoother};
+use lab::evaluate::score;
 use lab::input::log::truth::{self, Truth};
 use lab::input::log::{self, Rows};
 use lab::input::rig_file::{Robot, rig_error};
@@ -14,6 +14,8 @@ use lab::show::report::growing::Growing;
 use lab::show::report::{self};
 use serde_json::{Value, json};
 use slam_core::Config;
+
+use crate::looking_back::LookingBack;
 
 /// A user's file: its name and content.
 pub type File = (String, Vec<u8>);
@@ -45,6 +47,7 @@ pub struct Replayed {
     /// The record with its scores, once the log is over.
     scored: Option<Recording>,
     growing: Growing,
+    back: LookingBack,
 }
 
 impl Replayed {
@@ -79,6 +82,7 @@ impl Replayed {
             error: None,
             scored: None,
             growing: Growing::without_truth(),
+            back: LookingBack::default(),
         })
     }
 
@@ -172,14 +176,27 @@ impl Replayed {
         self.session.map().unwrap_or_default()
     }
 
-    /// The page that `lab replay` writes: `report.html`, or `looking-back.html` where the path is to be placed once more with
-    /// the whole log at hand; none where that cannot be.
-    pub fn report(&self, looks_back: bool) -> Option<String> {
-        let mut recording = self.recording().clone();
-        if looks_back {
-            return smoother::add(&mut recording, &self.robot.rig, &mut |_| {}).map(|back| report::html(&back));
-        }
-        Some(report::html(&recording))
+    /// The page that `lab replay` writes of a log.
+    pub fn report(&self) -> Option<String> {
+        Some(report::html(self.recording()))
+    }
+
+    /// Goes on looking back, see [`LookingBack::work`].
+    ///
+    /// # Errors
+    /// Why there is nothing to look back on.
+    pub fn look_back(&mut self, pieces: usize) -> Result<bool, &'static str> {
+        self.back.work(self.scored.as_ref().unwrap_or_else(|| self.session.recording()), &self.robot.rig, pieces)
+    }
+
+    /// The look back.
+    pub fn back(&self) -> &LookingBack {
+        &self.back
+    }
+
+    /// The page of the look back, see [`LookingBack::page`].
+    pub fn look_back_page(&self) -> Option<String> {
+        self.back.page(self.recording().clone())
     }
 }
 
@@ -207,7 +224,13 @@ mod tests {
         let [there, here] = [simulated.recording(), replayed.recording()]
             .map(|run| run.steps.iter().map(|step| (step.pose, step.covariance)).collect::<Vec<_>>());
         assert_eq!(there, here);
-        assert!(replayed.recording().figures.estimate.is_some() && replayed.report(true).is_some());
+        assert!(replayed.recording().figures.estimate.is_some() && replayed.report().is_some());
+        let rounds = (0..100_000).take_while(|_| replayed.look_back(1).unwrap()).count();
+        let walls = replayed.back().walls().unwrap();
+        assert_eq!(walls["steps"], replayed.recording().steps.len(), "after {rounds} pieces");
+        assert!(!walls["walls"].as_array().unwrap().is_empty());
+        assert_eq!(replayed.back().path(replayed.recording()).len(), 2 * replayed.recording().steps.len());
+        assert!(replayed.look_back_page().unwrap().contains("looking back"));
     }
 
     #[test]

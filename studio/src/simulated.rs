@@ -4,7 +4,6 @@ use std::path::Path;
 
 use hal_sim::floor::CELL_M;
 use hal_sim::{Plan, Pose2, SimOptions, plan_file};
-use lab::evaluate::smoother;
 use lab::input::log::writer;
 use lab::input::rig_file::{Robot, rig_error};
 use lab::recording::{Recording, health};
@@ -14,6 +13,7 @@ use lab::show::report::{self};
 use serde_json::{Value, json};
 use slam_core::Config;
 
+use crate::looking_back::LookingBack;
 use crate::rig::robot_of;
 
 /// Longest drive that is kept, seconds: an hour, so that the page's memory has a bound.
@@ -49,6 +49,7 @@ pub struct Simulated {
     rig_toml: String,
     plan: Plan,
     growing: Growing,
+    back: LookingBack,
     log: String,
 }
 
@@ -69,7 +70,8 @@ impl Simulated {
         let session = Session::new(&robot, config, plan.name.clone())
             .map_err(|error| rig_error(Path::new("rig"), &error).to_string())?;
         let log = writer::header(&robot) + "\n";
-        Ok(Self { drive, job: scene.job, session, robot, rig_toml, plan, growing: Growing::default(), log })
+        let (growing, back) = (Growing::default(), LookingBack::default());
+        Ok(Self { drive, job: scene.job, session, robot, rig_toml, plan, growing, back, log })
     }
 
     /// Drives on until this time, seconds since the start, but for at most so many samples.
@@ -180,7 +182,7 @@ impl Simulated {
         let mut session = Session::new(&self.robot, Config::for_rig(&self.robot.rig), self.plan.name.clone())
             .map_err(|error| rig_error(Path::new("rig"), &error).to_string())?;
         session.begin_in(map).map_err(|what| format!("the kept map {what}"))?;
-        (self.session, self.growing) = (session, Growing::default());
+        (self.session, self.growing, self.back) = (session, Growing::default(), LookingBack::default());
         self.log = writer::header(&self.robot) + "\n";
         self.drive.reboot(&self.robot);
         Ok(())
@@ -238,14 +240,27 @@ impl Simulated {
         self.session.map().unwrap_or_default()
     }
 
-    /// The page that `lab run` writes: `report.html`, or `looking-back.html` where the path is to be placed once more with the
-    /// whole drive at hand; none where that cannot be.
-    pub fn report(&self, looks_back: bool) -> Option<String> {
-        let mut recording = self.drive.so_far(&self.session);
-        if looks_back {
-            return smoother::add(&mut recording, &self.robot.rig, &mut |_| {}).map(|back| report::html(&back));
-        }
-        Some(report::html(&recording))
+    /// The page that `lab run` writes of a drive.
+    pub fn report(&self) -> Option<String> {
+        Some(report::html(&self.drive.so_far(&self.session)))
+    }
+
+    /// Goes on looking back, see [`LookingBack::work`].
+    ///
+    /// # Errors
+    /// Why there is nothing to look back on.
+    pub fn look_back(&mut self, pieces: usize) -> Result<bool, &'static str> {
+        self.back.work(self.session.recording(), &self.robot.rig, pieces)
+    }
+
+    /// The look back.
+    pub fn back(&self) -> &LookingBack {
+        &self.back
+    }
+
+    /// The page of the look back, see [`LookingBack::page`].
+    pub fn look_back_page(&self) -> Option<String> {
+        self.back.page(self.drive.so_far(&self.session))
     }
 
     /// The robot as a rig file.

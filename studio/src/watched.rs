@@ -16,6 +16,7 @@ use serde_json::{Value, json};
 use slam_core::{Config, RangeInput, ReadingReport, RobotSlam, WallView};
 use wire::{Command, DecodeError, Decoder, Estimate, Faults, Frame, SENSORS, encode};
 
+use crate::looking_back::LookingBack;
 use crate::rig::robot_of;
 use crate::simulated::LONGEST_S;
 
@@ -49,6 +50,7 @@ pub struct Watched {
     contacts: wire::Contacts,
     recording: Recording,
     growing: Growing,
+    back: LookingBack,
     log: String,
     first_us: Option<u64>,
     /// Counts the robot's starts: with each one the page begins anew.
@@ -77,6 +79,7 @@ impl Watched {
             contacts: wire::Contacts::default(),
             recording,
             growing: Growing::default(),
+            back: LookingBack::default(),
             log,
             first_us: None,
             starts: 0,
@@ -241,6 +244,29 @@ impl Watched {
             "faults": faults, "touched": touched, "health": health, "starts": self.starts,
             "full": self.recording.steps.len() >= LONGEST,
         })
+    }
+
+    /// The page that the workbench writes of a run.
+    pub fn report(&self) -> Option<String> {
+        (!self.recording.steps.is_empty()).then(|| report::html(&self.recording))
+    }
+
+    /// Goes on looking back, see [`LookingBack::work`].
+    ///
+    /// # Errors
+    /// Why there is nothing to look back on.
+    pub fn look_back(&mut self, pieces: usize) -> Result<bool, &'static str> {
+        self.back.work(&self.recording, &self.robot.rig, pieces)
+    }
+
+    /// The look back.
+    pub fn back(&self) -> &LookingBack {
+        &self.back
+    }
+
+    /// The page of the look back, see [`LookingBack::page`].
+    pub fn look_back_page(&self) -> Option<String> {
+        self.back.page(self.recording.clone())
     }
 
     /// What the robot sensed so far, as a `log.csv`.

@@ -1,10 +1,9 @@
 //! Prints `docs/results/look-back.md`: the look back in a robot's memory beside the workbench's, which has no bounds.
 //! `cargo run --release --package tests --example robot_look_back -- FOLDER...`, each folder with a log and its `rig.toml`.
 
-mod drive;
-
 use std::path::{Path, PathBuf};
 
+use lab::evaluate::robot_look_back::RobotLooksBack;
 use lab::evaluate::score;
 use lab::input::log;
 use lab::input::rig_file::Robot;
@@ -13,8 +12,6 @@ use lab::recording::{Consistency, Figures, PathScore};
 use lab::run::Replay;
 use look_back::Progress;
 use slam_core::Config;
-
-use drive::{Looked, look_back};
 
 /// Names that a log may have in its folder.
 const LOGS: [&str; 2] = ["log.csv", "wean.log.gz"];
@@ -51,7 +48,9 @@ fn row(folder: &Path) -> String {
     let settings = Settings::Exactly(Config::for_rig(&robot.rig));
     let replay = Replay { log, rig, out: out.path().to_owned(), truth: None, map: None, settings, trace: false };
     let recording = replay.run(|_| ()).unwrap_or_else(|error| panic!("{error}")).recording;
-    let Looked { recording: mut back, diary, looks } = look_back(&recording, &robot.rig).expect("a log with rows");
+    let mut robot_back = RobotLooksBack::new(&recording, &robot.rig).expect("a log with rows");
+    while robot_back.work(&recording, &robot.rig, recording.steps.len()) {}
+    let (mut back, diary, looks) = (robot_back.moved(&recording), robot_back.diary(), robot_back.looks());
     back.figures = Figures { estimate: None, map: None, ..back.figures };
     score::score(&mut back, &[], None);
     let live = &recording.figures;

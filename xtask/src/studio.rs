@@ -16,11 +16,12 @@ use crate::wasm::{TARGET, Wasm};
 const PROGRAM_BUDGET: usize = 1_500_000;
 
 /// The studio's own scripts, in the order in which they build on each other; those of the crate `pages` come before.
-const SCRIPTS: [&str; 12] = [
+const SCRIPTS: [&str; 13] = [
     "files.js",
     "live.js",
     "live_clock.js",
     "live_floor.js",
+    "look_back.js",
     "live_map.js",
     "live_charts.js",
     "plan_text.js",

@@ -2,6 +2,7 @@
 //! side by side.
 
 pub mod compare;
+pub mod robot_look_back;
 pub mod score;
 pub mod smoother;
 pub mod statistics;

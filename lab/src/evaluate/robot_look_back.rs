@@ -1,54 +1,20 @@
-//! A recorded drive as the robot would have written it down, and the path and the map as it would place them.
+//! A recorded drive as the robot would have written it down, and the path and the map as its back end places them, a little at
+//! a time.
 
 use look_back::look_back::Effort;
 use look_back::{Hit, Progress, RobotDiary, RobotLookBack, Unknown};
 use slam_core::{Increment, Outcome, Rig, WallKind, WallView};
 
-use lab::evaluate::smoother::{Noise, moved};
-use lab::input::rig_file::MAX_SENSORS;
-use lab::recording::{Pose2, Recording, wrap};
+use super::smoother::{self, Noise};
+use crate::input::rig_file::MAX_SENSORS;
+use crate::recording::{Pose2, Recording, wrap};
 
-/// Multiply-adds that are asked for at once.
+/// Multiply-adds of one piece of work, and steps that are written down in one.
 const BUDGET: u32 = 20_000;
+const STEPS_AT_ONCE: usize = 50;
 
 /// The robot looks back whenever there are so many new keyframes, a quarter of its diary, and when all is over.
-pub const EVERY: usize = 64;
-
-/// What came of it.
-#[derive(Clone, Debug)]
-pub struct Looked {
-    /// The record with this path and map, not scored.
-    pub recording: Recording,
-    /// The diary in the end.
-    pub diary: Box<RobotDiary>,
-    /// How each look back ended, and what it took.
-    pub looks: Vec<(Progress, Effort)>,
-}
-
-/// Feeds a record to a diary of the robot's size and looks back. None where the record is empty.
-pub fn look_back(recording: &Recording, rig: &Rig<MAX_SENSORS>) -> Option<Looked> {
-    let first = recording.steps.first()?;
-    let mut robot = Robot {
-        diary: Box::new(RobotDiary::new(&rig.drive, single(&first.pose))),
-        solver: Box::new(RobotLookBack::new()),
-        begun: vec![Begun { step: 0, part_of: None }],
-        looks: Vec::new(),
-    };
-    let mut waiting = 0;
-    for step in 1..recording.steps.len() {
-        let is_last = step + 1 == recording.steps.len();
-        let before: Vec<(u32, Pose2)> = robot.placed();
-        waiting += usize::from(robot.drive(recording, rig, step, is_last));
-        robot.follow(&before);
-        if is_last || waiting >= EVERY {
-            robot.look_back();
-            waiting = 0;
-        }
-    }
-    let path = robot.path(recording);
-    let walls = robot.walls();
-    Some(Looked { recording: moved(recording, &path, walls), diary: robot.diary, looks: robot.looks })
-}
+const EVERY: usize = 64;
 
 /// A keyframe that was begun.
 struct Begun {
@@ -58,17 +24,83 @@ struct Begun {
 }
 
 /// What the robot has in its memory, and what the desk needs beside that to draw the whole path.
-struct Robot {
+pub struct RobotLooksBack {
     diary: Box<RobotDiary>,
     solver: Box<RobotLookBack>,
     /// Each keyframe that was begun, by its serial number.
     begun: Vec<Begun>,
+    /// Steps that are written down.
+    written: usize,
+    /// Keyframes that no look back has placed.
+    waiting: usize,
+    is_looking: bool,
     looks: Vec<(Progress, Effort)>,
 }
 
-impl Robot {
+impl RobotLooksBack {
+    /// At the start of a drive; none where that has no steps.
+    pub fn new(recording: &Recording, rig: &Rig<MAX_SENSORS>) -> Option<Self> {
+        let first = recording.steps.first()?;
+        Some(Self {
+            diary: Box::new(RobotDiary::new(&rig.drive, single(&first.pose))),
+            solver: Box::new(RobotLookBack::new()),
+            begun: vec![Begun { step: 0, part_of: None }],
+            written: 1,
+            waiting: 0,
+            is_looking: false,
+            looks: Vec::new(),
+        })
+    }
+
+    /// Does one small piece of the work of placing a drive's first `end` steps; whether there is more. Goes on where it
+    /// was with a drive that has grown.
+    pub fn work(&mut self, recording: &Recording, rig: &Rig<MAX_SENSORS>, end: usize) -> bool {
+        if self.is_looking {
+            let progress = self.solver.work(&mut self.diary, BUDGET);
+            self.is_looking = progress == Progress::Working;
+            if !self.is_looking {
+                self.looks.push((progress, self.solver.effort()));
+            }
+            return self.is_looking || self.written < end;
+        }
+        for step in (self.written..end).take(STEPS_AT_ONCE) {
+            let is_last = step + 1 == end;
+            let before = self.placed();
+            self.waiting += usize::from(self.write_down(recording, rig, step, is_last));
+            self.follow(&before);
+            self.written = step + 1;
+            if is_last || self.waiting >= EVERY {
+                self.waiting = 0;
+                self.is_looking = true;
+                self.solver.begin(&self.diary);
+                return true;
+            }
+        }
+        self.written < end
+    }
+
+    /// Steps that are placed, when there is nothing left to do.
+    pub fn steps(&self) -> usize {
+        self.written
+    }
+
+    /// How each look back ended, and what it took.
+    pub fn looks(&self) -> &[(Progress, Effort)] {
+        &self.looks
+    }
+
+    /// The diary.
+    pub fn diary(&self) -> &RobotDiary {
+        &self.diary
+    }
+
+    /// The record with the path and the walls that were found, not scored.
+    pub fn moved(&self, recording: &Recording) -> Recording {
+        smoother::moved(recording, &self.path(recording), self.walls())
+    }
+
     /// Writes a step down; whether a keyframe was begun.
-    fn drive(&mut self, recording: &Recording, rig: &Rig<MAX_SENSORS>, index: usize, is_last: bool) -> bool {
+    fn write_down(&mut self, recording: &Recording, rig: &Rig<MAX_SENSORS>, index: usize, is_last: bool) -> bool {
         let step = &recording.steps[index];
         let moved = recording.steps[index - 1].dead_reckoning.relative(&step.dead_reckoning);
         let increment =
@@ -103,17 +135,6 @@ impl Robot {
         begins
     }
 
-    fn look_back(&mut self) {
-        self.solver.begin(&self.diary);
-        let progress = loop {
-            match self.solver.work(&mut self.diary, BUDGET) {
-                Progress::Working => {}
-                ended => break ended,
-            }
-        };
-        self.looks.push((progress, self.solver.effort()));
-    }
-
     /// The diary's keyframes at present.
     fn placed(&self) -> Vec<(u32, Pose2)> {
         self.diary.keyframes().map(|(serial, pose)| (serial, pose.into())).collect()
@@ -132,8 +153,8 @@ impl Robot {
         }
     }
 
-    /// Every step's pose: between two keyframes what the odometry misses is spread evenly.
-    fn path(&self, recording: &Recording) -> Vec<Pose2> {
+    /// The pose of every step that was written down: between two keyframes what the odometry misses is spread evenly.
+    pub fn path(&self, recording: &Recording) -> Vec<Pose2> {
         let mut poses: Vec<Option<Pose2>> = vec![None; self.begun.len()];
         for (serial, pose) in self.placed() {
             poses[serial as usize] = Some(pose);
@@ -157,7 +178,7 @@ impl Robot {
                 now.theta_rad + share * wrap(next_pose.theta_rad - arrived.theta_rad),
             )
         };
-        (0..recording.steps.len()).map(place).collect()
+        (0..self.written).map(place).collect()
     }
 
     /// Of what the last look back found; not a number where it was not asked.
@@ -165,7 +186,8 @@ impl Robot {
         self.solver.covariance(unknown, unknown).unwrap_or(f32::NAN)
     }
 
-    fn walls(&self) -> Vec<WallView> {
+    /// The walls that were found.
+    pub fn walls(&self) -> Vec<WallView> {
         let seen = self.diary.walls().filter(|(_, wall)| wall.hits > 0);
         let view = |(index, wall): (usize, &look_back::Wall)| WallView {
             id: self.diary.id_of(index).unwrap_or(u16::MAX),

@@ -8,6 +8,8 @@ class LiveMap extends MapView {
   sketch = [];
   // The floor of a robot that sweeps it.
   floor = null;
+  // The look back.
+  back = null;
 
   paintGrid(surface) {
     super.paintGrid(surface);
@@ -16,6 +18,7 @@ class LiveMap extends MapView {
 
   paint() {
     super.paint();
+    this.back.paint(this);
     this.paintSegments(this.ghost, this.theme.estimate, 2.5);
     this.paintSegments(this.sketch, this.theme.estimate, 4);
   }

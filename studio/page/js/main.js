@@ -12,6 +12,8 @@ class Studio {
     this.map.shown.apart = false;
     this.charts = new LiveCharts(run, this.clock);
     this.source = null;
+    this.lookBack = new LookBackLayer(this);
+    this.map.back = this.lookBack;
     this.bind();
   }
 
@@ -74,6 +76,7 @@ class Studio {
     this.clock.seek(0);
     this.map.ghost = [];
     this.map.floor = null;
+    this.lookBack.reset();
     document.getElementById("eyebrow").textContent = eyebrow;
     document.getElementById("title").textContent = head.title;
     document.getElementById("foot").textContent = `${head.program}. Everything is computed in this page; it sends nothing anywhere.`;
@@ -131,11 +134,13 @@ class Studio {
     const { live, clock, trace } = this;
     if (now - (this.toldAt ?? 0) > 250) {
       this.toldAt = now;
-      const words = this.modes?.[document.documentElement.dataset.mode].status() ?? "";
+      const mode = this.modes?.[document.documentElement.dataset.mode];
+      const words = [mode?.status(), this.lookBack.status()].filter(Boolean).join(" ");
       const status = document.getElementById("status");
       if (status.textContent !== words) status.textContent = words;
     }
     if (!trace || !live.run.count) return;
+    this.lookBack.work();
     if (now - (this.traced ?? 0) > 100 && this.tracedStep !== clock.step) {
       this.traced = now;
       this.tracedStep = clock.step;
@@ -155,7 +160,7 @@ class Studio {
     fillCounts(live.run);
     if (!document.querySelector("#walls:hover")) fillWallTable(live.shown, map);
     drawBirths(document.getElementById("births"), live.run, map.theme);
-    const kinds = [!map.floor, !live.run.truth, !live.run.plan.length, live.run.walls.some((wall) => wall.kind === "free")].join();
+    const kinds = [!map.floor, !this.lookBack.isOn, !live.run.truth, !live.run.plan.length, live.run.walls.some((wall) => wall.kind === "free")].join();
     if (kinds !== this.kinds) {
       this.kinds = kinds;
       buildLayerToggles(map, live.shown);
@@ -174,11 +179,11 @@ class Studio {
   }
 
   // The page that the workbench writes of a run, of what was run here.
-  saveReport(looksBack) {
+  saveReport() {
     this.attempt(() => {
-      const page = this.source?.report?.(looksBack);
-      if (!page) throw new Error(looksBack ? "There is nothing to look back on: a run in one frame, with walls, is needed." : "There is no run to report on.");
-      save(looksBack ? "looking-back.html" : "report.html", page, "text/html");
+      const page = this.source?.program?.report();
+      if (!page) throw new Error("There is no run to report on.");
+      save("report.html", page, "text/html");
     });
   }
 }
@@ -192,8 +197,7 @@ async function start() {
   for (const button of document.querySelectorAll("[data-mode-choice]")) {
     button.addEventListener("click", () => studio.choose(button.dataset.modeChoice));
   }
-  document.getElementById("save-report").addEventListener("click", () => studio.saveReport(false));
-  document.getElementById("save-look-back").addEventListener("click", () => studio.saveReport(true));
+  document.getElementById("save-report").addEventListener("click", () => studio.saveReport());
   const scene = new URLSearchParams(location.hash.slice(1)).get("scene");
   if (scene) {
     try {

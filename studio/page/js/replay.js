@@ -143,10 +143,6 @@ class ReplayMode {
   figures() {
     return JSON.parse(this.program.figures());
   }
-
-  report(looksBack) {
-    return this.program?.report(looksBack);
-  }
 }
 
 // The files that were dropped, those of folders, too.

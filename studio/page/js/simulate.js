@@ -237,10 +237,6 @@ class Simulate {
     return JSON.parse(this.program.figures());
   }
 
-  report(looksBack) {
-    return this.program.report(looksBack);
-  }
-
   // A link with everything that the scene is made of, behind the address's #: servers never see it.
   async share() {
     const byId = (id) => document.getElementById(id);

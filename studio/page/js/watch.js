@@ -225,8 +225,4 @@ class RobotMode {
   figures() {
     return JSON.parse(this.program.figures());
   }
-
-  report() {
-    return null;
-  }
 }

@@ -41,12 +41,17 @@ pub fn add(recording: &mut Recording, rig: &Rig<MAX_SENSORS>, progress: &mut dyn
     if !recording.is_one_frame() {
         return None;
     }
-    let mut back = look_back(recording, rig, progress)?;
+    let back = look_back(recording, rig, progress)?;
+    Some(scored(recording, back))
+}
+
+/// A record as it looks from the end with its own scores, which are also put among the run's figures.
+pub fn scored(recording: &mut Recording, mut back: Recording) -> Recording {
     back.figures = Figures { estimate: None, map: None, ..back.figures };
     score::score(&mut back, &[], None);
     let Figures { estimate, consistency, .. } = &back.figures;
     recording.figures.looking_back = Some(LookingBack { estimate: *estimate, consistency: consistency.clone() });
-    Some(back)
+    back
 }
 
 /// The path, the end points and the final map moved, the truth and all else as it was.

@@ -6,7 +6,7 @@ use super::series::RunningNis;
 use crate::evaluate::score::path::nees;
 use crate::recording::{CalibrationSnapshot, MapSnapshot, Pose2, Recording, Step};
 use serde_json::{Value, json};
-use slam_core::{Outcome, Refusal};
+use slam_core::{Outcome, Refusal, WallView};
 
 /// Numbers of a step before those of its sensors.
 pub const STEP_NUMBERS: usize = 24;
@@ -86,6 +86,11 @@ impl Growing {
     /// Every map and calibration that was recorded, in order.
     pub fn maps(recording: &Recording) -> Value {
         recording.maps.iter().zip(&recording.calibration).map(|(map, calibration)| map_of(map, calibration)).collect()
+    }
+
+    /// Walls that a look back over so many steps found: their ends.
+    pub fn looked_back(steps: usize, walls: &[WallView]) -> Value {
+        json!({ "steps": steps, "walls": walls.iter().map(wall_ends).collect::<Vec<_>>() })
     }
 }
 
