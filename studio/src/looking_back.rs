@@ -25,12 +25,7 @@ impl LookingBack {
     ///
     /// # Errors
     /// Why there is nothing to look back on.
-    pub fn work(
-        &mut self,
-        recording: &Recording,
-        rig: &Rig<MAX_SENSORS>,
-        pieces: usize,
-    ) -> Result<bool, &'static str> {
+    pub fn work(&mut self, recording: &Recording, rig: &Rig<MAX_SENSORS>, pieces: usize) -> Result<bool, &'static str> {
         if !recording.is_one_frame() {
             return Err("the robot lost its place on this drive: a look back needs a drive in one frame");
         }

@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 use lab::input::log::{Row, writer};
 use lab::input::rig_file::{MAX_SENSORS, Robot};
 use lab::numbers::shortest;
-use lab::run::{begun, parameter_name};
 use lab::recording::{CalibrationSnapshot, MapSnapshot, Pose2, Recording, Step};
+use lab::run::{begun, parameter_name};
 use lab::show::report::growing::Growing;
 use lab::show::report::{self};
 use serde_json::{Value, json};
@@ -167,7 +167,10 @@ impl Watched {
     fn calibration(&mut self, calibration: &wire::Calibration) {
         let Some(step) = self.recording.steps.len().checked_sub(1) else { return };
         let of_name = |name: &str| {
-            let found = calibration.factors.iter().find(|factor| parameter_name(factor.parameter.into(), &self.robot.names) == name);
+            let found = calibration
+                .factors
+                .iter()
+                .find(|factor| parameter_name(factor.parameter.into(), &self.robot.names) == name);
             found.map_or((1.0, 0.0), |factor| (factor.estimate, factor.sigma))
         };
         let values = self.recording.parameters.iter().map(|parameter| of_name(&parameter.name)).collect();

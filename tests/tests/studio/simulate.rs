@@ -1,0 +1,166 @@
+//! Simulate: homes drawn, robots meddled with, floors swept, scenes shared.
+
+use serde_json::json;
+use tests::devtools::Page;
+
+use crate::{assert_sound, open, picture};
+
+/// Where a part of the map is in the window, shares of its width and height.
+fn on_map(page: &mut Page, [x, y]: [f64; 2]) -> [f64; 2] {
+    let place = page.run(&format!(
+        "const box = document.getElementById('map').getBoundingClientRect();
+         return [box.x + {x} * box.width, box.y + {y} * box.height];"
+    ));
+    [0, 1].map(|axis| place[axis].as_f64().expect("a number"))
+}
+
+#[test]
+#[ignore = "needs the built page: cargo xtask test studio"]
+fn a_home_is_drawn_moved_and_typed_while_the_robot_drives() {
+    let Some((mut page, address)) = open("draw", "", [1280, 900]) else { return };
+    page.run(
+        "document.querySelector(\"[data-tool='wall']\").click(); document.getElementById('map').scrollIntoView();",
+    );
+    let places = [[0.5, 0.75], [0.55, 0.75], [0.65, 0.75]].map(|place| on_map(&mut page, place));
+    let before = page.run("return document.getElementById('plan-text').value;");
+    page.drag(&places);
+    let after = page.run("return document.getElementById('plan-text').value;");
+    let added = after.as_str().unwrap().strip_prefix(before.as_str().unwrap().trim_end()).unwrap();
+    assert!(added.contains("[[wall]]") && added.contains("from_m") && added.contains("to_m"), "{added}");
+    picture(&mut page, "draw");
+    // The wall is where it was drawn: it can be taken hold of there, moved, and erased.
+    page.run("document.querySelector(\"[data-tool='move']\").click();");
+    let places = [[0.55, 0.75], [0.55, 0.7], [0.55, 0.65]].map(|place| on_map(&mut page, place));
+    page.drag(&places);
+    let moved = page.run("return document.getElementById('plan-text').value;");
+    assert!(moved != after && moved.as_str().unwrap().matches("[[wall]]").count() == 1, "{moved}");
+    page.run("document.querySelector(\"[data-tool='erase']\").click();");
+    let place = on_map(&mut page, [0.6, 0.65]);
+    page.drag(&[place, place]);
+    assert!(!page.run("return document.getElementById('plan-text').value;").as_str().unwrap().contains("[[wall]]"));
+    // Typed, with a mistake, and without.
+    let apply = |text: &str| {
+        format!(
+            "const text = document.getElementById('plan-text');
+             text.value += {text:?};
+             document.getElementById('apply-plan').click();
+             return document.getElementById('problem').textContent;"
+        )
+    };
+    let problem = page.run(&apply("\n[[round]]\ncentre_m = [2.0, 2.0]\nradius_m = -1.0\n"));
+    assert!(
+        problem.as_str().unwrap().contains("radius_m: is -1") && problem.as_str().unwrap().starts_with("plan:"),
+        "{problem}"
+    );
+    page.run("document.getElementById('plan-text').value = document.getElementById('plan-text').value.replace('-1.0', '0.2');");
+    assert_eq!(page.run(&apply("")), json!(""));
+    assert_sound(&mut page, &address);
+}
+
+#[test]
+#[ignore = "needs the built page: cargo xtask test studio"]
+fn a_robot_is_carried_off_and_finds_itself_again() {
+    let Some((mut page, address)) = open("carry", "", [1280, 900]) else { return };
+    page.run("document.querySelector(\"[data-speed='100']\").click();");
+    page.until("Number(document.getElementById('time').max) > 5000");
+    page.run("document.querySelector(\"[data-speed='10']\").click(); document.getElementById('carry').click();");
+    page.until("document.getElementById('status').textContent.includes('Searching')");
+    picture(&mut page, "searching");
+    page.run("document.querySelector(\"[data-speed='100']\").click();");
+    page.until("document.getElementById('status').textContent.includes('Located.')");
+    picture(&mut page, "located");
+    page.run(
+        "for (const id of ['kick', 'hold']) document.getElementById(id).click();
+        const cover = document.getElementById('cover'); cover.value = '2'; cover.dispatchEvent(new Event('change'));",
+    );
+    page.run("document.getElementById('cut-power').click();");
+    page.until("document.getElementById('eyebrow').textContent.includes('power was cut')");
+    assert_sound(&mut page, &address);
+}
+
+#[test]
+#[ignore = "needs the built page: cargo xtask test studio"]
+fn a_scene_is_shared_as_a_link_and_a_bad_link_is_said() {
+    let Some((mut page, address)) = open("share", "", [1280, 900]) else { return };
+    let hash = page.run(
+        "document.getElementById('seed').value = '7';
+         const knob = document.getElementById('knob-sensors');
+         knob.value = '4';
+         knob.dispatchEvent(new Event('change'));
+         document.getElementById('share').click();
+         while (!location.hash) await new Promise((done) => setTimeout(done, 20));
+         return location.hash;",
+    );
+    assert_sound(&mut page, &address);
+    let Some((mut other, address)) = open("shared", hash.as_str().unwrap(), [1280, 900]) else { return };
+    let seen = other
+        .run("return [document.getElementById('seed').value, document.querySelectorAll('#trace tbody tr').length];");
+    assert_eq!(seen, json!(["7", 4]));
+    assert_sound(&mut other, &address);
+    let Some((mut bad, address)) = open("bad-link", "#scene=%%%", [1280, 900]) else { return };
+    assert!(
+        bad.run("return document.getElementById('problem').textContent;").as_str().unwrap().contains("cannot be read")
+    );
+    assert_sound(&mut bad, &address);
+}
+
+#[test]
+#[ignore = "needs the built page: cargo xtask test studio"]
+fn a_floor_is_swept_and_shown_as_it_was_at_each_moment() {
+    let Some((mut page, address)) = open("clean", "", [1280, 900]) else { return };
+    page.run(
+        "const job = document.getElementById('job'); job.value = 'clean';
+         document.getElementById('plan').value = 'room';
+         document.getElementById('plan').dispatchEvent(new Event('change'));
+         document.querySelector(\"[data-speed='100']\").click();",
+    );
+    page.until("/Sweeping: (edges|lanes)/.test(document.getElementById('status').textContent)");
+    page.until("Number(document.getElementById('time').max) > 2500");
+    picture(&mut page, "clean");
+    page.until("document.getElementById('status').textContent.includes('it is back where it started')");
+    let said = page.run("return document.getElementById('status').textContent;");
+    let swept: f64 = said
+        .as_str()
+        .and_then(|said| said.split_once(" % of the floor")?.0.rsplit(' ').next()?.parse().ok())
+        .expect("a share");
+    assert!(swept > 90.0, "{said}");
+    picture(&mut page, "clean-done");
+    // At the end more of the map is tinted than at its beginning, which is shown as it was.
+    page.run("document.querySelectorAll('[data-layer]').forEach((box) => box.dataset.layer !== 'floor' && box.checked && box.click());");
+    let tinted = "const map = document.getElementById('map');
+        const data = map.getContext('2d').getImageData(0, 0, map.width, map.height).data;
+        let count = 0;
+        for (let i = 0; i < data.length; i += 4) count += data[i + 3] > 0 && data[i + 1] > data[i] + 15;
+        return count;";
+    let at = |step: &str| {
+        format!("const slider = document.getElementById('time'); slider.value = {step}; slider.dispatchEvent(new Event('input'));
+        await new Promise((done) => setTimeout(done, 400));")
+    };
+    page.run(&at("'250'"));
+    let early = page.run(tinted).as_u64().expect("a count");
+    page.run(&at("slider.max"));
+    let late = page.run(tinted).as_u64().expect("a count");
+    assert!(early > 0 && late > 3 * early, "{early} {late}");
+    assert_sound(&mut page, &address);
+}
+
+#[test]
+#[ignore = "needs the built page: cargo xtask test studio"]
+fn a_drive_is_looked_back_on_while_it_goes_on() {
+    let Some((mut page, address)) = open("look-back", "", [1280, 900]) else { return };
+    page.run("document.querySelector(\"[data-speed='100']\").click();");
+    page.until("Number(document.getElementById('time').max) > 3000");
+    page.run("document.querySelector(\"[data-speed='1']\").click(); document.getElementById('look-back').click();");
+    page.until("document.getElementById('status').textContent.includes('The look back placed the first')");
+    assert_eq!(page.run("return document.getElementById('play').textContent;"), json!("Pause"), "the drive goes on");
+    picture(&mut page, "look-back");
+    // Its page is of the whole drive, which waits for it.
+    page.run("document.getElementById('save-look-back').click();");
+    page.until("window.saved !== null");
+    let saved = page.run("return await window.saved.text();");
+    assert!(saved.as_str().unwrap().contains("looking back"), "another page was saved");
+    // Who was carried off has no drive in one frame.
+    page.run("document.getElementById('carry').click();");
+    page.until("document.getElementById('status').textContent.includes('No look back: the robot lost its place')");
+    assert_sound(&mut page, &address);
+}
