@@ -18,10 +18,6 @@ use crate::PATH_POINTS;
 use crate::agreement::Agreement;
 use crate::odds::{Verdict, calibrated};
 use crate::search::{Hypothesis, Progress, Search};
-use crate::side::{path_on_grid, sides};
-
-/// The index of the state that is the grid's direction.
-const ALPHA: usize = 3;
 
 /// Path from one search to the next, metres.
 const SEARCH_EVERY_M: f32 = 0.5;
@@ -94,7 +90,9 @@ pub struct Locator {
     next_search_m: f32,
     trail: Vec<[f32; 2], PATH_POINTS>,
     spacing_m: f32,
-    search: Option<(f32, Search)>,
+    search: Search,
+    /// Path at which the search under way began, metres.
+    begun_m: Option<f32>,
     claim: Option<(f32, Hypothesis)>,
     agreement: Agreement,
     counted_m: f32,
@@ -104,19 +102,33 @@ pub struct Locator {
 impl Locator {
     /// Of a robot in this state.
     pub fn new(state: State) -> Self {
-        Self {
+        let mut locator = Self {
             state,
             path_m: 0.0,
             since_m: 0.0,
-            next_search_m: 2.0 * SEARCH_EVERY_M,
+            next_search_m: 0.0,
             trail: Vec::new(),
             spacing_m: POINTS_M,
-            search: None,
+            search: Search::IDLE,
+            begun_m: None,
             claim: None,
             agreement: Agreement::NEW,
             counted_m: 0.0,
             verdict: None,
-        }
+        };
+        locator.restart(state);
+        locator
+    }
+
+    /// Begins anew in this state, in place.
+    pub fn restart(&mut self, state: State) {
+        self.state = state;
+        (self.path_m, self.since_m, self.counted_m) = (0.0, 0.0, 0.0);
+        self.next_search_m = 2.0 * SEARCH_EVERY_M;
+        self.trail.clear();
+        self.spacing_m = POINTS_M;
+        (self.begun_m, self.claim, self.verdict) = (None, None, None);
+        self.agreement = Agreement::NEW;
     }
 
     /// What the robot knows.
@@ -131,7 +143,7 @@ impl Locator {
 
     /// The search under way, for a picture of it.
     pub fn search(&self) -> Option<&Search> {
-        self.search.as_ref().map(|(_, search)| search)
+        self.begun_m.map(|_| &self.search)
     }
 
     /// Takes in a step of the robot with its map, the one that it is to find itself in, and about how many hypotheses may be
@@ -162,7 +174,7 @@ impl Locator {
 
     /// The robot does not know any more where it is: it was lifted.
     pub fn lost(&mut self) -> Event {
-        *self = Self::new(State::Searching);
+        self.restart(State::Searching);
         Event::Lost
     }
 
@@ -193,27 +205,17 @@ impl Locator {
 
     /// Goes on with the search, or begins one where it is time.
     fn work(&mut self, own: &impl Kept, kept: &impl Kept, hypotheses: usize) -> Option<Match> {
-        if self.search.is_none() {
-            if self.path_m < self.next_search_m {
-                return None;
-            }
+        if self.begun_m.is_none() && self.path_m >= self.next_search_m {
             self.next_search_m = self.path_m + SEARCH_EVERY_M;
-            let fresh = sides(own);
-            if fresh.is_empty() {
-                return None;
-            }
-            let alpha_rad = own.mean(ALPHA);
-            let path_m = self.trail.iter().map(|point| path_on_grid(*point, alpha_rad)).collect();
-            self.search = Some((self.path_m, Search::new(fresh, sides(kept), path_m)));
+            self.begun_m = self.search.begin(own, kept, &self.trail).then_some(self.path_m);
         }
-        let (begun_m, search) = self.search.as_mut()?;
-        if search.work(hypotheses) == Progress::Working {
+        let begun_m = self.begun_m?;
+        if self.search.work(hypotheses) == Progress::Working {
             return None;
         }
-        let (begun_m, verdict) = (*begun_m, search.verdict());
-        self.search = None;
-        self.verdict = verdict;
-        self.judge(begun_m, &verdict?)
+        self.begun_m = None;
+        self.verdict = self.search.verdict();
+        self.judge(begun_m, &self.verdict?)
     }
 
     /// Whether a place can be claimed: it was found before, and is found again.

@@ -2,10 +2,11 @@
 
 use heapless::Vec;
 use slam_core::Match;
+use slam_core::kept::Kept;
 
 use crate::odds::{self, Verdict};
 use crate::shift::{SHIFTS, Shift, shifts};
-use crate::side::{Side, turned_point};
+use crate::side::{ALPHA, Side, find_sides, path_on_grid, turned_point};
 use crate::{FRESH_SIDES, KEPT_SIDES, PATH_POINTS};
 
 /// Hypotheses that are remembered.
@@ -60,15 +61,16 @@ pub enum Progress {
     Done,
 }
 
-/// A search of a fresh map in a kept one.
+/// A search of a fresh map in a kept one: some 5 KB, which therefore stays where it is from one search to the next.
 #[derive(Clone, Debug)]
 pub struct Search {
+    /// The fresh map's walls, turned by so many quarters.
     fresh: Vec<Side, FRESH_SIDES>,
-    turned: Vec<Side, FRESH_SIDES>,
+    quarters: u8,
     kept: Vec<Side, KEPT_SIDES>,
+    /// On the fresh grid.
     path_m: Vec<[f32; 2], PATH_POINTS>,
     floor_m2: f32,
-    quarters: u8,
     xs: Vec<Shift, SHIFTS>,
     ys: Vec<Shift, SHIFTS>,
     next: (usize, usize),
@@ -78,30 +80,52 @@ pub struct Search {
 }
 
 impl Search {
-    /// Of these walls and this path (metres, on the fresh grid) in those walls.
-    pub fn new(fresh: Vec<Side, FRESH_SIDES>, kept: Vec<Side, KEPT_SIDES>, path_m: Vec<[f32; 2], PATH_POINTS>) -> Self {
-        let mut search = Self {
-            turned: fresh.clone(),
-            fresh,
-            floor_m2: floor_m2(&kept),
-            kept,
-            path_m,
-            quarters: 0,
-            xs: Vec::new(),
-            ys: Vec::new(),
-            next: (0, 0),
-            best: Vec::new(),
-            rest: f32::NEG_INFINITY,
-        };
-        search.turn(0);
-        search
+    /// Not begun.
+    pub const IDLE: Self = Self {
+        fresh: Vec::new(),
+        quarters: 0,
+        kept: Vec::new(),
+        path_m: Vec::new(),
+        floor_m2: 0.0,
+        xs: Vec::new(),
+        ys: Vec::new(),
+        next: (0, 0),
+        best: Vec::new(),
+        rest: f32::NEG_INFINITY,
+    };
+
+    /// Begins to search a fresh map, in whose frame the robot drove along this trail (metres), in a kept one; false where the fresh
+    /// one has no walls on a grid.
+    pub fn begin(&mut self, fresh: &impl Kept, kept: &impl Kept, trail_m: &[[f32; 2]]) -> bool {
+        find_sides(fresh, &mut self.fresh);
+        if self.fresh.is_empty() {
+            return false;
+        }
+        find_sides(kept, &mut self.kept);
+        self.floor_m2 = floor_m2(&self.kept);
+        let alpha_rad = fresh.mean(ALPHA);
+        self.path_m.clear();
+        for point_m in trail_m {
+            // The locator keeps no more points than there is room for.
+            let _ = self.path_m.push(path_on_grid(*point_m, alpha_rad));
+        }
+        self.best.clear();
+        self.rest = f32::NEG_INFINITY;
+        self.quarters = 0;
+        self.find_shifts();
+        true
     }
 
-    fn turn(&mut self, quarters: u8) {
-        self.quarters = quarters;
-        self.turned = self.fresh.iter().map(|side| side.turned(quarters)).collect();
-        shifts(&self.turned, &self.kept, 0, &mut self.xs);
-        shifts(&self.turned, &self.kept, 1, &mut self.ys);
+    /// Turns the fresh map by another quarter.
+    fn turn(&mut self) {
+        self.quarters += 1;
+        self.fresh.iter_mut().for_each(|side| *side = side.turned());
+        self.find_shifts();
+    }
+
+    fn find_shifts(&mut self) {
+        shifts(&self.fresh, &self.kept, 0, &mut self.xs);
+        shifts(&self.fresh, &self.kept, 1, &mut self.ys);
         self.next = (0, 0);
     }
 
@@ -114,8 +138,7 @@ impl Search {
                     if self.quarters == 3 {
                         return Progress::Done;
                     }
-                    let quarters = self.quarters + 1;
-                    self.turn(quarters);
+                    self.turn();
                 } else {
                     self.next = (x + 1, 0);
                 }
@@ -139,7 +162,7 @@ impl Search {
         let (mut shift_m, mut precisions) = (near_m, [1.0; 2]);
         for axis in 0..2 {
             let (mut weights, mut sum_m) = (0.0, 0.0);
-            for a in self.turned.iter().filter(|side| side.axis() == axis) {
+            for a in self.fresh.iter().filter(|side| side.axis() == axis) {
                 if let Some((b, off_m)) = self.nearest(a, near_m)
                     && off_m.abs() < MATCHED_M
                 {
@@ -155,7 +178,7 @@ impl Search {
         }
         let mut found = Hypothesis { quarters: self.quarters, shift_m, score: 0.0, matched: [0; 2], pairs: [None; 2] };
         let mut least_m2 = [f32::INFINITY; 2];
-        for a in &self.turned {
+        for a in &self.fresh {
             let Some((b, off_m)) = self.nearest(a, shift_m) else {
                 found.score += odds::of_nothing();
                 continue;

@@ -7,7 +7,7 @@ use slam_core::angle::{sin_cos, wrap};
 use slam_core::kept::{Kept, KeptWall};
 
 /// The index of the state that is the grid's direction.
-const ALPHA: usize = 3;
+pub(crate) const ALPHA: usize = 3;
 
 /// A wall that stands farther off the grid than this is not matched, radians: three degrees.
 const OFF_GRID_RAD: f32 = 0.05;
@@ -71,40 +71,44 @@ impl Side {
         usize::from(self.facing & 1)
     }
 
-    /// Turned about the origin by so many quarter turns, counter-clockwise.
-    pub fn turned(&self, quarters: u8) -> Self {
+    /// Turned about the origin by a quarter turn, counter-clockwise.
+    pub fn turned(&self) -> Self {
+        // (x, y) becomes (-y, x): what cut x cuts y; what cut y cuts -x.
         let mut side = *self;
-        for _ in 0..quarters & 3 {
-            // (x, y) becomes (-y, x): what cut x cuts y; what cut y cuts -x.
-            let [lo_m, hi_m] = side.extent_m;
-            if side.axis() == 0 {
-                side.extent_m = [-hi_m, -lo_m];
-            } else {
-                side.at_m = -side.at_m;
-            }
-            side.facing = (side.facing + 1) & 3;
+        let [lo_m, hi_m] = self.extent_m;
+        if self.axis() == 0 {
+            side.extent_m = [-hi_m, -lo_m];
+        } else {
+            side.at_m = -self.at_m;
         }
+        side.facing = (self.facing + 1) & 3;
         side
     }
 }
 
 /// The walls of a map that stand on its grid, the longest where there is no room for all; none where it has no grid.
 pub fn sides<const N: usize>(kept: &impl Kept) -> Vec<Side, N> {
-    let mut sides: Vec<Side, N> = Vec::new();
+    let mut found = Vec::new();
+    find_sides(kept, &mut found);
+    found
+}
+
+/// The same, in place.
+pub(crate) fn find_sides<const N: usize>(kept: &impl Kept, found: &mut Vec<Side, N>) {
+    found.clear();
     let frame = kept.frame();
     if !frame.has_grid {
-        return sides;
+        return;
     }
     let walls = (0..usize::from(frame.walls)).filter_map(|i| kept.wall(i));
     for side in walls.filter_map(|wall| Side::of(kept, &wall)) {
-        if let Err(side) = sides.push(side) {
-            let shortest = sides.iter_mut().min_by(|a, b| a.length_m().total_cmp(&b.length_m()));
+        if let Err(side) = found.push(side) {
+            let shortest = found.iter_mut().min_by(|a, b| a.length_m().total_cmp(&b.length_m()));
             if let Some(shortest) = shortest.filter(|shortest| shortest.length_m() < side.length_m()) {
                 *shortest = side;
             }
         }
     }
-    sides
 }
 
 /// A point of a map's frame, turned onto its grid of direction `alpha_rad`.

@@ -6,7 +6,7 @@ use std::env;
 use hal_sim::{Plan, Pose2, plan_file};
 use lab::evaluate::score::path;
 use lab::evaluate::statistics::{mean, median};
-use relocate::{Event, FRESH_SIDES, KEPT_SIDES, Locator, Progress, Search, Side, State, Step, Verdict, sides};
+use relocate::{Event, Locator, Progress, Search, State, Step, Verdict};
 use slam_core::{HostSlam, angle};
 use tests::carries::{Driven, carried, drive, rig};
 
@@ -28,7 +28,6 @@ struct Home {
     name: &'static str,
     plan: Plan,
     kept: Box<HostSlam>,
-    sides: heapless::Vec<Side, KEPT_SIDES>,
     /// The map's frame in that of the plan's start, as its path lies on the true one best.
     lies: Pose2,
 }
@@ -98,8 +97,7 @@ fn home(name: &'static str, sensors: usize) -> Home {
         pairs.push((slam.pose().into(), plan.start.relative(&in_plan)));
         true
     });
-    let (sides, lies) = (sides(&*kept), path::align(&pairs));
-    Home { name, plan, kept, sides, lies }
+    Home { name, plan, kept, lies: path::align(&pairs) }
 }
 
 /// The flat and the furnished flat are one home.
@@ -150,8 +148,8 @@ fn carry_there(
 
 /// A search of this map in a home's.
 fn verdict(slam: &HostSlam, home: &Home) -> Option<Verdict> {
-    let fresh: heapless::Vec<Side, FRESH_SIDES> = sides(slam);
-    let mut search = Search::new(fresh, home.sides.clone(), heapless::Vec::new());
+    let mut search = Search::IDLE;
+    search.begin(slam, &*home.kept, &[]);
     while search.work(1000) == Progress::Working {}
     search.verdict()
 }

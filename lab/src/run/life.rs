@@ -63,7 +63,7 @@ impl Life {
     pub fn begin_in(&mut self, map: Vec<u8>, sequence: u32) {
         self.sequence = sequence;
         self.kept = Some(map);
-        self.locator = Locator::new(State::Searching);
+        self.locator.restart(State::Searching);
     }
 
     /// Whether the pose is claimed in the frame of the kept map, or of the drive's start where there is none.
