@@ -18,14 +18,13 @@
 
 pub mod burst;
 pub mod faults;
-pub mod keeper;
 pub mod look_backs;
 pub mod metric;
 pub mod periodic;
 pub mod shared;
 pub mod tasks;
 
-pub use keeper::Keeper;
+pub use keeper::{self, Keeper};
 pub use look_backs::LookBacks;
 pub use shared::Shared;
 

@@ -135,6 +135,13 @@ struct HilArgs {
     /// Whether the firmware takes look backs over; when not given, as suits the robot. A board decides itself.
     #[arg(long, requires = "qemu", conflicts_with = "serial", value_name = "BOOL")]
     hand_overs: Option<bool>,
+    /// With --qemu: a kept map that the robot begins with in its flash, a file `map.bin`.
+    #[arg(long, requires = "qemu", conflicts_with = "serial", value_name = "FILE")]
+    map: Option<PathBuf>,
+    /// With --qemu: saves its map, has its power cut while it drives and while it saves, and finds itself again each time; --minutes
+    /// is the length of the first drive, and no files are written.
+    #[arg(long, requires = "qemu", conflicts_with_all = ["serial", "timed", "map", "out"])]
+    outlive: bool,
     /// With --qemu: the firmware's image; `cargo xtask hil` builds it.
     #[arg(long, value_name = "ELF", default_value = "target/thumb/thumbv7em-none-eabihf/release/hil")]
     image: PathBuf,
@@ -242,7 +249,7 @@ fn replay(args: ReplayArgs) -> Result<(), Box<dyn Error>> {
 }
 
 fn hil(args: HilArgs) -> Result<(), Box<dyn Error>> {
-    let HilArgs { port, serial, timed, hand_overs, image, rig, plan, minutes, seed, out, .. } = args;
+    let HilArgs { port, serial, timed, hand_overs, map, outlive, image, rig, plan, minutes, seed, out, .. } = args;
     let target = match port {
         Some(device) => Target::Port { device },
         None if serial => Target::EmulatorSerial { image },
@@ -250,7 +257,11 @@ fn hil(args: HilArgs) -> Result<(), Box<dyn Error>> {
         None => Target::Emulator { image },
     };
     let bar = ProgressBar::new(1000).with_style(style("in the loop {wide_bar} {percent} %, {eta} to go"));
-    let hil = Hil { plan, minutes, seed, out, robot: rig, hand_overs, target };
+    let hil = Hil { plan, minutes, seed, out, robot: rig, hand_overs, map, target };
+    if outlive {
+        print(&hil.outlive()?.to_string());
+        return Ok(());
+    }
     let outcome = hil.run(|share| bar.set_position((1000.0 * share) as u64));
     bar.finish_and_clear();
     let outcome = outcome?;

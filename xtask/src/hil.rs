@@ -65,6 +65,8 @@ const METRIC: &str = "time-of-flight";
 const METRIC_DRIVE: &str = "target/hil/metric";
 /// Where it leaves those on the processor's own clock, with look backs handed over and without.
 const TIMED_DRIVES: [(&str, &str); 2] = [("true", "target/hil/timed"), ("false", "target/hil/timed-alone")];
+/// Where the workbench leaves the map that a robot begins with on the processor's own clock: searches are part of those drives.
+const KEPT: &str = "target/hil/kept";
 /// Latest that a step may begin after its sample was due, microseconds: a fortieth of its period.
 const LATEST_US: f64 = 1000.0;
 /// Largest error of the position in that drive, metres; dead reckoning has ten times as much.
@@ -91,8 +93,8 @@ fn figure_of(drive: &str, key: &str) -> Result<f64> {
     value.ok_or_else(|| format!("{} has no number '{key}'", file.display()))
 }
 
-/// The drives that every change must pass: the three minutes, as long with sensors that report metres, and a short one over
-/// the serial line.
+/// The drives that every change must pass: the three minutes, as long with sensors that report metres, one whose map outlives resets
+/// and power cuts, those on the processor's own clock, and a short one over the serial line.
 pub fn test() -> Result {
     drive()?;
     drive_with(&mut tested_lab()?, &["--rig", METRIC, "--minutes", "3", "--out", METRIC_DRIVE])?;
@@ -109,6 +111,7 @@ pub fn test() -> Result {
     if figure_of(METRIC_DRIVE, "hand_overs_taken")? < 1.0 {
         return Err(format!("{METRIC_DRIVE}: no look back was handed over"));
     }
+    drive_with(&mut tested_lab()?, &["--outlive", "--minutes", "3"])?;
     timed("3")?;
     drive_with(&mut tested_lab()?, &["--serial", "--minutes", "0.1", "--out", "target/hil/serial"])
 }
@@ -122,10 +125,13 @@ pub fn long() -> Result {
     }
 }
 
-/// Drives on the processor's own clock with the back end and without, and says how late the steps began in each.
+/// Drives on the processor's own clock with the back end and without, and says how late the steps began in each. The robot has a map
+/// and does not know where it is at first.
 pub fn timed(minutes: &str) -> Result {
+    run(tested_lab()?.args(["run", "--rig", METRIC, "--minutes", "3", "--out", KEPT]))?;
+    let map = format!("{KEPT}/map.bin");
     for (hand_overs, out) in TIMED_DRIVES {
-        let hand_overs = ["--hand-overs", hand_overs];
+        let hand_overs = ["--hand-overs", hand_overs, "--map", &map];
         drive_with(
             &mut tested_lab()?,
             &[&["--timed", "--rig", METRIC, "--minutes", minutes, "--out", out], &hand_overs[..]].concat(),
@@ -140,6 +146,9 @@ pub fn timed(minutes: &str) -> Result {
             _ => ("without", 0.0),
         };
         println!("{name:<22}{median:>11}{p99:>10}{most:>10}{taken:>10}");
+        if figure_of(out, "found")? < 1.0 {
+            return Err(format!("{out}: the robot did not find itself in its map"));
+        }
         if most > LATEST_US {
             return Err(format!("{out}: a step began {most} us late; at most {LATEST_US} us"));
         }

@@ -108,6 +108,8 @@ fn no_std() -> Result {
         "--package",
         "look-back",
         "--package",
+        "keeper",
+        "--package",
         "robot",
         "--package",
         "wire",

@@ -4,7 +4,7 @@ use std::io::ErrorKind;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
-use wire::{Calibration, Command, Decoder, Estimate, Faults, Frame, LookBack, Motors, Sample, Wall, encode};
+use wire::{Calibration, Command, Decoder, Estimate, Faults, Frame, LookBack, Motors, Place, Sample, Wall, encode};
 
 use super::target::{Opener, Running};
 
@@ -30,6 +30,10 @@ pub struct Answer {
     pub faults: Option<Faults>,
     /// What the back end did, once a second.
     pub look_back: Option<LookBack>,
+    /// What it knows of its place, once a second.
+    pub place: Option<Place>,
+    /// What its flash for maps has after it; none of a board's.
+    pub flash: Option<Vec<u8>>,
     /// Frames that arrived damaged.
     pub damaged: u32,
 }
@@ -77,6 +81,11 @@ impl Link {
         Ok(answer)
     }
 
+    /// Cuts the firmware's power; gives what its flash for maps has.
+    pub fn cut(self) -> Vec<u8> {
+        self.target.flash().unwrap_or_default()
+    }
+
     fn send(&mut self, frame: &Frame) -> Result<(), String> {
         let bytes = encode(frame).map_err(|error| format!("a frame cannot be sent: {error:?}"))?;
         let to = self.target.to.as_mut().ok_or("the link is closed")?;
@@ -87,14 +96,14 @@ impl Link {
         let mut answer = Answer::default();
         loop {
             match self.next()? {
-                Ok(Frame::Motors(motors)) => return Ok(Answer { motors, ..answer }),
+                Ok(Frame::Motors(motors)) => return Ok(Answer { motors, flash: self.target.flash(), ..answer }),
                 Ok(Frame::Sample(sample)) => answer.sample = Some(sample),
                 Ok(Frame::Estimate(estimate)) => answer.estimate = Some(estimate),
                 Ok(Frame::Wall(wall)) => answer.wall = Some(wall),
                 Ok(Frame::Calibration(calibration)) => answer.calibration = Some(calibration),
                 Ok(Frame::Faults(faults)) => answer.faults = Some(faults),
                 Ok(Frame::LookBack(look_back)) => answer.look_back = Some(look_back),
-                Ok(Frame::Place(_)) => {}
+                Ok(Frame::Place(place)) => answer.place = Some(place),
                 Ok(Frame::Command(_)) | Err(_) => answer.damaged += 1,
             }
         }

@@ -3,19 +3,25 @@
 //! Every 20 ms of simulated time the firmware gets what its sensors show and answers with what it gives the motors.
 //! Beside it the host runs the same estimator on the same samples: every estimate must be the same, bit for bit.
 
+mod boot;
+mod flash;
 mod link;
 mod outcome;
+mod outlive;
 mod shadow;
 mod target;
 
 use std::path::PathBuf;
 
 use hal_sim::{Plan, SimOptions, Simulation};
-use robot::Duty;
 use robot::rig::BuiltIn;
-use wire::{Command, Contacts, Range, Sample};
+use wire::{Command, Sample};
 
 use crate::port;
+use boot::{Boot, PERIOD_US};
+use flash::Memory;
+use keeper::SLOT_BYTES;
+use kept_map::{Record, rig_hash};
 use lab::input::built_in;
 use lab::input::log::writer;
 use lab::input::rig_file::Robot;
@@ -23,13 +29,10 @@ use lab::numbers::shortest;
 use lab::recording::Pose2;
 use lab::show::output::folder::Folder;
 use lab::show::output::streams::{LineFile, tum_line};
-use link::Link;
 pub use outcome::Outcome;
+pub use outlive::Outlived;
 use shadow::Shadow;
 pub use target::Target;
-
-/// Period of the exchange, microseconds: that of the firmware's wheel-speed control.
-const PERIOD_US: u64 = 20_000;
 
 /// Files that a run writes.
 const NAMES: [&str; 5] = ["log.csv", "rig.toml", "trajectory.tum", "truth.tum", "hil.json"];
@@ -49,6 +52,8 @@ pub struct Hil {
     pub robot: BuiltIn,
     /// Whether look backs are handed over; none: as suits the robot.
     pub hand_overs: Option<bool>,
+    /// A `map.bin` that the robot begins with in its flash.
+    pub map: Option<PathBuf>,
     /// Where the firmware runs.
     pub target: Target,
 }
@@ -60,50 +65,52 @@ impl Hil {
     /// What keeps the drive from starting or going on, for people. A difference between host and target is no error
     /// here: see [`Outcome::verdict`].
     pub fn run(&self, mut progress: impl FnMut(f64)) -> Result<Outcome, String> {
-        let plan = hal_sim::plan_file::load(&self.plan).map_err(|error| error.to_string())?;
         let (robot, rig_toml) = built_in(self.robot).map_err(|error| error.to_string())?;
-        let mut simulation = Simulation::new(&plan, &self.robot.rig(), SimOptions::default(), self.seed)
-            .map_err(|error| error.to_string())?;
+        let mut simulation = self.simulation()?;
         let folder = Folder::prepare(&self.out, &NAMES).map_err(|error| error.to_string())?;
         let mut files = Files::create(&folder, &robot, &rig_toml)?;
-        let hand_overs = self.hand_overs.unwrap_or_else(|| self.robot.hands_over());
-        let is_timed = matches!(self.target, Target::EmulatorTimed { .. });
-        let mut shadow = Shadow::new(self.robot, hand_overs, is_timed)?;
-        let word = if hand_overs { "hand-overs" } else { "no-hand-overs" };
-        let mut link = Link::new(self.target.start(word)?)?;
-        link.send_command(Command::Start)?;
-        let mut duty = Duty::default();
+        let mut boot = Boot::start(self, &mut simulation, self.flash()?, None)?;
+        boot.command(Command::Start)?;
         let periods = (60.0 * self.minutes * 1e6 / PERIOD_US as f64).ceil() as u64;
         for period in 1..=periods {
-            simulation.set_duty(duty);
-            simulation.advance(PERIOD_US as f64 * 1e-6);
-            let shown = sense(&mut simulation, period * PERIOD_US);
-            let answer = link.exchange(shown.clone())?;
-            duty = Duty { left: answer.motors.left, right: answer.motors.right };
-            let truth = simulation.pose();
-            if let Some(estimate) = shadow.check(&shown, &answer, truth) {
-                files.row(&robot, &shown, &estimate, truth)?;
+            let moment = boot.pass()?;
+            if let Some(estimate) = moment.estimate {
+                files.row(&robot, &moment.shown, &estimate, moment.truth)?;
             }
             progress(period as f64 / periods as f64);
         }
         files.close()?;
-        let outcome = outcome(&plan, &simulation, shadow);
+        let (shadow, _) = boot.cut();
+        let outcome = outcome(&self.plan()?, &simulation, shadow);
         folder.write("hil.json", outcome.to_json(self)).map_err(|error| error.to_string())?;
         Ok(outcome)
     }
-}
 
-/// What the robot's sensors show now.
-fn sense(simulation: &mut Simulation, time_us: u64) -> Sample {
-    let ticks = simulation.ticks();
-    let ranges = simulation.read_ranges();
-    let robot::Contacts { bump_left, bump_right, cliff, lifted } = simulation.contacts();
-    Sample {
-        time_us,
-        left_ticks: ticks.left,
-        right_ticks: ticks.right,
-        ranges: ranges.into_iter().take(wire::SENSORS).map(Range::from).collect(),
-        contacts: Contacts { bump_left, bump_right, cliff, lifted },
+    fn plan(&self) -> Result<Plan, String> {
+        hal_sim::plan_file::load(&self.plan).map_err(|error| error.to_string())
+    }
+
+    fn simulation(&self) -> Result<Simulation, String> {
+        Simulation::new(&self.plan()?, &self.robot.rig(), SimOptions::default(), self.seed)
+            .map_err(|error| error.to_string())
+    }
+
+    /// What the robot's flash for maps has at first: of a target that has none, nothing.
+    fn flash(&self) -> Result<Vec<u8>, String> {
+        if !matches!(self.target, Target::Emulator { .. } | Target::EmulatorTimed { .. }) {
+            return Ok(Vec::new());
+        }
+        let Memory(mut flash) = Memory::erased();
+        if let Some(file) = &self.map {
+            let map = std::fs::read(file).map_err(|error| format!("{}: {error}", file.display()))?;
+            let record =
+                Record::parse(&map).and_then(|record| record.of_rig(rig_hash(&self.robot.rig::<{ wire::SENSORS }>())));
+            record.map_err(|refused| format!("{} {refused}", file.display()))?;
+            let slot = flash.get_mut(..map.len()).filter(|slot| slot.len() <= SLOT_BYTES as usize);
+            let is_long = || format!("{}: a robot has room for {SLOT_BYTES} bytes, not {}", file.display(), map.len());
+            slot.ok_or_else(is_long)?.copy_from_slice(&map);
+        }
+        Ok(flash)
     }
 }
 

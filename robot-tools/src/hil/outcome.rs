@@ -3,7 +3,7 @@
 use std::fmt;
 
 use serde_json::json;
-use wire::{Faults, LookBack};
+use wire::{Faults, LookBack, Place};
 
 use super::Hil;
 use lab::recording::{MapScore, PathScore};
@@ -57,6 +57,8 @@ pub struct Outcome {
     pub faults: Option<Faults>,
     /// The firmware's last word on its back end; none where it has none.
     pub look_back: Option<LookBack>,
+    /// The firmware's last word on its place.
+    pub place: Option<Place>,
     /// How late its steps began.
     pub late_us: Latenesses,
     /// Frames from the firmware that arrived damaged.
@@ -115,6 +117,8 @@ impl Outcome {
             "hand_overs_taken": self.look_back.map(|look_back| look_back.taken_over),
             "hand_overs_refused": self.look_back.map(|look_back| look_back.not_taken.iter().sum::<u32>()),
             "back_end_late": self.look_back.map(|look_back| look_back.late),
+            "found": self.place.map(|place| place.found),
+            "lost": self.place.map(|place| place.lost),
             "late_us_median": self.late_us.at(0.5),
             "late_us_99": self.late_us.at(0.99),
             "late_us_most": self.late_us.at(1.0),

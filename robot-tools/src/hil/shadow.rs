@@ -1,11 +1,13 @@
 //! The host's estimator beside the firmware's: same samples, same bits.
 
 use hal_sim::{Face, SeenWall};
+use keeper::{Circumstances, Keeper};
 use look_back::{RobotBackEnd, STEP_US};
 use robot::rig::BuiltIn;
-use slam_core::{Config, RobotSlam};
-use wire::{Contacts, Estimate, Faults, LookBack, Sample};
+use slam_core::{Config, RobotSlam, StepReport};
+use wire::{Contacts, Estimate, Faults, LookBack, Place, Sample};
 
+use super::flash::Memory;
 use super::link::Answer;
 use super::outcome::{Difference, Latenesses, Outcome};
 use lab::evaluate::score;
@@ -17,7 +19,7 @@ pub struct Shadow {
     slam: Box<RobotSlam>,
     /// The back end, where the firmware hands over.
     back_end: Option<Box<RobotBackEnd>>,
-    is_lifted: bool,
+    keeper: Keeper<Memory>,
     /// The loop runs on the processor's own clock: what changes just as a sample is due is in that one or in the next.
     is_timed: bool,
     /// The contacts that were shown last.
@@ -27,20 +29,22 @@ pub struct Shadow {
     paths: Vec<[Pose2; 3]>,
     faults: Option<Faults>,
     look_back: Option<LookBack>,
+    place: Option<Place>,
     late_us: Vec<u32>,
     damaged: u32,
 }
 
 impl Shadow {
-    /// The estimator as the firmware starts it.
-    pub fn new(robot: BuiltIn, hand_overs: bool, is_timed: bool) -> Result<Self, String> {
+    /// The estimator as the firmware starts it, with what its flash for maps has.
+    pub fn new(robot: BuiltIn, hand_overs: bool, is_timed: bool, flash: Vec<u8>) -> Result<Self, String> {
         let config = Config { hand_overs, ..Config::for_rig::<{ wire::SENSORS }>(&robot.rig()) };
         let slam = RobotSlam::with_config(robot.rig(), config);
         let slam = Box::new(slam.map_err(|error| format!("the built-in rig: {} {}", error.key, error.allowed))?);
+        let keeper = Keeper::start(Memory(flash), &robot.rig());
         Ok(Self {
             slam,
             back_end: hand_overs.then(|| Box::new(RobotBackEnd::IDLE)),
-            is_lifted: false,
+            keeper,
             is_timed,
             shown: Contacts::default(),
             identical: 0,
@@ -48,6 +52,7 @@ impl Shadow {
             paths: Vec::new(),
             faults: None,
             look_back: None,
+            place: None,
             late_us: Vec::new(),
             damaged: 0,
         })
@@ -59,6 +64,7 @@ impl Shadow {
         self.damaged += answer.damaged;
         self.faults = answer.faults.or(self.faults);
         self.look_back = answer.look_back.or(self.look_back);
+        self.place = answer.place.or(self.place);
         let (sample, theirs) = (answer.sample.as_ref()?, answer.estimate?);
         if !self.is_of(sample, shown) {
             self.differ(sample, &format!("the sample is not what the sensors showed: {sample:?}, {shown:?}"));
@@ -73,10 +79,8 @@ impl Shadow {
             handed_over = back_end.hand_over(&mut self.slam);
             back_end.work(STEP_US);
         }
-        let lifted = sample.contacts.lifted;
-        if handed_over.is_none() && std::mem::replace(&mut self.is_lifted, lifted) != lifted {
-            // Without a kept map the firmware begins anew, where it is lifted and where it is set down.
-            self.slam.restart_map();
+        if handed_over.is_none() {
+            self.keep(sample, &report, answer.flash.as_deref());
         }
         self.late_us.push(theirs.late_us);
         if ours.same_bits(&theirs) {
@@ -87,6 +91,16 @@ impl Shadow {
         let pose = |[x_m, y_m, theta_rad]: [f32; 3]| Pose2::new(x_m.into(), y_m.into(), theta_rad.into());
         self.paths.push([pose(theirs.pose), pose(theirs.dead_reckoning), truth]);
         Some(theirs)
+    }
+
+    /// Keeps the map as the firmware does, which saved it where its flash has changed; both must have the same bytes then.
+    fn keep(&mut self, sample: &Sample, report: &StepReport<{ wire::SENSORS }>, flash: Option<&[u8]>) {
+        let saved = flash.filter(|theirs| *theirs != self.keeper.flash().0);
+        let now = Circumstances { is_lifted: sample.contacts.lifted, stands: saved.is_some(), is_off: saved.is_some() };
+        self.keeper.step(&mut self.slam, report, now);
+        if saved.is_some_and(|theirs| theirs != self.keeper.flash().0) {
+            self.differ(sample, "the map that was saved");
+        }
     }
 
     /// Whether this is the sample that was shown.
@@ -118,6 +132,7 @@ impl Shadow {
             walls: walls.len(),
             faults: self.faults,
             look_back: self.look_back,
+            place: self.place,
             late_us: Latenesses::of(self.late_us),
             damaged: self.damaged,
         }
@@ -132,7 +147,7 @@ mod tests {
 
     /// What a firmware that works says to two samples; `change` may falsify it.
     fn outcome(change: impl Fn(&mut Answer)) -> Outcome {
-        let mut shadow = Shadow::new(BuiltIn::Sharp, false, false).unwrap();
+        let mut shadow = Shadow::new(BuiltIn::Sharp, false, false, Vec::new()).unwrap();
         let mut target = RobotSlam::new(default_rig()).unwrap();
         for step in 1..=2_u64 {
             let ranges = (0..8).map(|i| Range::Counts(1000 + 7 * i + step as u16)).collect();

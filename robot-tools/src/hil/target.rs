@@ -40,6 +40,29 @@ pub enum Target {
     },
 }
 
+/// What a target begins with.
+#[derive(Clone, Debug, Default)]
+pub struct Beginning {
+    /// Whether it hands look backs over.
+    pub hand_overs: bool,
+    /// What its flash for maps has.
+    pub flash: Vec<u8>,
+    /// Words of the flash that are written before its power fails; none where that does not.
+    pub power_words: Option<u32>,
+}
+
+impl Beginning {
+    /// What the firmware reads on the emulator's command line.
+    fn words(&self) -> String {
+        let hand_overs = if self.hand_overs { "hand-overs" } else { "no-hand-overs" };
+        let power = self.power_words.map(|words| format!("power={words} ")).unwrap_or_default();
+        format!("{power}{hand_overs}")
+    }
+}
+
+/// Name of the file that the emulator's flash is kept in.
+const FLASH: &str = "flash";
+
 /// A running target.
 pub struct Running {
     /// Bytes to the firmware; taken first when the target ends.
@@ -58,21 +81,21 @@ struct Emulator {
 }
 
 impl Target {
-    /// Starts it; an emulated one is told this word.
+    /// Starts it; an emulated one begins with this.
     ///
     /// # Errors
     /// What is missing, and what to do about it.
-    pub fn start(&self, word: &str) -> Result<Running, String> {
+    pub fn start(&self, begin: &Beginning) -> Result<Running, String> {
         let pipes = ["to-robot", "from-robot"];
         match self {
-            Self::Emulator { image } => emulate(image, pipes, word, &["-serial", "null"]),
+            Self::Emulator { image } => emulate(image, pipes, begin, &["-serial", "null"]),
             Self::EmulatorTimed { image } => {
-                emulate(image, pipes, word, &["-serial", "null", "-icount", INSTRUCTION_TIME])
+                emulate(image, pipes, begin, &["-serial", "null", "-icount", INSTRUCTION_TIME])
             }
             Self::EmulatorSerial { image } => {
                 // The second serial line of the machine is USART2.
                 let line = ["-chardev", "pipe,id=line,path=line", "-serial", "null", "-serial", "chardev:line"];
-                emulate(image, ["line.in", "line.out"], word, &line)
+                emulate(image, ["line.in", "line.out"], begin, &line)
             }
             Self::Port { device } => open_port(device),
         }
@@ -84,6 +107,11 @@ impl Running {
     pub fn ended(&mut self) -> Option<String> {
         let status = self.emulator.as_mut()?.child.try_wait().ok()??;
         Some(format!("the emulator ended: {status}"))
+    }
+
+    /// What the emulator's flash for maps has now; none of a board's.
+    pub fn flash(&self) -> Option<Vec<u8>> {
+        std::fs::read(self.emulator.as_ref()?.dir.join(FLASH)).ok()
     }
 }
 
@@ -103,7 +131,7 @@ impl Drop for Running {
     }
 }
 
-fn emulate(image: &Path, [to, from]: [&str; 2], word: &str, options: &[&str]) -> Result<Running, String> {
+fn emulate(image: &Path, [to, from]: [&str; 2], begin: &Beginning, options: &[&str]) -> Result<Running, String> {
     let built = "`cargo xtask hil` builds it";
     let image = image.canonicalize().map_err(|error| format!("{}: {error}; {built}", image.display()))?;
     let dir = std::env::temp_dir().join(format!("wall-slam-hil-{}", std::process::id()));
@@ -115,9 +143,10 @@ fn emulate(image: &Path, [to, from]: [&str; 2], word: &str, options: &[&str]) ->
             return Err(format!("`mkfifo {}` failed: the emulator is reached through pipes", dir.join(name).display()));
         }
     }
+    std::fs::write(dir.join(FLASH), &begin.flash).map_err(failed)?;
     let mut qemu = Command::new("qemu-system-arm");
     qemu.current_dir(&dir).args(["-machine", MACHINE, "-display", "none", "-monitor", "none"]).args(options);
-    qemu.args(["-semihosting-config", "enable=on,target=native", "-append", word, "-kernel"]).arg(&image);
+    qemu.args(["-semihosting-config", "enable=on,target=native", "-append", &begin.words(), "-kernel"]).arg(&image);
     qemu.stdin(Stdio::null());
     let child = qemu.spawn().map_err(|error| format!("qemu-system-arm: {error}; `cargo xtask setup` installs it"))?;
     // Opened for reading too, so that opening does not wait for the emulator.

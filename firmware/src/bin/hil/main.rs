@@ -13,8 +13,10 @@ mod bank;
 #[path = "../../core_ram.rs"]
 mod core_ram;
 mod devices;
+#[cfg_attr(feature = "hil-usart", path = "no_flash.rs")]
+#[cfg_attr(not(feature = "hil-usart"), path = "host_flash.rs")]
+mod flash;
 mod link;
-mod no_flash;
 #[cfg_attr(feature = "hil-timed", path = "timed/mod.rs")]
 #[cfg_attr(not(feature = "hil-timed"), path = "lock_step/mod.rs")]
 mod schedule;
@@ -31,15 +33,15 @@ use devices::{Emulated, Enable, Encoders, Input, Line, Motors};
 use embassy_executor::Spawner;
 use firmware::tasks;
 use firmware::{Keeper, LookBacks, Pilot, SENSORS, Shared};
+use flash::Flash;
 use look_back::RobotBackEnd;
-use no_flash::NoFlash;
 use robot::{ContactPins, PilotConfig, WheelControl, WheelControlConfig};
 use slam_core::{Config, RobotSlam};
 use static_cell::{ConstStaticCell, StaticCell};
 
 static SHARED: Shared = Shared::new();
 static LOOK_BACKS: LookBacks = LookBacks::new();
-static KEEPER: StaticCell<Keeper<NoFlash>> = StaticCell::new();
+static KEEPER: StaticCell<Keeper<Flash>> = StaticCell::new();
 static BACK_END: ConstStaticCell<RobotBackEnd> = ConstStaticCell::new(RobotBackEnd::IDLE);
 
 #[cortex_m_rt::entry]
@@ -48,20 +50,19 @@ fn main() -> ! {
     let slam = core_ram::SLAM.take();
     assert!(slam.start_with_config(ROBOT.rig(), config).is_ok(), "the built-in rig is valid");
     let pilot = core_ram::PILOT.init_with(|| Pilot::new(PilotConfig::default(), &ROBOT.rig()));
-    let keeper = KEEPER.init_with(|| Keeper::start(NoFlash, &ROBOT.rig()));
+    let keeper = KEEPER.init_with(|| Keeper::start(Flash::open(), &ROBOT.rig()));
     LOOK_BACKS.give_back(BACK_END.take());
     let link = link::Link::new(transport::Transport::open());
     schedule::run(|levels| spawn(levels, Robot { slam, keeper, pilot }, config), link)
 }
 
-/// Whether hand-overs are taken: as suits the robot, unless the emulator's command line ends with `hand-overs` or
+/// Whether hand-overs are taken: as suits the robot, unless the emulator's command line has the word `hand-overs` or
 /// `no-hand-overs`.
 fn hand_overs() -> bool {
-    match transport::last_word(&mut [0; 256]) {
-        b"hand-overs" => true,
-        b"no-hand-overs" => false,
-        _ => ROBOT.hands_over(),
-    }
+    let mut text = [0; 256];
+    let has = |wanted: &[u8]| transport::command_line(&mut text).split(|byte| *byte == b' ').any(|word| word == wanted);
+    let [is_on, is_off] = [b"hand-overs".as_slice(), b"no-hand-overs"].map(has);
+    is_on || !is_off && ROBOT.hands_over()
 }
 
 /// Where tasks are spawned: each level goes before the next one.
@@ -74,7 +75,7 @@ struct Levels {
 /// What tasks own for ever.
 struct Robot {
     slam: &'static mut RobotSlam,
-    keeper: &'static mut Keeper<NoFlash>,
+    keeper: &'static mut Keeper<Flash>,
     pilot: &'static mut Pilot,
 }
 
@@ -105,7 +106,7 @@ async fn sample() -> ! {
 }
 
 #[embassy_executor::task]
-async fn estimate(slam: &'static mut RobotSlam, keeper: &'static mut Keeper<NoFlash>, config: Config) -> ! {
+async fn estimate(slam: &'static mut RobotSlam, keeper: &'static mut Keeper<Flash>, config: Config) -> ! {
     tasks::estimate(slam, keeper, config, &SHARED, &LOOK_BACKS).await
 }
 

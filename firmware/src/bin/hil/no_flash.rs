@@ -1,16 +1,23 @@
-//! The loop has no flash that a map could be kept in: the emulator's cannot be written.
+//! A loop over the serial line has no flash that a map could be kept in: the emulator's cannot be written.
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use firmware::keeper::MapFlash;
 
 /// No flash.
-pub struct NoFlash;
+pub struct Flash;
 
-impl ErrorType for NoFlash {
+impl Flash {
+    /// There is none.
+    pub fn open() -> Self {
+        Self
+    }
+}
+
+impl ErrorType for Flash {
     type Error = NorFlashErrorKind;
 }
 
-impl ReadNorFlash for NoFlash {
+impl ReadNorFlash for Flash {
     const READ_SIZE: usize = 1;
 
     fn read(&mut self, _offset: u32, _bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
@@ -22,7 +29,7 @@ impl ReadNorFlash for NoFlash {
     }
 }
 
-impl NorFlash for NoFlash {
+impl NorFlash for Flash {
     const WRITE_SIZE: usize = 4;
     const ERASE_SIZE: usize = 4;
 
@@ -35,7 +42,7 @@ impl NorFlash for NoFlash {
     }
 }
 
-impl MapFlash for NoFlash {
+impl MapFlash for Flash {
     fn bytes(&self) -> &[u8] {
         &[]
     }

@@ -1,10 +1,11 @@
-//! The link through the emulator: two pipes on the host, opened by semihosting.
+//! The link through the emulator: two pipes and a file on the host, opened by semihosting.
 #![allow(unsafe_code, reason = "calls the emulator with pointers")]
 
 use cortex_m_semihosting::{debug, syscall};
 
-/// Modes of SYS_OPEN, as of fopen: "rb" and "wb".
+/// Modes of SYS_OPEN, as of fopen: "rb", "r+b" and "wb".
 const READ: usize = 1;
+const UPDATE: usize = 3;
 const WRITE: usize = 5;
 
 /// The two pipes, in the folder that the emulator was started in.
@@ -51,13 +52,57 @@ impl Transport {
     }
 }
 
-/// The last word of the emulator's command line.
-pub fn last_word(text: &mut [u8]) -> &[u8] {
+/// A file in the folder that the emulator was started in.
+pub struct HostFile(usize);
+
+impl HostFile {
+    /// Opens a file that is there; its name ends with a zero byte.
+    pub fn open(name: &[u8]) -> Self {
+        Self(open(name, UPDATE))
+    }
+
+    /// Reads bytes from this place of the file on; ends the program where there are fewer.
+    ///
+    /// # Safety
+    /// There is memory for so many bytes, and nobody refers to it.
+    pub unsafe fn read(&self, offset: usize, to: *mut u8, len: usize) {
+        self.seek(offset);
+        // SAFETY: the host writes at most `len` bytes, for which there is memory by the caller's word.
+        let missing = unsafe { syscall!(READ, self.0, to, len) };
+        if missing != 0 {
+            exit(debug::EXIT_FAILURE);
+        }
+    }
+
+    /// Writes bytes to this place of the file; ends the program where the host does not take them.
+    pub fn write(&self, offset: usize, bytes: &[u8]) {
+        self.seek(offset);
+        // SAFETY: the host only reads the bytes.
+        let missing = unsafe { syscall!(WRITE, self.0, bytes.as_ptr(), bytes.len()) };
+        if missing != 0 {
+            exit(debug::EXIT_FAILURE);
+        }
+    }
+
+    fn seek(&self, offset: usize) {
+        // SAFETY: no memory is touched.
+        if unsafe { syscall!(SEEK, self.0, offset) } != 0 {
+            exit(debug::EXIT_FAILURE);
+        }
+    }
+}
+
+/// The emulator's command line.
+pub fn command_line(text: &mut [u8]) -> &[u8] {
     // SAFETY: the host writes at most as many bytes as there are, the last one a zero.
     let failed = unsafe { syscall!(GET_CMDLINE, text.as_mut_ptr(), text.len()) } != 0;
     let line = text.split(|byte| *byte == 0).next().unwrap_or_default();
-    let word = line.rsplit(|byte| *byte == b' ').next().unwrap_or_default();
-    if failed { &[] } else { word }
+    if failed { &[] } else { line }
+}
+
+/// Ends the program, as a power cut does.
+pub fn end() -> ! {
+    exit(debug::EXIT_SUCCESS)
 }
 
 fn open(name: &[u8], mode: usize) -> usize {

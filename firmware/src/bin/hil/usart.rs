@@ -45,6 +45,6 @@ impl Transport {
 }
 
 /// Nobody says a word to a board before it starts.
-pub fn last_word(_text: &mut [u8]) -> &[u8] {
+pub fn command_line(_text: &mut [u8]) -> &[u8] {
     &[]
 }

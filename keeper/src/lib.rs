@@ -9,14 +9,15 @@
 //!
 //! The other states and their ways are those of [`relocate::Locator`]. A map is saved while the robot is told to stand, the motors
 //! are off and the place is sure: erasing a sector stops the processor for up to 0.8 s.
+#![no_std]
+#![forbid(unsafe_code)]
 
-use crate::SENSORS;
 use embedded_storage::nor_flash::NorFlash;
 use kept_map::{Record, Saved, Store, rig_hash};
 use relocate::{Event, HYPOTHESES, Locator, State, Step};
 use slam_core::kept::Kept;
 use slam_core::{Outcome, Pose, Rig, RobotSlam, StepReport};
-use wire::{Place, PlaceState};
+use wire::{Place, PlaceState, SENSORS};
 
 /// Bytes of a slot: the small sectors of the processor's flash.
 pub const SLOT_BYTES: u32 = 16 * 1024;
@@ -110,8 +111,13 @@ impl<F: MapFlash> Keeper<F> {
 
     /// The map was begun anew at someone's wish.
     pub fn began_anew(&mut self) {
-        self.locator = Locator::new(if self.saved.is_some() { State::Searching } else { State::Tracking });
+        self.locator.restart(if self.saved.is_some() { State::Searching } else { State::Tracking });
         self.unsaved_m = 0.0;
+    }
+
+    /// The flash.
+    pub fn flash(&mut self) -> &mut F {
+        self.store.flash()
     }
 
     /// What it is about, for the telemetry.
