@@ -18,7 +18,7 @@ pub const BRUSH_M: f64 = 0.25;
 const PASS_S: f64 = 2.0;
 
 /// Progress is noted this often, seconds.
-const PROGRESS_S: f64 = 5.0;
+const PROGRESS_S: f64 = 1.0;
 
 /// Poses farther apart than this are not joined by a path, metres: the robot was carried.
 const CARRIED_M: f64 = 0.1;
@@ -34,6 +34,8 @@ pub struct FloorScore {
     pub twice: f64,
     /// The largest piece in one that was missed, m^2.
     pub largest_hole_m2: f64,
+    /// Lower and upper corner of the box around it in the plan's frame, metres; none where nothing was missed.
+    pub hole_m: Option<[[f64; 2]; 2]>,
     /// Length of the true path, metres.
     pub path_m: f64,
     /// Area of the path, as wide as the brush, over the area swept.
@@ -85,6 +87,10 @@ pub struct FloorPicture {
     pub columns: usize,
     /// Cells row by row, along x first: 0 out of reach, 1 missed, 2 swept once, 3 twice or more.
     pub cells: Vec<u8>,
+    /// When each cell was swept first, and again, seconds since the start; infinity where it was not.
+    pub swept_s: Vec<[f32; 2]>,
+    /// Origin of the frame that true poses are in, in the plan's frame.
+    pub origin: Pose2,
 }
 
 /// The floor as it is swept, in the plan's frame.
@@ -103,6 +109,7 @@ pub struct FloorRaster {
     path_m: f64,
     last: Option<Pose2>,
     start: Pose2,
+    origin: Pose2,
     radius_m: f64,
     progress: Vec<FloorShare>,
     time: Vec<(&'static str, f64)>,
@@ -154,6 +161,7 @@ impl FloorRaster {
             path_m: 0.0,
             last: None,
             start,
+            origin: plan.start,
             radius_m,
             progress: Vec::new(),
             time: Vec::new(),
@@ -295,16 +303,20 @@ impl FloorRaster {
     pub fn score(&self) -> FloorScore {
         let area_m2 = |cells: usize| cells as f64 * CELL_M * CELL_M;
         let share = self.now();
+        let hole = self.largest_hole();
         let home_m = self.last.map_or(0.0, |pose| libm::hypot(pose.x_m - self.start.x_m, pose.y_m - self.start.y_m));
         let mut progress = self.progress.clone();
-        progress.push(share);
+        if progress.last().is_none_or(|last| last.t_s < share.t_s) {
+            progress.push(share);
+        }
         let code = |swept_s: &[f32; 2]| 1 + swept_s.iter().filter(|at_s| at_s.is_finite()).count() as u8;
         let codes = self.is_floor.iter().zip(&self.swept_s).map(|(is_floor, at)| if *is_floor { code(at) } else { 0 });
         FloorScore {
             floor_m2: area_m2(self.floor),
             swept: share.swept,
             twice: share.twice,
-            largest_hole_m2: area_m2(self.largest_hole()),
+            largest_hole_m2: area_m2(hole.len()),
+            hole_m: self.box_around(&hole),
             path_m: self.path_m,
             overlap: self.path_m * BRUSH_M / area_m2(self.swept).max(CELL_M * CELL_M),
             bumps: self.bumps,
@@ -317,28 +329,44 @@ impl FloorRaster {
                 cell_m: CELL_M,
                 columns: self.columns,
                 cells: codes.collect(),
+                swept_s: self.swept_s.clone(),
+                origin: self.origin,
             },
         }
     }
 
     /// Cells of the largest piece of floor that was missed.
-    fn largest_hole(&self) -> usize {
+    fn largest_hole(&self) -> Vec<usize> {
         let is_missed = |cell: usize| self.is_floor[cell] && self.swept_s[cell][0].is_infinite();
         let mut is_counted = vec![false; self.is_floor.len()];
-        let mut largest = 0;
+        let mut largest = Vec::new();
         for first in 0..self.is_floor.len() {
             let mut front = vec![first];
-            let mut cells = 0;
+            let mut cells = Vec::new();
             while let Some(cell) = front.pop() {
                 if !is_missed(cell) || core::mem::replace(&mut is_counted[cell], true) {
                     continue;
                 }
-                cells += 1;
+                cells.push(cell);
                 front.extend(self.neighbours(cell));
             }
-            largest = largest.max(cells);
+            if cells.len() > largest.len() {
+                largest = cells;
+            }
         }
         largest
+    }
+
+    /// Lower and upper corner of the box around cells, metres.
+    fn box_around(&self, cells: &[usize]) -> Option<[[f64; 2]; 2]> {
+        let corners = |cell: &usize| {
+            let [x_m, y_m] = self.centre_m(*cell);
+            let half_m = 0.5 * CELL_M;
+            [[x_m - half_m, y_m - half_m], [x_m + half_m, y_m + half_m]]
+        };
+        cells.iter().map(corners).reduce(|[low, high], [from, to]| {
+            [[low[0].min(from[0]), low[1].min(from[1])], [high[0].max(to[0]), high[1].max(to[1])]]
+        })
     }
 }
 
@@ -360,55 +388,4 @@ fn beside_m(cliff: &Cliff, point_m: [f64; 2]) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::plan_file;
-
-    const ROOM: &str = "[start]\nx_m = 0.5\ny_m = 0.5\n\
-        [[outline]]\npoints_m = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]]\n\
-        [[wall]]\nfrom_m = [1.0, 0.0]\nto_m = [1.0, 1.0]\n";
-
-    pub(super) fn moment(t_s: f64, x_m: f64) -> Moment {
-        Moment { t_s, pose: Pose2::new(x_m, 0.5, 0.0), doing: "lanes", is_pressed: false, is_on_floor: true }
-    }
-
-    pub(super) fn room() -> FloorRaster {
-        let plan = plan_file::parse("home.toml", "home", ROOM).unwrap();
-        FloorRaster::new(&plan, 0.17, plan.start)
-    }
-
-    #[test]
-    fn the_floor_is_what_the_brush_reaches_on_this_side_of_the_wall() {
-        // A square of 1 m less a rim of 4.5 cm, its corners as round as the brush.
-        let area_m2 = 0.91 * 0.91 - (4.0 - core::f64::consts::PI) * 0.125 * 0.125;
-        let score = room().score();
-        // The raster may take a cell's width off each side.
-        assert!((score.floor_m2 - area_m2).abs() < 4.0 * 0.91 * CELL_M, "{} is not {area_m2}", score.floor_m2);
-        assert!((score.largest_hole_m2 - score.floor_m2).abs() < 1e-9);
-    }
-
-    #[test]
-    fn there_and_back_is_swept_twice() {
-        let mut raster = room();
-        let there = (0..=50).map(|i| moment(0.04 * f64::from(i), 0.2 + 0.01 * f64::from(i)));
-        there.for_each(|moment| raster.record(&moment));
-        let once = raster.score();
-        let strip_m2 = 0.5 * 0.25 + core::f64::consts::PI * 0.125 * 0.125;
-        assert!((once.swept * once.floor_m2 - strip_m2).abs() < 0.01, "{once:?}");
-        assert_eq!(once.twice, 0.0);
-        assert!((once.overlap - 0.5 * 0.25 / (once.swept * once.floor_m2)).abs() < 1e-9);
-        let back = (0..=50).map(|i| moment(10.0 + 0.04 * f64::from(i), 0.7 - 0.01 * f64::from(i)));
-        back.for_each(|moment| raster.record(&moment));
-        let twice = raster.score();
-        assert!((twice.twice - twice.swept).abs() < 1e-9 && (twice.swept - once.swept).abs() < 1e-9);
-        assert!(twice.home_m > 0.29 && twice.home_m < 0.31);
-    }
-
-    #[test]
-    fn who_is_carried_sweeps_nothing_on_the_way() {
-        let mut raster = room();
-        raster.record(&moment(0.0, 0.2));
-        raster.record(&moment(0.04, 0.8));
-        assert_eq!(raster.score().path_m, 0.0);
-    }
-}
+mod tests;

@@ -214,7 +214,10 @@ fn main() -> ExitCode {
 
 fn run(args: RunArgs) -> Result<(), Box<dyn Error>> {
     let RunArgs { plan, job, minutes, seed, rig, out, map, start, trace, mcap, variant } = args;
-    let bar = ProgressBar::new(1000).with_style(style("driving {wide_bar} {percent} %, {eta} to go"));
+    let bar = ProgressBar::new(1000).with_style(style(match job {
+        Job::Explore => "driving {wide_bar} {percent} %, {eta} to go",
+        Job::Clean => "sweeping {wide_bar} {percent} % of the floor, {elapsed}",
+    }));
     let minutes = minutes.unwrap_or(match job {
         Job::Explore => 10.0,
         Job::Clean => 60.0,

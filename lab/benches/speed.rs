@@ -24,7 +24,7 @@ fn drive(robot: &Robot, minutes: f64) -> (Session, Vec<Row>) {
     let mut drive = Drive::new(&plan, robot, SimOptions::default(), 1).expect("the built-in robot fits");
     let mut session = Session::new(robot, Config::default(), "bench").expect("a good rig");
     let mut rows: Vec<Row> = Vec::new();
-    let kept = drive.run(&mut session, 60.0 * minutes, |row, _| {
+    let kept = drive.run(&mut session, 60.0 * minutes, |row, _, _| {
         rows.push(row.clone());
         Ok::<(), std::convert::Infallible>(())
     });

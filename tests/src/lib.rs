@@ -8,6 +8,7 @@ pub mod fuzzing;
 pub mod long_drive;
 pub mod positivity;
 pub mod real_logs;
+pub mod report;
 pub mod sample_recording;
 pub mod sanity;
 pub mod simulated;

@@ -1,9 +1,11 @@
 //! A made-up but plausible recording, the same on every machine: a robot drives round a room with a partition and a
 //! slanted wall. No estimator is involved; errors and outcomes are drawn from simple formulas.
 
+use hal_sim::floor::{FloorRaster, Moment};
+use hal_sim::plan_file;
 use lab::evaluate::score::consistency;
 use lab::recording::{
-    CalibrationSnapshot, Figures, MapScore, MapSnapshot, ParameterInfo, PathScore, Pose2, Recording, Segment,
+    CalibrationSnapshot, Figures, Job, MapScore, MapSnapshot, ParameterInfo, PathScore, Pose2, Recording, Segment,
     SensorInfo, Step,
 };
 use slam_core::{Outcome, ReadingReport, Refusal, WallKind, WallView};
@@ -68,6 +70,24 @@ pub fn sample_recording(seconds: f64, rate_hz: f64) -> Recording {
     }
     recording.figures = figures(seconds, recording.walls().len());
     recording.figures.consistency = consistency::score(&recording);
+    recording
+}
+
+/// The recording of a robot whose job was to sweep the floor: a lane, and half of it once more.
+pub fn cleaned() -> Recording {
+    const ROOM: &str = "[start]\nx_m = 1.0\ny_m = 1.0\nheading_deg = 90.0\n\
+        [[outline]]\npoints_m = [[0.0, 0.0], [3.0, 0.0], [3.0, 2.0], [0.0, 2.0]]\n";
+    let plan = plan_file::parse("home.toml", "home", ROOM).unwrap();
+    let mut floor = FloorRaster::new(&plan, 0.17, plan.start);
+    let moments = (0..=100).map(|i| (0.4 * f64::from(i), 0.3 + 0.02 * f64::from(if i <= 60 { i } else { 120 - i })));
+    for (i, (t_s, x_m)) in moments.enumerate() {
+        let doing = if i <= 60 { "lanes" } else { "docking" };
+        let pose = Pose2::new(x_m, 1.0, 0.0);
+        floor.record(&Moment { t_s, pose, doing, is_pressed: i == 60, is_on_floor: true });
+    }
+    let mut recording = sample_recording(40.0, 10.0);
+    recording.job = Some(Job::Clean);
+    recording.figures.floor = Some(floor.score());
     recording
 }
 

@@ -41,7 +41,7 @@ fn drive_with(plan: &str, minutes: f64, seed: u64, mut see: impl FnMut(&Row)) ->
     let home = hal_sim::plan_file::load(plan).expect("a built-in plan");
     let mut drive = Drive::new(&home, &robot, SimOptions::default(), seed).expect("the robot fits");
     let mut session = Session::new(&robot, Config::default(), plan).expect("a good rig");
-    let driven = drive.run(&mut session, 60.0 * minutes, |row, _| {
+    let driven = drive.run(&mut session, 60.0 * minutes, |row, _, _| {
         see(row);
         Ok::<(), Infallible>(())
     });

@@ -1,31 +1,20 @@
 //! The report page as a user meets it: opened in a browser, without a network.
 
-use lab::recording::Recording;
+use lab::recording::{Job, Recording};
 use serde_json::{Value, json};
 use slam_core::{Outcome, ReadingReport};
 use std::path::{Path, PathBuf};
-use tests::{
-    browser::{Browser, Visit},
-    sample_recording::sample_recording,
-};
+use tests::browser::Browser;
+use tests::report::assert_sound;
+use tests::sample_recording::{cleaned, sample_recording};
 
-/// Opens the page of a recording; it must load without a fault and without fetching anything.
 fn open(name: &str, recording: &Recording, hash: &str, probe: &str) -> Option<Value> {
-    let visit = Browser::find()?.visit(&folder(name), &lab::show::report::html(recording), hash, probe);
-    assert_sound(&visit);
-    Some(visit.answer)
+    tests::report::open(&folder(name), recording, hash, probe)
 }
 
 /// A folder of its own for each page and its browser profile.
 fn folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join("report-page").join(name)
-}
-
-fn assert_sound(visit: &Visit) {
-    assert!(visit.ready, "the page did not get ready; console: {:#?}", visit.console);
-    assert_eq!(visit.errors, Some(0), "console: {:#?}", visit.console);
-    assert!(visit.console.is_empty(), "{:#?}", visit.console);
-    assert!(visit.answer.get("fault").is_none(), "the probe failed: {}", visit.answer["fault"]);
 }
 
 /// Figures, chart titles and what else a reader sees at first.
@@ -253,6 +242,13 @@ fn a_truth_slower_than_the_log_still_makes_lines() {
 }
 
 #[test]
+fn a_robot_that_explored_shows_no_floor() {
+    let recording = Recording { job: Some(Job::Explore), ..cleaned() };
+    let Some(seen) = open("no-floor", &recording, "", LOOK_AROUND) else { return };
+    assert!(!seen["charts"].as_array().unwrap().contains(&json!("floor-swept")), "{}", seen["charts"]);
+}
+
+#[test]
 fn odd_recordings_still_make_a_page() {
     let sample = sample_recording(10.0, 10.0);
     let mut broken = sample.clone();
@@ -268,8 +264,12 @@ fn odd_recordings_still_make_a_page() {
     }
     broken.figures.mean_nis = Some(f64::NAN);
     let blind = Recording { sensors: Vec::new(), readings: Vec::new(), maps: Vec::new(), ..sample.clone() };
+    let mut unswept = cleaned();
+    unswept.figures.floor = Some(Default::default());
     let single = Recording { steps: sample.steps[..1].to_vec(), maps: Vec::new(), ..sample.clone() };
-    for (name, recording) in [("empty", Recording::default()), ("broken", broken), ("blind", blind), ("single", single)]
+    let empty = Recording::default();
+    for (name, recording) in
+        [("empty", empty), ("broken", broken), ("blind", blind), ("single", single), ("unswept", unswept)]
     {
         let Some(seen) = open(name, &recording, "t=2&colour=pass", LOOK_AROUND) else { return };
         assert_eq!(seen["nan"], false, "{name}");
@@ -281,7 +281,7 @@ fn odd_recordings_still_make_a_page() {
 fn a_phone_shows_all_of_it_without_scrolling_sideways() {
     let Some(mut browser) = Browser::find() else { return };
     browser.width_px = 500;
-    let page = lab::show::report::html(&sample_recording(20.0, 10.0));
+    let page = lab::show::report::html(&cleaned());
     let visit = browser.visit(&folder("phone"), &page, "", LOOK_AROUND);
     assert_sound(&visit);
     assert!(visit.answer["wide"].as_i64().unwrap() <= 0, "{} pixels too wide", visit.answer["wide"]);

@@ -5,13 +5,16 @@
 
 mod figures;
 pub mod health;
+mod job;
 
+use hal_sim::floor::FloorScore;
 use slam_core::{Counters, Health, NotTaken, Outcome, ReadingReport, WallView};
 
 pub use hal_sim::pose::{Pose2, wrap};
 
 pub use crate::run::Searched;
 pub use figures::{Consistency, Figures, LookingBack, MapScore, PathScore, SeenWall, SurfelScore, Visit};
+pub use job::Job;
 
 /// One run of the estimator over one log or simulated drive.
 #[derive(Clone, Debug, Default)]
@@ -20,6 +23,8 @@ pub struct Recording {
     pub title: String,
     /// Seed of a simulated drive.
     pub seed: Option<u64>,
+    /// What a simulated robot was to do.
+    pub job: Option<Job>,
     /// Since when the pilot of a simulated drive could not get away from where it was, to the end, seconds.
     pub stuck_from_s: Option<f64>,
     /// Whether path and map are as they look from the end, see [`crate::evaluate::smoother`].
@@ -187,6 +192,11 @@ impl Recording {
     /// Whether all poses are in one frame: the robot was never searching.
     pub fn is_one_frame(&self) -> bool {
         !self.steps.iter().any(|step| step.searching)
+    }
+
+    /// The floor, where the job was to sweep it.
+    pub fn swept_floor(&self) -> Option<&FloorScore> {
+        self.figures.floor.as_ref().filter(|_| self.job == Some(Job::Clean))
     }
 
     /// What is wrong with the estimate itself, in words; none where every number is one.

@@ -10,7 +10,7 @@ use crate::evaluate::score::map::{LONG_M, PASSED_M, PassedWall};
 use crate::input::log::Row;
 use crate::input::rig_file::Robot;
 use crate::numbers::shortest;
-use crate::recording::{Figures, Pose2, Recording, Segment, TruthFrame};
+use crate::recording::{Figures, Job, Pose2, Recording, Segment, TruthFrame};
 
 /// A robot in a home, with the pilot that drives it.
 pub struct Drive {
@@ -41,6 +41,10 @@ impl Drive {
     pub fn cleaning(plan: &Plan, robot: &Robot, options: SimOptions, seed: u64) -> Result<Self, SimError> {
         let simulation = Simulation::new(plan, &robot.rig, options, seed)?;
         Ok(Self::of(plan, ClosedLoop::cleaning(simulation, &robot.rig, FloorConfig::default())))
+    }
+
+    fn job(&self) -> Job {
+        if self.robot.floor_job.is_some() { Job::Clean } else { Job::Explore }
     }
 
     fn of(plan: &Plan, robot: ClosedLoop) -> Self {
@@ -97,7 +101,8 @@ impl Drive {
         });
     }
 
-    /// Drives for this long (seconds); `each` gets every row when it is recorded.
+    /// Drives for this long (seconds); `each` gets every row when it is recorded, and what share of the drive is done: of the
+    /// time, or of the floor where the job is to sweep it.
     ///
     /// # Errors
     /// The first error of `each`, which ends the drive.
@@ -105,13 +110,14 @@ impl Drive {
         &mut self,
         session: &mut Session,
         duration_s: f64,
-        mut each: impl FnMut(&Row, &Recording) -> Result<(), E>,
+        mut each: impl FnMut(&Row, &Recording, f64) -> Result<(), E>,
     ) -> Result<(), E> {
         let mut t_s = f64::NEG_INFINITY;
         while t_s < duration_s && !self.is_over() {
             let row = self.step(session);
             t_s = row.t_s;
-            each(&row, session.recording())?;
+            let done = if self.job() == Job::Clean { self.floor.now().swept } else { t_s / duration_s };
+            each(&row, session.recording(), done)?;
         }
         Ok(())
     }
@@ -129,6 +135,7 @@ impl Drive {
     fn judged(&self, mut recording: Recording) -> Recording {
         recording.truth_frame = TruthFrame::Map;
         recording.true_walls = self.plan.clone();
+        recording.job = Some(self.job());
         recording.stuck_from_s = self.stuck.map(|(from_s, _)| from_s);
         recording.figures.floor = Some(self.floor.score());
         self.reveal_calibration(&mut recording);

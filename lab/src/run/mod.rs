@@ -8,17 +8,18 @@ mod replay;
 mod session;
 mod simulate;
 
+pub use crate::recording::Job;
 pub use drive::Drive;
 pub use life::Searched;
 pub use relative::{RelativeReplay, RelativeSession, covariance_of, look_back, to_record, views};
 pub use replay::{Replay, Replayed};
 pub use session::{Session, begun, parameter_name};
-pub use simulate::{Job, Run};
+pub use simulate::Run;
 
 /// How far a run or a replay is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Progress {
-    /// Share of the drive that is done, 0 to 1.
+    /// Share of the drive that is done, 0 to 1: of the time, or of the floor where the job is to sweep it.
     Driven(f64),
     /// Rows of the log that are done.
     Rows(usize),

@@ -13,31 +13,12 @@ use crate::evaluate::smoother;
 use crate::input::rig_file::rig_error;
 use crate::input::settings::Settings;
 use crate::input::{self, log::writer};
-use crate::recording::Recording;
+use crate::recording::{Job, Recording};
 use crate::show::output::folder::Folder;
 use crate::show::output::streams::{LineFile, Streams};
 use crate::show::output::summary::Origin;
 use crate::show::output::{self, NAMES};
 use input_file::FileError;
-
-/// What the robot is to do.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Job {
-    /// Map the home.
-    #[default]
-    Explore,
-    /// Sweep its floor and come back.
-    Clean,
-}
-
-impl Job {
-    /// Every one, with its name.
-    pub const ALL: [(&'static str, Self); 2] = [("explore", Self::Explore), ("clean", Self::Clean)];
-
-    fn name(self) -> &'static str {
-        Self::ALL.iter().find(|(_, job)| *job == self).map_or("", |(name, _)| name)
-    }
-}
 
 /// What to run.
 #[derive(Clone, Debug)]
@@ -98,8 +79,8 @@ impl Run {
         let mut log = LineFile::create(folder.file("log.csv"))?;
         log.line(&writer::header(&robot))?;
         let duration_s = 60.0 * self.minutes;
-        drive.run(&mut session, duration_s, |row, recording| -> Result<(), FileError> {
-            progress(Progress::Driven(row.t_s / duration_s));
+        drive.run(&mut session, duration_s, |row, recording, share| -> Result<(), FileError> {
+            progress(Progress::Driven(share));
             log.line(&writer::line(&robot, row))?;
             recording.steps.last().map_or(Ok(()), |step| streams.push(step))
         })?;

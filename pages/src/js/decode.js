@@ -140,6 +140,7 @@ function decode(raw) {
     wallCount: column(s.walls, 1),
     walls: wallTracks(raw.walls),
     plan: raw.plan,
+    floor: decodeFloor(raw.floor),
     calibration: {
       t: column(raw.calibration.t, 1e-3),
       parameters: raw.calibration.parameters.map((p) => ({

@@ -3,6 +3,7 @@
 const COLOUR_NAMES = [
   "paper", "card", "ink", "soft", "line", "grid", "estimate", "odometry", "truth", "plan", "wall", "free",
   "used", "gated", "unexplained", "refused", "apart", "one", "two", "three", "four", "five", "six", "seven", "eight",
+  "swept", "twice", "to-come", "missed", "swept-line", "twice-line",
   "time-1", "time-2", "time-3", "time-4", "time-5", "time-6",
 ];
 

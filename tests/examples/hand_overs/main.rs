@@ -79,7 +79,7 @@ fn drive(plan: &str, robot: &Robot, hand_overs: bool, seed: u64) -> [f64; 8] {
     let home = hal_sim::plan_file::load(plan).expect("a built-in plan");
     let mut drive = Drive::new(&home, robot, SimOptions::default(), seed).expect("the robot fits");
     let mut session = Session::new(robot, config(robot, hand_overs), plan).expect("a good rig");
-    drive.run(&mut session, 60.0 * MINUTES, |_, _| Ok::<(), Infallible>(())).expect("nothing can fail");
+    drive.run(&mut session, 60.0 * MINUTES, |_, _, _| Ok::<(), Infallible>(())).expect("nothing can fail");
     let recording = drive.finish(session);
     let (path, map) = recording.figures.estimate.zip(recording.figures.map).expect("a truth and a plan");
     let taken_at = recording.hand_overs.iter().filter(|found| found.refused.is_none());

@@ -1,5 +1,6 @@
 //! What a run or a replay leaves in its output folder.
 
+mod floor;
 pub mod folder;
 pub mod streams;
 pub mod summary;
@@ -13,7 +14,7 @@ use input_file::FileError;
 use summary::Origin;
 
 /// What every run and replay writes, apart from what it adds of its own.
-pub const NAMES: [&str; 11] = [
+pub const NAMES: [&str; 13] = [
     "map.bin",
     "trajectory.tum",
     "truth.tum",
@@ -25,6 +26,8 @@ pub const NAMES: [&str; 11] = [
     "readings.csv",
     "looking-back.tum",
     "looking-back.html",
+    "floor.csv",
+    "floor.pgm",
 ];
 
 /// Writes everything that is written when a run is over, of the record and of how it looks from the end; what grew with the
@@ -45,6 +48,10 @@ pub fn finish(
     }
     if let Some(truth) = tables::truth(recording) {
         folder.write("truth.tum", &truth)?;
+    }
+    if let Some(score) = recording.swept_floor() {
+        folder.write("floor.csv", floor::progress(score))?;
+        folder.write("floor.pgm", floor::picture(&score.picture))?;
     }
     write_page(folder, recording, "report.html")?;
     if let Some(back) = looking_back {

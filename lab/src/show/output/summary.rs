@@ -115,9 +115,11 @@ fn floor(score: &FloorScore) -> Value {
         "swept": score.swept,
         "twice": score.twice,
         "largest_hole_m2": score.largest_hole_m2,
+        "largest_hole_box_m": score.hole_m,
         "path_m": score.path_m,
         "overlap": score.overlap,
         "bumps": score.bumps,
+        "bumps_per_m2": f64::from(score.bumps) / score.floor_m2,
         "home_m": score.home_m,
         "time_s": time,
     })

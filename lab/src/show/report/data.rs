@@ -1,7 +1,7 @@
 //! A recording as compact JSON: columns of whole numbers in small units, each stored as its difference from the one
 //! before, `null` where a value is absent or not finite. `js/decode.js` is the other end.
 
-use super::series;
+use super::{floor, series};
 use crate::evaluate::score::path::nees;
 use crate::recording::{Consistency, Figures, MapScore, PathScore, Pose2, Recording, SeenWall, Step};
 use serde_json::{Value, json};
@@ -36,6 +36,7 @@ pub fn page_data(recording: &Recording) -> Value {
         "sensors": sensors(recording, &shown),
         "walls": walls(recording, &shown),
         "calibration": calibration(recording),
+        "floor": recording.swept_floor().map(floor::floor),
         "plan": recording.true_walls.iter().map(|s| [s.from_m[0], s.from_m[1], s.to_m[0], s.to_m[1]].map(millimetre))
             .collect::<Vec<_>>(),
     })
@@ -353,12 +354,7 @@ fn consistency(score: &Consistency) -> Value {
 }
 
 fn map_score(score: &MapScore) -> Value {
-    json!({
-        "offset_m": score.offset_m,
-        "matched": score.matched,
-        "missed": score.missed,
-        "invented": score.invented,
-    })
+    json!({ "offset_m": score.offset_m, "matched": score.matched, "missed": score.missed, "invented": score.invented })
 }
 
 #[cfg(test)]

@@ -4,11 +4,13 @@
 //! recording as compact JSON (`data.rs`). It needs no network and no other file.
 
 mod data;
+mod floor;
 pub mod growing;
 mod picture;
 mod series;
 
 pub use data::{figures, wall_ends};
+pub use floor::floor;
 pub use picture::map_svg;
 
 use super::svg::escape;
