@@ -1,6 +1,6 @@
 //! Board, wheel control, pilot and estimator in one loop.
 
-use robot::{FloorConfig, FloorJob, Pilot, PilotConfig, Senses, WheelSpeeds};
+use robot::{Bounds, FloorConfig, FloorJob, Pilot, PilotConfig, Senses, WheelSpeeds};
 use slam_core::{Adc, Pose, RangeInput, RangeModel, Rig, Sample};
 
 use crate::pose::Pose2;
@@ -35,6 +35,8 @@ pub struct ClosedLoop {
     pub pilot: Pilot<MAX_SENSORS>,
     /// The floor job, which drives instead of the pilot where there is one.
     pub floor_job: Option<Box<FloorJob<MAX_SENSORS>>>,
+    /// Where the floor job must not go and what it is to clean, in the map frame.
+    pub bounds: Bounds,
     command: Option<WheelSpeeds>,
 }
 
@@ -43,7 +45,7 @@ impl ClosedLoop {
     pub fn new(simulation: Simulation, rig: &Rig<MAX_SENSORS>, config: PilotConfig) -> Self {
         let radius_m = simulation.options().body_radius_m as f32;
         let config = PilotConfig { radius_m, track_m: simulation.track_m() as f32, ..config };
-        Self { simulation, pilot: Pilot::new(config, rig), floor_job: None, command: None }
+        Self { simulation, pilot: Pilot::new(config, rig), floor_job: None, bounds: Bounds::NONE, command: None }
     }
 
     /// A robot that cleans: the floor job drives.
@@ -79,7 +81,7 @@ impl ClosedLoop {
         let contacts = self.simulation.contacts();
         let senses = Senses { time_us: sample.time_us, pose, ranges_m, contacts };
         self.command = Some(match &mut self.floor_job {
-            Some(job) => job.step(&senses),
+            Some(job) => job.step_within(&senses, &self.bounds),
             None => self.pilot.step(&senses),
         });
         Frame { sample, truth: self.simulation.pose(), lifted: contacts.lifted }

@@ -1,8 +1,11 @@
 //! How much of the floor a drive swept: a raster of the true floor plan under the true path.
 
+mod holes;
 mod rebuilt;
 
 use std::collections::VecDeque;
+
+use robot::Bounds;
 
 use crate::plan::{Cliff, Plan};
 use crate::pose::Pose2;
@@ -91,6 +94,8 @@ pub struct FloorPicture {
     pub swept_s: Vec<[f32; 2]>,
     /// Origin of the frame that true poses are in, in the plan's frame.
     pub origin: Pose2,
+    /// Where the robot must not go, and what it is to clean, in the plan's frame.
+    pub bounds: Bounds,
 }
 
 /// The floor as it is swept, in the plan's frame.
@@ -110,6 +115,7 @@ pub struct FloorRaster {
     last: Option<Pose2>,
     start: Pose2,
     origin: Pose2,
+    bounds: Bounds,
     radius_m: f64,
     progress: Vec<FloorShare>,
     time: Vec<(&'static str, f64)>,
@@ -162,6 +168,7 @@ impl FloorRaster {
             last: None,
             start,
             origin: plan.start,
+            bounds: plan.bounds.clone(),
             radius_m,
             progress: Vec::new(),
             time: Vec::new(),
@@ -173,6 +180,9 @@ impl FloorRaster {
         for index in raster.places(&still(plan), &plan.cliffs, radius_m, start) {
             let centre_m = raster.centre_m(index);
             for cell in raster.within(centre_m, 0.5 * BRUSH_M) {
+                if !raster.bounds.is_to_clean(raster.centre_m(cell).map(|value_m| value_m as f32)) {
+                    continue;
+                }
                 raster.floor += usize::from(!raster.is_floor[cell]);
                 raster.is_floor[cell] = true;
             }
@@ -331,49 +341,18 @@ impl FloorRaster {
                 cells: codes.collect(),
                 swept_s: self.swept_s.clone(),
                 origin: self.origin,
+                bounds: self.bounds.clone(),
             },
         }
     }
-
-    /// Cells of the largest piece of floor that was missed.
-    fn largest_hole(&self) -> Vec<usize> {
-        let is_missed = |cell: usize| self.is_floor[cell] && self.swept_s[cell][0].is_infinite();
-        let mut is_counted = vec![false; self.is_floor.len()];
-        let mut largest = Vec::new();
-        for first in 0..self.is_floor.len() {
-            let mut front = vec![first];
-            let mut cells = Vec::new();
-            while let Some(cell) = front.pop() {
-                if !is_missed(cell) || core::mem::replace(&mut is_counted[cell], true) {
-                    continue;
-                }
-                cells.push(cell);
-                front.extend(self.neighbours(cell));
-            }
-            if cells.len() > largest.len() {
-                largest = cells;
-            }
-        }
-        largest
-    }
-
-    /// Lower and upper corner of the box around cells, metres.
-    fn box_around(&self, cells: &[usize]) -> Option<[[f64; 2]; 2]> {
-        let corners = |cell: &usize| {
-            let [x_m, y_m] = self.centre_m(*cell);
-            let half_m = 0.5 * CELL_M;
-            [[x_m - half_m, y_m - half_m], [x_m + half_m, y_m + half_m]]
-        };
-        cells.iter().map(corners).reduce(|[low, high], [from, to]| {
-            [[low[0].min(from[0]), low[1].min(from[1])], [high[0].max(to[0]), high[1].max(to[1])]]
-        })
-    }
 }
 
-/// What stands in the home for good: no people, and of the doors those that stay shut.
+/// What stands in the home for good: no people, and of the doors those that stay shut. Where the robot must not go there is a wall
+/// around.
 fn still(plan: &Plan) -> World {
     let mut plan = plan.clone();
     plan.people.clear();
+    plan.faces.extend(plan.fences());
     plan.doors.retain(|door| door.opens_at_s.is_infinite());
     for door in &mut plan.doors {
         door.closes_at_s = 0.0;

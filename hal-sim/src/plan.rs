@@ -1,5 +1,7 @@
 //! A floor plan: what stands where in a simulated home.
 
+use robot::{AreaKind, Bounds};
+
 use crate::mishap::Mishaps;
 use crate::pose::Pose2;
 
@@ -135,9 +137,22 @@ pub struct Plan {
     pub cliffs: Vec<Cliff>,
     /// What befalls the robot.
     pub mishaps: Mishaps,
+    /// Where it must not go, and what it is to clean.
+    pub bounds: Bounds,
 }
 
 impl Plan {
+    /// The edges of the areas that the robot must not go to, as if walls stood there.
+    pub fn fences(&self) -> Vec<Face> {
+        let point = |corner: &[f32; 2]| corner.map(f64::from);
+        let edges = |corners: &[[f32; 2]]| -> Vec<Face> {
+            let next = corners.iter().cycle().skip(1);
+            let face = |(from, to)| Face { from_m: point(from), to_m: point(to), two_sided: true };
+            corners.iter().zip(next).map(face).collect()
+        };
+        self.bounds.areas(AreaKind::KeepOut).flat_map(edges).collect()
+    }
+
     /// Every face in the robot's start frame, in the order of [`Plan::faces`]: what a map can be compared with.
     pub fn faces_in_start_frame(&self) -> Vec<Face> {
         self.faces.iter().map(|face| face.seen_from(&self.start)).collect()

@@ -1,5 +1,6 @@
 //! Floor plans as TOML: the built-in ones and the user's own. The format is described in `docs/reference/plans.md`.
 
+mod bounds;
 mod keys;
 mod mishaps;
 
@@ -10,7 +11,7 @@ use input_file::{FileError, Number, TomlFile};
 use crate::plan::{Cliff, Door, Face, Person, Plan, Room, Round};
 use crate::pose::Pose2;
 use crate::random_home::random_home;
-use keys::{Cuboid, File, Point};
+use keys::{Cuboid, File, Outline, Point};
 
 /// The built-in plans: name and text.
 pub const BUILT_IN: [(&str, &str); 6] = [
@@ -73,10 +74,12 @@ pub fn parse(file: &str, name: &str, text: &str) -> Result<Plan, FileError> {
         people: Vec::new(),
         cliffs: Vec::new(),
         mishaps: mishaps::mishaps(&toml, &keys)?,
+        bounds: bounds::bounds(&toml, &keys)?,
     };
     add_areas(&toml, &keys, &mut plan)?;
     add_moving(&toml, &keys, &mut plan)?;
     check_start(&toml, &keys, &plan.start)?;
+    bounds::check_start(&toml, &plan)?;
     if plan.faces.is_empty() && plan.rounds.is_empty() {
         return Err(toml.error("outline", "is missing; a plan needs at least one outline, box, wall or round"));
     }
@@ -135,21 +138,24 @@ fn segment(toml: &TomlFile<'_>, place: &str, from: &Point, to: &Point) -> Result
     }
 }
 
+/// The points of a closed line, metres.
+fn closed_line(toml: &TomlFile<'_>, place: &str, line: &Outline) -> Result<Vec<[f64; 2]>, FileError> {
+    let points_m: Vec<[f64; 2]> = line.points_m.iter().map(metres).collect();
+    if points_m.len() < 3 {
+        return Err(toml.error(place, "at least three points are needed"));
+    }
+    let length_m = |(from_m, to_m): ([f64; 2], [f64; 2])| libm::hypot(to_m[0] - from_m[0], to_m[1] - from_m[1]);
+    if let Some(j) = edges(&points_m).position(|edge| length_m(edge) <= SHORTEST_M) {
+        return Err(toml.error(&format!("{place}[{j}]"), "must be at least 1 mm from the next point"));
+    }
+    Ok(points_m)
+}
+
 fn faces(toml: &TomlFile<'_>, file: &File) -> Result<Vec<Face>, FileError> {
     let mut faces = Vec::new();
     for (i, outline) in file.outline.iter().enumerate() {
-        let place = format!("outline[{i}].points_m");
-        let points_m: Vec<[f64; 2]> = outline.points_m.iter().map(metres).collect();
-        if points_m.len() < 3 {
-            return Err(toml.error(&place, "at least three points are needed"));
-        }
-        for (j, from_m) in points_m.iter().enumerate() {
-            let to_m = points_m[(j + 1) % points_m.len()];
-            if libm::hypot(to_m[0] - from_m[0], to_m[1] - from_m[1]) <= SHORTEST_M {
-                return Err(toml.error(&format!("{place}[{j}]"), "must be at least 1 mm from the next point"));
-            }
-            faces.push(Face { from_m: *from_m, to_m, two_sided: false });
-        }
+        let points_m = closed_line(toml, &format!("outline[{i}].points_m"), outline)?;
+        faces.extend(edges(&points_m).map(|(from_m, to_m)| Face { from_m, to_m, two_sided: false }));
     }
     for (i, cuboid) in file.boxes.iter().enumerate() {
         let corners_m = rectangle(toml, &format!("box[{i}]"), &cuboid.min_m, &cuboid.max_m)?;

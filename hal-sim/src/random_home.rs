@@ -191,6 +191,7 @@ impl Draft {
             people: Vec::new(),
             cliffs: Vec::new(),
             mishaps: crate::Mishaps::default(),
+            bounds: robot::Bounds::default(),
         };
         let world = World::new(&plan);
         // A quarter of a metre beside the body: between its walls every room has that somewhere.

@@ -17,7 +17,7 @@ pub mod traits;
 pub mod wheel_control;
 
 pub use contact::{ContactPins, Contacts};
-pub use floor::{FloorConfig, FloorJob, FloorProgress, FloorState};
+pub use floor::{AreaKind, Bounds, FloorConfig, FloorJob, FloorProgress, FloorState};
 pub use h_bridge::{HBridge, HBridgeError, MotorPair};
 pub use pilot::{Activity, Pilot, PilotConfig, Senses};
 pub use traits::{DriveMotors, Duty, MetricSensor, RangeSensorBank, WheelCounter, WheelEncoders, WheelSpeeds};

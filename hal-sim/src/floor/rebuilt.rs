@@ -15,8 +15,9 @@ impl FloorRaster {
             new.swept += swept;
             new.twice += twice;
         }
-        let Self { corner_m, columns, rows, is_floor, swept_s, last_s, floor, swept, twice, .. } = new;
-        *self = Self { corner_m, columns, rows, is_floor, swept_s, last_s, floor, swept, twice, ..self.clone() };
+        let Self { corner_m, columns, rows, is_floor, swept_s, last_s, floor, swept, twice, bounds, .. } = new;
+        *self =
+            Self { corner_m, columns, rows, is_floor, swept_s, last_s, floor, swept, twice, bounds, ..self.clone() };
     }
 
     /// The cell that a point of the plan (metres) lies in.

@@ -35,6 +35,10 @@ pub(super) struct File {
     pub rug: Vec<Carpet>,
     #[serde(default)]
     pub hold: Vec<Grip>,
+    #[serde(default)]
+    pub keep_out: Vec<Outline>,
+    #[serde(default)]
+    pub clean: Vec<Outline>,
 }
 
 #[derive(Deserialize)]

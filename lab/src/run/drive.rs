@@ -2,7 +2,8 @@
 
 use hal_sim::floor::{FloorRaster, Moment};
 use hal_sim::{ClosedLoop, Estimate, Plan, SimError, SimOptions, Simulation};
-use robot::{Activity, FloorConfig, PilotConfig};
+use robot::{Activity, Bounds, FloorConfig, PilotConfig};
+use slam_core::Pose;
 
 use super::session::Session;
 use crate::evaluate::score;
@@ -17,6 +18,10 @@ pub struct Drive {
     robot: ClosedLoop,
     plan: Vec<Segment>,
     floor: FloorRaster,
+    /// Where the robot must not go and what it is to clean, in the start frame.
+    bounds: Bounds,
+    /// Count of the frame in which the robot has them; none where it has yet to be told.
+    bounded_in: Option<usize>,
     /// Since when, and where in the start frame, the pilot has been stuck.
     stuck: Option<(f64, Pose2)>,
 }
@@ -51,8 +56,9 @@ impl Drive {
         let simulation = &robot.simulation;
         let faces = plan.faces_in_start_frame();
         let floor = FloorRaster::new(plan, simulation.options().body_radius_m, simulation.pose_in_plan());
+        let bounds = bounds_from(&plan.start, plan);
         let plan = faces.iter().map(|face| Segment { from_m: face.from_m, to_m: face.to_m }).collect();
-        Self { robot, stuck: None, floor, plan }
+        Self { robot, stuck: None, floor, bounds, bounded_in: None, plan }
     }
 
     /// Drives to the next sample, which the session estimates and records; the first is taken where the robot stands.
@@ -72,6 +78,11 @@ impl Drive {
         }
         if let (Some(job), Some((alpha_rad, _))) = (&mut self.robot.floor_job, session.slam().alpha()) {
             job.align(alpha_rad);
+        }
+        if self.bounded_in != Some(session.frames()) {
+            self.bounded_in = Some(session.frames());
+            let bounds = if session.is_located() { &self.bounds } else { &Bounds::NONE };
+            self.robot.bounds = bounds.seen_from(&session.slam().start_pose().inverse());
         }
         let t_s = frame.sample.time_us as f64 * 1e-6;
         self.record_floor(t_s);
@@ -165,7 +176,7 @@ impl Drive {
             Some(_) => ClosedLoop::cleaning(simulation, &robot.rig, FloorConfig::default()),
             None => ClosedLoop::new(simulation, &robot.rig, PilotConfig::default()),
         };
-        self.stuck = None;
+        (self.stuck, self.bounded_in) = (None, None);
     }
 
     /// Holds what is estimated from now on against this plan, which the robot's home was rebuilt by.
@@ -173,6 +184,7 @@ impl Drive {
         self.robot.simulation.rebuild(plan);
         self.floor.rebuild(plan);
         let start = self.robot.simulation.start_in_plan();
+        (self.bounds, self.bounded_in) = (bounds_from(&start, plan), None);
         let faces = plan.faces.iter().map(|face| face.seen_from(&start));
         self.plan = faces.map(|face| Segment { from_m: face.from_m, to_m: face.to_m }).collect();
     }
@@ -230,4 +242,10 @@ impl Drive {
             parameter.truth = all.iter().find(|(name, _)| *name == parameter.name).map(|(_, value)| *value);
         }
     }
+}
+
+/// Where the robot must not go and what it is to clean, in the frame of its start.
+fn bounds_from(start: &Pose2, plan: &Plan) -> Bounds {
+    let [x_m, y_m, theta_rad] = [start.x_m, start.y_m, start.theta_rad].map(|value| value as f32);
+    plan.bounds.seen_from(&Pose { x_m, y_m, theta_rad })
 }

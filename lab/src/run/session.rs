@@ -73,6 +73,11 @@ impl Session {
         self.life.frames()
     }
 
+    /// Whether the pose is claimed in the frame of the kept map, or of the drive's start where there is none.
+    pub fn is_located(&self) -> bool {
+        self.life.is_located()
+    }
+
     /// What the searches for the place in the kept map found so far.
     pub fn searches(&self) -> &[Searched] {
         self.life.searches()

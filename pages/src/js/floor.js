@@ -3,6 +3,7 @@
 // A floor, which `decodeFloor` makes of the report's data and the studio of its own:
 //   corner, cell, columns, first, again   when each cell was swept first and again, seconds; Infinity: not, NaN: out of reach
 //   origin      where true poses begin, in the frame of the cells
+//   keep_out, clean   corners of the areas to stay out of and to clean, in the frame of the cells
 //   isOver      whether what was not swept is missed
 //   t, shares, sharesTwice, time          shares over time; pairs of what the robot did and for how many seconds
 //   floor_m2, swept, twice, overlap, bumps, home_m, hole_m2, hole_m
@@ -111,6 +112,7 @@ class FloorView {
     this.scale = scale;
     context.clearRect(0, 0, width, height);
     this.paintCells(context);
+    this.paintAreas(context);
     this.paintPlan(context);
     if (this.floor.isOver) this.paintHole(context, width);
     this.paintRobot(context);
@@ -156,6 +158,38 @@ class FloorView {
       context.lineTo(...this.toScreen(...this.place(...this.fromStart(x1, y1))));
     }
     context.stroke();
+  }
+
+  // Areas to stay out of are hatched, areas to clean outlined.
+  paintAreas(context) {
+    const { floor, theme } = this;
+    const outline = (corners) => {
+      context.beginPath();
+      for (const corner of corners) context.lineTo(...this.toScreen(...this.place(...corner)));
+      context.closePath();
+    };
+    context.lineWidth = 1.5;
+    context.strokeStyle = theme.soft;
+    for (const corners of floor.keep_out ?? []) {
+      outline(corners);
+      context.stroke();
+      context.save();
+      context.clip();
+      context.beginPath();
+      const { width, height } = this.canvas;
+      for (let x = -height; x < width; x += 10) {
+        context.moveTo(x, 0);
+        context.lineTo(x + height, height);
+      }
+      context.stroke();
+      context.restore();
+    }
+    context.setLineDash([6, 4]);
+    for (const corners of floor.clean ?? []) {
+      outline(corners);
+      context.stroke();
+    }
+    context.setLineDash([]);
   }
 
   // A frame around the largest piece that was missed, and its size.
@@ -258,6 +292,9 @@ function showFloor(floor, run, clock) {
   document.getElementById("floor-figures").replaceChildren(...floorFigures(floor).map(figureCard));
   document.getElementById("floor-legend").replaceChildren(...FLOOR_CLASSES.map(({ label, colour }) =>
     element("li", {}, element("span", { class: "swatch square", style: `--c:var(--${colour})` }), label)));
+  if (floor.keep_out?.length) {
+    document.getElementById("floor-legend").append(element("li", {}, element("span", { class: "swatch square hatched" }), "Out of bounds"));
+  }
   fillFloorTime(floor);
   const view = new FloorView(document.getElementById("floor"), floor, run, clock);
   const charts = addCharts("floor-charts", [floorChart(floor)], clock);

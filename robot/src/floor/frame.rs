@@ -10,10 +10,15 @@ pub(super) struct Frame {
 }
 
 impl Frame {
+    /// Its origin in the map frame.
+    pub(super) fn origin(&self) -> Pose {
+        Pose::new(0.0, 0.0, self.grid_rad.unwrap_or(0.0))
+    }
+
     /// A pose of the map frame.
     pub(super) fn pose(&self, pose: &Pose) -> Pose {
         match self.grid_rad {
-            Some(grid_rad) => Pose::new(0.0, 0.0, grid_rad).inverse().compose(pose),
+            Some(_) => self.origin().inverse().compose(pose),
             None => *pose,
         }
     }

@@ -4,6 +4,7 @@
 //! it sweeps the rest in lanes along the walls' grid, the nearest floor first; then it returns. What it remembers is a picture
 //! of the home in cells of 16 cm, which quarters of these were swept, and the points near it of the last seconds.
 
+mod bounds;
 mod contact;
 mod edges;
 mod frame;
@@ -22,6 +23,7 @@ use slam_core::{Pose, Rig};
 use crate::pilot::beam::{Beam, Passed, draw_beam};
 use crate::pilot::{PilotConfig, Senses};
 use crate::traits::WheelSpeeds;
+pub use bounds::{AREAS, AreaKind, BadArea, Bounds, CORNERS};
 use frame::Frame;
 use lanes::Lane;
 use near::Near;
@@ -139,6 +141,8 @@ pub struct FloorJob<const S: usize> {
     blocked: u8,
     steps: u8,
     tally: Tally,
+    /// The cell of the picture that the areas are drawn into next, row by row.
+    marked: u16,
 }
 
 impl<const S: usize> FloorJob<S> {
@@ -176,6 +180,7 @@ impl<const S: usize> FloorJob<S> {
             blocked: 0,
             steps: 0,
             tally: Tally::default(),
+            marked: 0,
         }
     }
 

@@ -1,6 +1,7 @@
 //! What was swept of the floor, as compact JSON; `floor.js` of the view modules is the other end.
 
 use hal_sim::floor::{FloorPicture, FloorScore};
+use robot::AreaKind;
 use serde_json::{Value, json};
 
 /// Code of a cell that is out of reach, in place of the second in which it was swept.
@@ -12,6 +13,7 @@ const NEVER: i64 = -1;
 /// frame, seconds.
 pub fn floor(score: &FloorScore) -> Value {
     let FloorPicture { corner_m, cell_m, columns, origin, .. } = &score.picture;
+    let areas = |kind| score.picture.bounds.areas(kind).collect::<Vec<_>>();
     let share = |value: f64| (value * 1e4).round() / 1e4;
     json!({
         "floor_m2": score.floor_m2,
@@ -29,6 +31,8 @@ pub fn floor(score: &FloorScore) -> Value {
         "corner": corner_m,
         "cell": cell_m,
         "columns": columns,
+        "keep_out": areas(AreaKind::KeepOut),
+        "clean": areas(AreaKind::Clean),
         "origin": [origin.x_m, origin.y_m, origin.theta_rad],
         "first": runs(&score.picture, 0),
         "again": runs(&score.picture, 1),

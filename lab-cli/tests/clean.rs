@@ -1,0 +1,75 @@
+//! `lab run --job clean` where the plan says what is to be cleaned.
+
+mod common;
+
+use common::Place;
+use predicates::str::contains;
+
+const ROOM: &str = "[start]\nx_m = 0.6\ny_m = 0.6\n\
+    [[outline]]\npoints_m = [[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]]\n";
+
+/// Lower and upper corner of what the robot stays out of, metres.
+const CARPET: [[f64; 2]; 2] = [[2.0, 1.2], [3.0, 2.0]];
+
+fn rectangle(kind: &str, [[x0, y0], [x1, y1]]: [[f64; 2]; 2]) -> String {
+    format!("[[{kind}]]\npoints_m = [[{x0}, {y0}], [{x1}, {y0}], [{x1}, {y1}], [{x0}, {y1}]]\n")
+}
+
+/// Positions of a file in the plan's frame, metres.
+fn path(place: &Place, file: &str) -> Vec<[f64; 2]> {
+    let position = |line: &str| {
+        let numbers: Vec<f64> = line.split(' ').map(|number| number.parse().unwrap()).collect();
+        [0.6 + numbers[1], 0.6 + numbers[2]]
+    };
+    place.get(file).lines().map(position).collect()
+}
+
+fn distance_m([[x0, y0], [x1, y1]]: [[f64; 2]; 2], [x, y]: [f64; 2]) -> f64 {
+    (x0 - x).max(x - x1).max(0.0).hypot((y0 - y).max(y - y1).max(0.0))
+}
+
+#[test]
+fn a_keep_out_area_is_gone_round_and_its_edge_is_swept() {
+    let place = Place::new();
+    place.put("home.toml", format!("{ROOM}{}", rectangle("keep_out", CARPET)));
+    place.lab().args(["run", "--job", "clean", "--plan", "home.toml", "--out", "swept"]).assert().success();
+    let nearest_m =
+        |file| path(&place, file).into_iter().map(|at| distance_m(CARPET, at)).fold(f64::INFINITY, f64::min);
+    // By its own pose the body, 17 cm in radius, never comes over the edge, and goes along it.
+    let estimated_m = nearest_m("swept/trajectory.tum");
+    assert!((0.18..0.25).contains(&estimated_m), "{estimated_m} m");
+    // That is off by some centimetres in the plan; the brush, 25 cm wide, does not come over it.
+    let true_m = nearest_m("swept/truth.tum");
+    assert!(true_m > 0.125, "{true_m} m");
+    let floor = place.summary("swept")["floor"].clone();
+    let floor_m2 = floor["floor_m2"].as_f64().unwrap();
+    // A room of 12 m^2 less a rim of 4.5 cm along its walls, and the carpet with such a rim.
+    let expected_m2 = 3.91 * 2.91 - 1.09 * 0.89;
+    assert!((floor_m2 - expected_m2).abs() < 0.3, "{floor_m2} m2, not {expected_m2}");
+    assert!(floor["swept"].as_f64().unwrap() > 0.96, "{floor}");
+    assert_eq!(place.get("swept/floor.csv").lines().next(), Some("t_s,swept,twice"));
+    assert!(std::fs::read(place.path("swept/floor.pgm")).unwrap().starts_with(b"P5\n# corner_m 0 0 cell_m 0.025\n"));
+}
+
+#[test]
+fn only_what_is_to_be_cleaned_is_cleaned() {
+    let place = Place::new();
+    let corner = [[0.0, 0.0], [2.0, 3.0]];
+    place.put("home.toml", format!("{ROOM}{}", rectangle("clean", corner)));
+    place.lab().args(["run", "--job", "clean", "--plan", "home.toml", "--out", "swept"]).assert().success();
+    let floor = place.summary("swept")["floor"].clone();
+    assert!((floor["floor_m2"].as_f64().unwrap() - 1.955 * 2.91).abs() < 0.2, "{floor}");
+    assert!(floor["swept"].as_f64().unwrap() > 0.96, "{floor}");
+    let path = path(&place, "swept/truth.tum");
+    let beyond = path.iter().filter(|at| distance_m(corner, **at) > 0.3).count();
+    assert!(4 * beyond < path.len(), "{beyond} of {} samples were elsewhere", path.len());
+}
+
+#[test]
+fn a_robot_that_starts_where_it_must_not_go_is_refused() {
+    let place = Place::new();
+    place.put("home.toml", format!("{ROOM}{}", rectangle("keep_out", [[0.0, 0.0], [0.5, 3.0]])));
+    let refused =
+        place.lab().args(["run", "--job", "clean", "--plan", "home.toml", "--out", "swept"]).assert().failure();
+    refused.stderr(contains("home.toml:1: start: is in a keep_out or less than 0.17 m beside it"));
+}
