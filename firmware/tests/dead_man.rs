@@ -38,7 +38,7 @@ fn odometry(shared: &Shared) {
 /// The estimator's word of now: all is clear.
 fn senses() -> Senses<SENSORS> {
     let time_us = Instant::now().as_micros();
-    Senses { time_us, pose: Pose::default(), ranges_m: [Some(1.0); SENSORS], contacts: Contacts::default() }
+    Senses { time_us, pose: Pose::default(), ranges_m: [Some(1.0); SENSORS], contacts: Contacts::default(), condition: robot::Condition::default() }
 }
 
 #[test]

@@ -53,6 +53,11 @@ fn print_home(home: &str, seeds: std::ops::RangeInclusive<u64>) {
     for way in jobs.iter().flat_map(|job| &job.score.ways) {
         let _ = write!(text, "{} {:.1}/{:.2}  ", way.doing, way.path_m, way.new_m2);
     }
+    for job in &jobs {
+        let seconds = FloorState::ALL.iter().zip(job.progress.seconds_in).filter(|(_, seconds)| *seconds > 0);
+        let _ = write!(text, "\n{:?} off by {:.2} m, ", job.progress.state, job.worst_m);
+        seconds.for_each(|(state, seconds)| text.push_str(&format!("{} {seconds} s, ", state.name())));
+    }
     println!("{text}");
 }
 

@@ -67,6 +67,8 @@ pub(crate) struct Body {
     pub contacts: Contacts,
     /// Its wheels turn and do not move it.
     pub is_held: bool,
+    /// Its wheels cannot turn.
+    pub is_jammed: bool,
     wheels: Wheels,
     truth: TrueDrive,
     speed_mps: [f64; 2],
@@ -87,6 +89,7 @@ impl Body {
             pose,
             contacts: Contacts::default(),
             is_held: false,
+            is_jammed: false,
             wheels,
             truth,
             speed_mps: [0.0; 2],
@@ -118,6 +121,9 @@ impl Body {
             let duty = f64::from(duty).clamp(-1.0, 1.0);
             let steady_mps = if duty.abs() < drive.dead_duty { 0.0 } else { duty * drive.full_speed_mps };
             self.speed_mps[wheel] += share * (steady_mps - self.speed_mps[wheel]);
+            if self.is_jammed {
+                self.speed_mps[wheel] = 0.0;
+            }
             let turned_m = self.speed_mps[wheel] * period_s;
             self.turned_m[wheel] += turned_m;
             let noise_m = libm::sqrt(self.wheels.noise_m2_per_m * turned_m.abs()) * self.noise[wheel].gaussian();

@@ -1,6 +1,6 @@
 //! Board, wheel control, pilot and estimator in one loop.
 
-use robot::{Bounds, FloorConfig, FloorJob, Pilot, PilotConfig, Senses, WheelSpeeds};
+use robot::{Bounds, Condition, FloorConfig, FloorJob, Pilot, PilotConfig, Senses, WheelSpeeds};
 use slam_core::{Adc, Pose, RangeInput, RangeModel, Rig, Sample};
 
 use crate::pose::Pose2;
@@ -37,6 +37,8 @@ pub struct ClosedLoop {
     pub floor_job: Option<Box<FloorJob<MAX_SENSORS>>>,
     /// Where the floor job must not go and what it is to clean, in the map frame.
     pub bounds: Bounds,
+    /// The estimate is not in the frame of the map so far: the robot was carried and has not found itself again.
+    pub is_lost: bool,
     command: Option<WheelSpeeds>,
 }
 
@@ -45,7 +47,8 @@ impl ClosedLoop {
     pub fn new(simulation: Simulation, rig: &Rig<MAX_SENSORS>, config: PilotConfig) -> Self {
         let radius_m = simulation.options().body_radius_m as f32;
         let config = PilotConfig { radius_m, track_m: simulation.track_m() as f32, ..config };
-        Self { simulation, pilot: Pilot::new(config, rig), floor_job: None, bounds: Bounds::NONE, command: None }
+        let pilot = Pilot::new(config, rig);
+        Self { simulation, pilot, floor_job: None, bounds: Bounds::NONE, is_lost: false, command: None }
     }
 
     /// A robot that cleans: the floor job drives.
@@ -79,7 +82,8 @@ impl ClosedLoop {
         };
         let Estimate { pose, ranges_m } = estimator(&sample);
         let contacts = self.simulation.contacts();
-        let senses = Senses { time_us: sample.time_us, pose, ranges_m, contacts };
+        let condition = Condition { is_lost: self.is_lost, ..self.simulation.condition() };
+        let senses = Senses { time_us: sample.time_us, pose, ranges_m, contacts, condition };
         self.command = Some(match &mut self.floor_job {
             Some(job) => job.step_within(&senses, &self.bounds),
             None => self.pilot.step(&senses),

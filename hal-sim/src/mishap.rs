@@ -41,9 +41,11 @@ pub struct Rug {
     pub turn_rad: f64,
 }
 
-/// Something holds the robot, and its wheels turn on the spot: a cable, a threshold, a hand.
+/// Something holds the robot, and its wheels turn on the spot or stand: a cable, a threshold, a hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hold {
+    /// Its wheels are held, too: the motors stall.
+    pub is_jammed: bool,
     /// From when, seconds since the start.
     pub at_s: f64,
     /// For how long, seconds.
@@ -129,8 +131,9 @@ impl Fate {
     pub(crate) fn hold(&self, body: &mut Body, end_s: f64) {
         let during = |from_s: f64, for_s: f64| (from_s..from_s + for_s).contains(&end_s);
         body.contacts.lifted = self.mishaps.kidnaps.iter().any(|kidnap| during(kidnap.at_s, kidnap.carried_s));
-        let held = self.mishaps.holds.iter().any(|hold| during(hold.at_s, hold.held_s));
-        body.is_held = held || body.contacts.lifted;
+        let mut holds = self.mishaps.holds.iter().filter(|hold| during(hold.at_s, hold.held_s)).peekable();
+        body.is_held = holds.peek().is_some() || body.contacts.lifted;
+        body.is_jammed = holds.any(|hold| hold.is_jammed);
     }
 
     /// After that step, which began at `before`: what moved the robot besides its wheels.

@@ -2,7 +2,7 @@
 
 mod meddle;
 
-use robot::{Contacts, Duty, WheelControl, WheelControlConfig, WheelCounter, WheelSpeeds};
+use robot::{Condition, Contacts, Duty, StallWatch, WheelControl, WheelControlConfig, WheelCounter, WheelSpeeds};
 use slam_core::{Adc, Motion, RangeInput, RangeModel, RangeSensor, Rig, Sample, Ticks};
 
 use crate::body::{Body, TrueDrive, Wheels};
@@ -17,6 +17,7 @@ use crate::rng::Rng;
 use crate::sensor::{Analogue, Output, SimSensor};
 use crate::sharp::{CycleEvent, counts};
 use crate::sim_error::SimError;
+use crate::supply::Supply;
 use crate::world::{Hit, World};
 
 /// Most range sensors of a simulated robot.
@@ -54,6 +55,8 @@ pub struct Simulation {
     last_stamp_us: Option<u64>,
     sensors: Vec<SimSensor>,
     fate: Fate,
+    supply: Supply,
+    stalls: StallWatch,
     coverage: Coverage,
     calibration: TrueCalibration,
     counter_offset: [u16; 2],
@@ -101,6 +104,8 @@ impl Simulation {
         let mut simulation = Self {
             coverage: Coverage::new(&plan.faces),
             fate: Fate::new(&plan.mishaps, &plan.rooms, seed),
+            supply: Supply::new(start, &options),
+            stalls: StallWatch::new(wheels.metres_per_tick as f32, options.drive.full_speed_mps as f32),
             world,
             cliffs: plan.cliffs.clone(),
             start: plan.start,
@@ -174,9 +179,11 @@ impl Simulation {
         let control_ticks = (libm::round(CONTROL_S / self.options.tick_s) as usize).max(1);
         for tick in 0..ticks {
             if tick % control_ticks == 0 {
-                let allowed = self.contacts().guard(command);
                 let counts = self.ticks();
-                self.duty = self.control.update(allowed, counts, (control_ticks.min(ticks) as f64 * tick_s) as f32);
+                let period_s = (control_ticks.min(ticks) as f64 * tick_s) as f32;
+                self.stalls.update(self.duty, counts, period_s);
+                let allowed = self.stalls.guard(self.contacts().guard(command));
+                self.duty = self.control.update(allowed, counts, period_s);
             } else if self.contacts().guard(command) != command {
                 self.duty = Duty::default();
             }
@@ -204,7 +211,9 @@ impl Simulation {
         let (begin_s, end_s) = (self.time_s, self.time_s + period_s);
         self.world.set_time(end_s);
         self.fate.hold(&mut self.body, end_s);
-        self.body.advance(self.duty, period_s, &self.world, &self.options);
+        let duty = if self.supply.is_empty() { Duty::default() } else { self.duty };
+        self.body.advance(duty, period_s, &self.world, &self.options);
+        self.supply.advance(&self.last_pose, &mut self.body.pose, period_s);
         if !self.fate.is_kind() {
             self.fate.befall(&mut self.body, &self.last_pose, end_s, &self.world, &self.options);
         }
@@ -341,6 +350,16 @@ impl Simulation {
     /// Bumper, cliff and wheel-drop inputs.
     pub fn contacts(&self) -> Contacts {
         self.body.contacts
+    }
+
+    /// Battery, charging contact and stalled wheels.
+    pub fn condition(&self) -> Condition {
+        Condition {
+            battery_v: self.supply.battery_v(),
+            is_charging: self.supply.is_charging(),
+            is_stalled: self.stalls.is_stalled(),
+            is_lost: false,
+        }
     }
 
     /// Time since the start, seconds.

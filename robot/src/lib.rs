@@ -2,12 +2,13 @@
 //!
 //! [`traits`] says what a board offers: a bank of range sensors, two wheel encoders, two motors, a bumper and a cliff
 //! sensor. [`h_bridge`] drives motors through `embedded-hal` outputs, [`wheel_control`] holds a wheel speed, [`contact`]
-//! stops the wheels without waiting for anyone, and [`pilot`] decides where to go. [`rig`] is the robot as built.
+//! stops the wheels without waiting for anyone, [`condition`] knows battery, charger and stalled wheels, and [`pilot`] decides where to go. [`rig`] is the robot as built.
 //!
 //! One rule: nothing here knows the true pose or the true walls. Lengths are metres, angles radians, times seconds
 //! unless a name says otherwise; the robot's frame has its origin at the wheel axle's centre, x forward, y left.
 #![no_std]
 
+pub mod condition;
 pub mod contact;
 pub mod floor;
 pub mod h_bridge;
@@ -16,6 +17,7 @@ pub mod rig;
 pub mod traits;
 pub mod wheel_control;
 
+pub use condition::{Condition, PowerSupply, StallWatch};
 pub use contact::{ContactPins, Contacts};
 pub use floor::{AreaKind, Bounds, FloorConfig, FloorJob, FloorProgress, FloorState};
 pub use h_bridge::{HBridge, HBridgeError, MotorPair};

@@ -10,7 +10,7 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use embassy_futures::yield_now;
 use embassy_time::Instant;
 use look_back::RobotBackEnd;
-use robot::Senses;
+use robot::{Condition, Senses};
 use slam_core::{Config, RobotSlam, StepReport};
 use wire::{Calibration, Estimate, Faults, Frame, LookBack, Sample, Wall};
 
@@ -78,6 +78,7 @@ fn senses(slam: &RobotSlam, sample: &Sample, report: &StepReport<SENSORS>, share
         pose: slam.pose(),
         ranges_m: report.readings.map(|reading| reading.range_m),
         contacts: shared.contacts(),
+        condition: Condition::default(),
     }
 }
 

@@ -140,6 +140,8 @@ pub(super) struct Carpet {
 pub(super) struct Grip {
     pub at_s: Number<Time>,
     pub held_s: Number<Size>,
+    #[serde(default)]
+    pub jammed: bool,
 }
 
 /// A moment, seconds since the start.

@@ -2,7 +2,7 @@
 
 use input_file::{FileError, Number, TomlFile};
 
-use super::keys::File;
+use super::keys::{File, Grip};
 use super::{metres, rectangle};
 use crate::mishap::{Hold, Kick, Kidnap, Mishaps, Rug};
 use crate::pose::Pose2;
@@ -47,6 +47,7 @@ pub(super) fn mishaps(toml: &TomlFile<'_>, file: &File) -> Result<Mishaps, FileE
         let turn_rad = carpet.turn_deg.as_ref().map_or(RUG_DEG, Number::get).to_radians();
         mishaps.rugs.push(Rug { min_m, max_m, turn_rad });
     }
-    mishaps.holds = file.hold.iter().map(|grip| Hold { at_s: grip.at_s.get(), held_s: grip.held_s.get() }).collect();
+    let hold = |grip: &Grip| Hold { is_jammed: grip.jammed, at_s: grip.at_s.get(), held_s: grip.held_s.get() };
+    mishaps.holds = file.hold.iter().map(hold).collect();
     Ok(mishaps)
 }

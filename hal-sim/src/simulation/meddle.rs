@@ -33,7 +33,8 @@ impl Simulation {
 
     /// Something holds the robot from now on, seconds, and its wheels turn on the spot.
     pub fn hold(&mut self, held_s: f64) {
-        self.fate.add(Mishaps { holds: vec![Hold { at_s: self.time_s, held_s }], ..Mishaps::default() });
+        self.fate
+            .add(Mishaps { holds: vec![Hold { is_jammed: false, at_s: self.time_s, held_s }], ..Mishaps::default() });
     }
 
     /// Covers a range sensor, which then sees nothing, or uncovers it.

@@ -14,6 +14,9 @@ const AWAY_M: f32 = 0.12;
 const MAX_STRIKES: u8 = 60;
 /// It turns away by this much longer for each bump at one place, microseconds.
 const TURN_US: u64 = 150_000;
+/// So often the robot is held at one place until it stands for so long, microseconds: its motors stay cool.
+const MAX_HOLDS: u8 = 3;
+const HELD_US: u64 = 60_000_000;
 /// A point that the bumper felt is kept so long, microseconds.
 const FELT_US: u64 = 30_000_000;
 
@@ -99,8 +102,7 @@ impl<const S: usize> FloorJob<S> {
             }
             Phase::Home | Phase::Transit { aim: Aim::Place(_), .. } => {
                 self.retries += 1;
-                let aim = self.aim_home();
-                self.plan(aim, now_us);
+                self.go_about(now_us);
             }
             _ => {
                 self.give_up();
@@ -110,6 +112,30 @@ impl<const S: usize> FloorJob<S> {
         self.resume = self.phase;
         self.phase = Phase::Back;
         self.since_us = now_us;
+    }
+
+    /// The wheels stall, or turn and nothing comes of it: backs off, and after the third time stands for a while.
+    pub(super) fn be_held(&mut self, now_us: u64) {
+        self.traction.begin();
+        self.holds += 1;
+        if self.holds >= MAX_HOLDS {
+            self.begin(Phase::Held, now_us);
+            return;
+        }
+        self.give_up();
+        self.strikes = self.strikes.saturating_add(2);
+        self.resume = Phase::Plan { aim: self.aim(), escape: 5, begun: false };
+        self.phase = Phase::Back;
+        self.since_us = now_us;
+    }
+
+    /// Whatever holds it may let go: it tries again now and then.
+    pub(super) fn stay_held(&mut self, now_us: u64) -> (f32, f32) {
+        if now_us.saturating_sub(self.since_us) > HELD_US {
+            self.holds = 0;
+            self.go_about(now_us);
+        }
+        (0.0, 0.0)
     }
 
     /// Leaves the target aside, to be tried once more at the end.

@@ -6,7 +6,9 @@
 
 mod bounds;
 mod contact;
+mod dock;
 mod edges;
+mod errand;
 mod frame;
 mod hug;
 mod lanes;
@@ -14,6 +16,8 @@ mod near;
 mod progress;
 mod sheet;
 mod swept;
+mod traction;
+mod trail;
 mod travel;
 mod wave;
 
@@ -24,12 +28,16 @@ use crate::pilot::beam::{Beam, Passed, draw_beam};
 use crate::pilot::{PilotConfig, Senses};
 use crate::traits::WheelSpeeds;
 pub use bounds::{AREAS, AreaKind, BadArea, Bounds, CORNERS};
+use dock::Stage;
+use errand::Errand;
 use frame::Frame;
 use lanes::Lane;
 use near::Near;
 use progress::Tally;
 pub use progress::{FloorProgress, FloorState};
 use sheet::{Axis, QUARTER_M, Sheet};
+use traction::Traction;
+use trail::Trail;
 use wave::{Aim, Route, Target, Wave};
 
 /// How the floor is swept.
@@ -43,6 +51,10 @@ pub struct FloorConfig {
     pub gap_m: f32,
     /// Age of a reading when it is used, seconds.
     pub reading_age_s: f32,
+    /// Voltage of the battery below which the robot goes home, volts.
+    pub low_v: f32,
+    /// Voltage of the battery above which it leaves the dock, volts.
+    pub full_v: f32,
 }
 
 impl Default for FloorConfig {
@@ -52,6 +64,9 @@ impl Default for FloorConfig {
             open_mps: 0.3,
             gap_m: 0.015,
             reading_age_s: 0.038,
+            // Three lithium cells: at 3.5 V a tenth of their charge is left, at 4.1 V they take up little more.
+            low_v: 10.5,
+            full_v: 12.3,
         }
     }
 }
@@ -79,6 +94,18 @@ enum Phase {
     Turn { sign: f32 },
     /// The last metre home.
     Home,
+    /// Into the dock, for the second or third time after so many tries in vain.
+    Dock { stage: Stage, tries: u8 },
+    /// Out of the dock.
+    Undock,
+    /// In the dock.
+    Charge,
+    /// Standing on request.
+    Paused,
+    /// Off the floor, or carried and not located yet.
+    Lost,
+    /// Held: standing for a while.
+    Held,
     /// Over: back where it started, or not.
     Over { is_home: bool },
 }
@@ -94,7 +121,7 @@ const PATIENCE_US: u64 = 6_000_000;
 /// A beam's end counts where the one before was this near, metres: a spike has none.
 const STEADY_M: f32 = 0.05;
 /// Places that were given up, to be tried once more.
-const GIVEN_UP: usize = 24;
+const GIVEN_UP: usize = 16;
 /// The floor job of a robot with at most `S` range sensors.
 #[derive(Clone, Debug)]
 pub struct FloorJob<const S: usize> {
@@ -113,7 +140,16 @@ pub struct FloorJob<const S: usize> {
     /// When the phase began, microseconds.
     since_us: u64,
     last: Option<Pose>,
-    home: Pose,
+    /// Where the job began, in the map frame, and whether the dock is there.
+    home: Option<Pose>,
+    has_dock: bool,
+    errand: Errand,
+    /// The battery's mean voltage of late, volts; not a number where it is not measured.
+    battery_v: f32,
+    traction: Traction<S>,
+    /// How often the robot was held since something changed.
+    holds: u8,
+    trail: Trail,
     path_m: f32,
     /// Path when the phase began, metres.
     begun_m: f32,
@@ -162,7 +198,13 @@ impl<const S: usize> FloorJob<S> {
             resume: Phase::Seek { to_m: None },
             since_us: 0,
             last: None,
-            home: Pose::ORIGIN,
+            home: None,
+            has_dock: false,
+            errand: Errand::Sweep,
+            battery_v: f32::NAN,
+            traction: Traction::new(),
+            holds: 0,
+            trail: Trail::new(),
             path_m: 0.0,
             begun_m: 0.0,
             credit_m: 0.0,
@@ -204,6 +246,16 @@ impl<const S: usize> FloorJob<S> {
             Phase::Transit { .. } if self.retries > 0 => FloorState::Retry,
             Phase::Transit { .. } => FloorState::Transit,
             Phase::Back | Phase::Turn { .. } => FloorState::BackingOff,
+            Phase::Undock => FloorState::Undocking,
+            Phase::Dock { stage: Stage::Staging | Stage::BackingOut, .. } => FloorState::Staging,
+            Phase::Dock { stage: Stage::Aligning, .. } => FloorState::Aligning,
+            Phase::Dock { stage: Stage::Approaching, .. } => FloorState::Approaching,
+            Phase::Dock { stage: Stage::Pressing, .. } => FloorState::Pressing,
+            Phase::Charge => FloorState::Charging,
+            Phase::Paused => FloorState::Paused,
+            Phase::Lost => FloorState::Lost,
+            Phase::Held => FloorState::Held,
+            Phase::Over { is_home: true } if self.errand == Errand::Recharge => FloorState::Flat,
             Phase::Over { is_home: true } => FloorState::Done,
             Phase::Over { is_home: false } => FloorState::Away,
         }
@@ -223,11 +275,23 @@ impl<const S: usize> FloorJob<S> {
     pub fn step(&mut self, senses: &Senses<S>) -> WheelSpeeds {
         let pose = self.frame.pose(&senses.pose);
         self.tally.step(&self.sheet, self.state(), senses.time_us);
-        if !(pose.x_m.is_finite() && pose.y_m.is_finite() && pose.theta_rad.is_finite()) || senses.contacts.lifted {
+        if !(pose.x_m.is_finite() && pose.y_m.is_finite() && pose.theta_rad.is_finite()) {
             return WheelSpeeds::STOP;
         }
+        if !self.is_located(senses) {
+            return self.find_oneself(senses);
+        }
+        if self.home.is_none() {
+            self.home = Some(senses.pose);
+            self.has_dock = senses.condition.is_charging;
+            if self.has_dock {
+                self.begin(Phase::Undock, senses.time_us);
+            }
+        }
+        self.watch_jumps(&pose, senses.time_us);
         self.look(senses, &pose);
         self.sweep(&pose, senses.time_us);
+        self.watch_battery(&senses.condition, senses.time_us);
         self.last = Some(pose);
         let (forward_mps, turn_radps) = self.act(senses, &pose);
         WheelSpeeds::from_twist(forward_mps, turn_radps, self.config.drive.track_m)
@@ -243,7 +307,18 @@ impl<const S: usize> FloorJob<S> {
             }
         }
         let here = self.sheet.picture.cell_at(pose.x_m, pose.y_m);
+        if self.sheet.picture.is_obstacle(here) {
+            self.traction.go_through();
+        }
         self.sheet.picture.stand_on(here);
+        self.steps = self.steps.wrapping_add(1);
+        // Beams clear obstacles in one step of four only: a chair leg is hit by few beams and passed by many.
+        let passed = if self.steps.is_multiple_of(4) { Passed::Vanish } else { Passed::Stay };
+        self.feel(senses, pose, Some(passed));
+    }
+
+    /// Takes in the ranges: what is near, and, where the pose is known, the picture, with what becomes of obstacles that beams pass.
+    fn feel(&mut self, senses: &Senses<S>, pose: &Pose, passed: Option<Passed>) {
         // Where the robot was when the readings were made.
         let last = self.last.unwrap_or(*pose);
         let share = self.config.reading_age_s * 25.0;
@@ -252,23 +327,20 @@ impl<const S: usize> FloorJob<S> {
             y_m: pose.y_m - share * (pose.y_m - last.y_m),
             theta_rad: pose.theta_rad - share * wrap(pose.theta_rad - last.theta_rad),
         };
-        self.steps = self.steps.wrapping_add(1);
-        for (index, (beam, range_m)) in self.beams.iter_mut().zip(senses.ranges_m).enumerate() {
+        for ((beam, before_m), range_m) in self.beams.iter_mut().zip(&mut self.before_m).zip(senses.ranges_m) {
             beam.take(range_m);
             if beam.max_m <= 0.0 {
                 continue;
             }
-            let before_m = core::mem::replace(&mut self.before_m[index], range_m.unwrap_or(f32::INFINITY));
+            let before_m = core::mem::replace(before_m, range_m.unwrap_or(f32::INFINITY));
             // What a blinded sensor shows, and what it does not, says nothing of what is beyond.
             if self.near.is_blinded(beam, &then, senses.time_us) {
                 continue;
             }
-            let passed = match beam.age {
-                0 if self.steps.is_multiple_of(4) => Passed::Vanish,
-                0 => Passed::Stay,
-                _ => Passed::End,
-            };
-            draw_beam(&mut self.sheet.picture, beam, &then, &self.config.drive, passed);
+            if let Some(passed) = passed {
+                let passed = if beam.age == 0 { passed } else { Passed::End };
+                draw_beam(&mut self.sheet.picture, beam, &then, &self.config.drive, passed);
+            }
             if beam.age == 0 && (beam.range_m - before_m).abs() < STEADY_M {
                 let at_m = then.transform(beam.point_m(beam.range_m));
                 self.near.add(at_m, senses.time_us.saturating_add(SEEN_US), pose, senses.time_us);
@@ -283,6 +355,10 @@ impl<const S: usize> FloorJob<S> {
         self.gained = self.gained.saturating_add(new);
         self.tally.add(new);
         let step_m = libm::hypotf(pose.x_m - last.x_m, pose.y_m - last.y_m);
+        self.trail.step([pose.x_m, pose.y_m], step_m);
+        if self.traction.step(&self.beams, step_m) {
+            self.holds = 0;
+        }
         self.credit_m = (self.credit_m - step_m + WORTH_M * f32::from(new)).min(self.credit_m.max(BARREN_M));
         let ([x_m, y_m], _) = self.moved;
         if libm::hypotf(pose.x_m - x_m, pose.y_m - y_m) > 0.05 {
@@ -299,15 +375,27 @@ impl<const S: usize> FloorJob<S> {
 
     fn act(&mut self, senses: &Senses<S>, pose: &Pose) -> (f32, f32) {
         let now_us = senses.time_us;
-        let is_moving = !matches!(self.phase, Phase::Back | Phase::Turn { .. } | Phase::Over { .. });
-        if senses.contacts.any() && is_moving {
+        let is_sweeping = matches!(
+            self.phase,
+            Phase::Seek { .. }
+                | Phase::Edge { .. }
+                | Phase::Plan { .. }
+                | Phase::Trace { .. }
+                | Phase::Transit { .. }
+                | Phase::Enter { .. }
+                | Phase::Lane(_)
+                | Phase::Home
+        );
+        if is_sweeping && (senses.condition.is_stalled || self.traction.is_held()) {
+            self.be_held(now_us);
+        } else if is_sweeping && senses.contacts.any() {
             self.touch(&senses.contacts, pose, now_us);
-        }
-        if is_moving && now_us.saturating_sub(self.moved.1) > PATIENCE_US {
+        } else if is_sweeping && now_us.saturating_sub(self.moved.1) > PATIENCE_US {
             self.lose_patience(pose, now_us);
         }
         match self.phase {
-            Phase::Over { .. } => (0.0, 0.0),
+            Phase::Over { .. } | Phase::Paused | Phase::Lost => (0.0, 0.0),
+            Phase::Held => self.stay_held(now_us),
             Phase::Back => self.back(pose, now_us),
             Phase::Turn { sign } => self.turn_away(sign, now_us),
             Phase::Seek { to_m } => self.seek(to_m, pose, now_us),
@@ -318,6 +406,9 @@ impl<const S: usize> FloorJob<S> {
             Phase::Enter { lane, at_m } => self.enter(lane, at_m, pose, now_us),
             Phase::Lane(lane) => self.follow_lane(lane, pose, now_us),
             Phase::Home => self.go_home(pose, now_us),
+            Phase::Dock { stage, tries } => self.dock_step(stage, tries, &senses.condition, pose, now_us),
+            Phase::Undock => self.undock(now_us),
+            Phase::Charge => self.charge(&senses.condition, now_us),
         }
     }
 }

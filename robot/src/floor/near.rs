@@ -119,6 +119,11 @@ impl Near {
         })
     }
 
+    /// Nothing is known any more.
+    pub(super) fn clear(&mut self) {
+        self.points = [Point::default(); POINTS];
+    }
+
     /// The frame turned by so much (radians): all points are elsewhere in it now.
     pub(super) fn turn(&mut self, by_rad: f32) {
         let frame = Pose::new(0.0, 0.0, by_rad).inverse();

@@ -43,6 +43,8 @@ pub enum FloorState {
     Lost,
     /// Held: its wheels turn or stall and it does not move.
     Held,
+    /// Back where it started, its battery nearly empty, with floor left to sweep and no dock.
+    Flat,
     /// Done, and back.
     Done,
     /// Done, and not back: the way is blocked, or the dock gave no contact.
@@ -51,7 +53,7 @@ pub enum FloorState {
 
 impl FloorState {
     /// Every one, in the order of [`FloorProgress::seconds_in`].
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::Edge,
         Self::Lane,
         Self::Transit,
@@ -68,6 +70,7 @@ impl FloorState {
         Self::Paused,
         Self::Lost,
         Self::Held,
+        Self::Flat,
         Self::Done,
         Self::Away,
     ];
@@ -91,6 +94,7 @@ impl FloorState {
             Self::Paused => "paused",
             Self::Lost => "lost",
             Self::Held => "held",
+            Self::Flat => "flat",
             Self::Done => "done",
             Self::Away => "away",
         }
@@ -142,6 +146,16 @@ const LONGEST_US: u64 = 1_000_000;
 impl Tally {
     pub(super) fn add(&mut self, new_quarters: u16) {
         self.swept = self.swept.saturating_add(new_quarters.into());
+    }
+
+    /// So many quarters were not swept after all.
+    pub(super) fn take_back(&mut self, quarters: u16) {
+        self.swept = self.swept.saturating_sub(quarters.into());
+    }
+
+    /// Whether the job has hardly begun: what is swept on the way out of the dock is no more than this.
+    pub(super) fn is_new(&self) -> bool {
+        self.swept < 60
     }
 
     /// A step in this state ended now.

@@ -92,19 +92,30 @@ impl Sheet {
 
     /// Sweeps what is under the brush; how many quarters were not before.
     pub(super) fn sweep(&mut self, pose: &Pose) -> u16 {
-        let here = self.quarter_at([pose.x_m, pose.y_m]);
-        let mut count = 0;
+        let under = self.under_brush([pose.x_m, pose.y_m]);
+        under.into_iter().map(|quarter| u16::from(self.swept.sweep(quarter))).sum()
+    }
+
+    /// What is under the brush here (metres) was not swept after all; how many quarters were.
+    pub(super) fn unsweep(&mut self, at_m: [f32; 2]) -> u16 {
+        let under = self.under_brush(at_m);
+        under.into_iter().map(|quarter| u16::from(self.swept.unsweep(quarter))).sum()
+    }
+
+    /// The quarters under the brush of a robot here, metres.
+    fn under_brush(&self, [x_m, y_m]: [f32; 2]) -> heapless::Vec<Quarter, 25> {
+        let here = self.quarter_at([x_m, y_m]);
+        let mut under = heapless::Vec::new();
         for row in here.row - 2..=here.row + 2 {
             for col in here.col - 2..=here.col + 2 {
-                let quarter = Quarter { col, row };
-                let [x, y] = self.centre_m(quarter);
-                let [dx, dy] = [x - pose.x_m, y - pose.y_m];
+                let [x, y] = self.centre_m(Quarter { col, row });
+                let [dx, dy] = [x - x_m, y - y_m];
                 if dx * dx + dy * dy <= SWEPT_M * SWEPT_M {
-                    count += u16::from(self.swept.sweep(quarter));
+                    let _ = under.push(Quarter { col, row });
                 }
             }
         }
-        count
+        under
     }
 
     /// Whether there is floor here that was not swept.

@@ -72,6 +72,13 @@ impl Swept {
         before & quarter.bit() == 0
     }
 
+    /// Marks a quarter as not swept; whether it was.
+    pub(super) fn unsweep(&mut self, quarter: Quarter) -> bool {
+        let before = self.of(quarter.cell());
+        self.put(quarter.cell(), before & !quarter.bit());
+        before & quarter.bit() != 0
+    }
+
     /// Quarters of a cell that were not swept.
     pub(super) fn left_in(&self, cell: Cell) -> u32 {
         (WHOLE & !self.of(cell)).count_ones()

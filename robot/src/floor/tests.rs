@@ -1,6 +1,7 @@
 //! The floor job by itself, without a home around it.
 
 use super::*;
+use crate::condition::Condition;
 use crate::contact::Contacts;
 
 #[test]
@@ -30,13 +31,16 @@ fn whatever_it_is_told_the_speeds_are_finite_and_limited() {
         };
         let pose = Pose { x_m: value(), y_m: value(), theta_rad: value() };
         let ranges_m = [(); 8].map(|()| Some(value()));
+        let battery_v = Some(value());
+        let [is_charging, is_stalled, is_lost] = [(); 3].map(|()| random() % 60 == 0);
+        let condition = Condition { battery_v, is_charging, is_stalled, is_lost };
         let contacts = Contacts { bump_left: random() % 9 == 0, bump_right: random() % 9 == 0, ..Contacts::default() };
         if step == 5000 {
             job.align(f32::NAN);
             job.align(0.3);
         }
         let time_us = if step % 100 == 0 { u64::MAX } else { u64::from(random()) };
-        let speeds = job.step(&Senses { time_us, pose, ranges_m, contacts });
+        let speeds = job.step(&Senses { time_us, pose, ranges_m, contacts, condition });
         for speed_mps in [speeds.left_mps, speeds.right_mps] {
             assert!(speed_mps.abs() <= limit_mps, "{step}: {speeds:?}");
         }

@@ -3,6 +3,8 @@
 use slam_core::Pose;
 use slam_core::angle::wrap;
 
+use super::dock::Stage;
+use super::errand::Errand;
 use super::near::free_ahead_m;
 use super::wave::{Aim, Slice, Target, unpacked};
 use super::{FloorJob, Phase};
@@ -24,9 +26,15 @@ impl<const S: usize> FloorJob<S> {
         self.begin(Phase::Plan { aim, escape: 2, begun: false }, time_us);
     }
 
+    /// Where home is, in the job's frame: the place in front of the dock, where there is one.
+    fn home_m(&self) -> [f32; 2] {
+        let home = self.frame.pose(&self.home.unwrap_or(Pose::ORIGIN));
+        if self.has_dock { self.staging_m() } else { [home.x_m, home.y_m] }
+    }
+
     pub(super) fn aim_home(&self) -> Aim {
-        let home = self.frame.pose(&self.home);
-        Aim::Place(self.sheet.picture.cell_at(home.x_m, home.y_m))
+        let [x_m, y_m] = self.home_m();
+        Aim::Place(self.sheet.picture.cell_at(x_m, y_m))
     }
 
     /// What it was after is done, or cannot be done from here: on to the next.
@@ -99,8 +107,8 @@ impl<const S: usize> FloorJob<S> {
             self.given_up.clear();
             self.plan(Aim::Floor, now_us);
         } else {
-            let aim = self.aim_home();
-            self.plan(aim, now_us);
+            self.errand = Errand::Finish;
+            self.go_about(now_us);
         }
     }
 
@@ -145,6 +153,9 @@ impl<const S: usize> FloorJob<S> {
 
     pub(super) fn arrive(&mut self, target: Target, pose: &Pose, now_us: u64) {
         match target {
+            Target::Place(_) if self.has_dock => {
+                self.begin(Phase::Dock { stage: Stage::Staging, tries: 0 }, now_us);
+            }
             Target::Place(_) => self.begin(Phase::Home, now_us),
             Target::Edge { at, .. } => {
                 self.begin(Phase::Seek { to_m: Some(self.sheet.picture.centre_m(at)) }, now_us);
@@ -160,10 +171,10 @@ impl<const S: usize> FloorJob<S> {
     }
 
     pub(super) fn go_home(&mut self, pose: &Pose, now_us: u64) -> (f32, f32) {
-        let home = self.frame.pose(&self.home);
-        if libm::hypotf(home.x_m - pose.x_m, home.y_m - pose.y_m) < HOME_M {
+        let [x_m, y_m] = self.home_m();
+        if libm::hypotf(x_m - pose.x_m, y_m - pose.y_m) < HOME_M {
             self.begin(Phase::Over { is_home: true }, now_us);
         }
-        self.towards([home.x_m, home.y_m], pose, now_us)
+        self.towards([x_m, y_m], pose, now_us)
     }
 }

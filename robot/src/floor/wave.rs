@@ -10,7 +10,7 @@ use crate::pilot::memory::Cell;
 const NEIGHBOURS: [(i16, i16); 8] = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)];
 
 /// Cells of the wave's front. When it is full the wave leaves out cells: far places are found later.
-const FRONT: usize = 288;
+const FRONT: usize = 240;
 
 /// How much farther an edge may be than open floor to be preferred, in cells: what is beside walls is swept first, for lanes
 /// overlap it on their way.

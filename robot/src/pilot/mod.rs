@@ -17,6 +17,7 @@ mod steer;
 
 use slam_core::{Pose, Rig};
 
+use crate::condition::Condition;
 use crate::contact::Contacts;
 use crate::traits::WheelSpeeds;
 use beam::{Beam, Passed, draw_beam};
@@ -69,6 +70,8 @@ pub struct Senses<const S: usize> {
     pub ranges_m: [Option<f32>; S],
     /// Bumper and cliff.
     pub contacts: Contacts,
+    /// Battery, charger, wheels that stall.
+    pub condition: Condition,
 }
 
 /// What the pilot is doing.

@@ -3,7 +3,7 @@
 use super::*;
 
 fn senses(time_us: u64, pose: Pose, ranges_m: [Option<f32>; 8], contacts: Contacts) -> Senses<8> {
-    Senses { time_us, pose, ranges_m, contacts }
+    Senses { time_us, pose, ranges_m, contacts, condition: Condition::default() }
 }
 
 fn pilot() -> Pilot<8> {

@@ -1,7 +1,7 @@
 //! A home to sweep: two rooms far apart and the corridor between them, which the picture of the home has to follow. It is exact
 //! and without noise; the job's work does not depend on that.
 
-use robot::{Contacts, PilotConfig, Senses, WheelSpeeds};
+use robot::{Condition, Contacts, PilotConfig, Senses, WheelSpeeds};
 use slam_core::{Pose, Rig};
 
 /// Walls as the coordinates of both ends, metres: along an axis each.
@@ -56,7 +56,7 @@ impl FloorHome {
                 self.cast(self.pose.transform([mount.x_m, mount.y_m]), self.pose.theta_rad + mount.bearing_rad);
             *range_m = Some(true_m).filter(|true_m| (sensor.min_m..sensor.max_m).contains(true_m));
         }
-        Senses { time_us: self.time_us, pose: self.pose, ranges_m, contacts }
+        Senses { time_us: self.time_us, pose: self.pose, ranges_m, contacts, condition: Condition::default() }
     }
 
     /// Walls push the body out and press the bumper.

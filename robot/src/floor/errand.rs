@@ -1,0 +1,115 @@
+//! What the job is about, whatever it is at: what it comes back to after a pause, a lift or a jump of the pose.
+
+use slam_core::Pose;
+use slam_core::angle::wrap;
+
+use super::wave::Aim;
+use super::{FloorJob, Phase};
+use crate::pilot::Senses;
+use crate::traits::WheelSpeeds;
+
+/// What the job is about.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Errand {
+    /// To sweep the floor.
+    #[default]
+    Sweep,
+    /// To go home with floor left to sweep, since the battery is nearly empty.
+    Recharge,
+    /// To go home for good.
+    Finish,
+}
+
+/// A pose that moved by more than this, or turned by more, between two steps has jumped: metres and radians.
+const JUMP_M: f32 = 0.1;
+const JUMP_RAD: f32 = 0.17;
+
+impl<const S: usize> FloorJob<S> {
+    /// Stops on request: the robot stands until [`FloorJob::resume`].
+    pub fn pause(&mut self) {
+        if !self.is_over() {
+            self.phase = Phase::Paused;
+        }
+    }
+
+    /// Goes on after a pause.
+    pub fn resume(&mut self) {
+        if self.phase == Phase::Paused {
+            self.phase = Phase::Plan { aim: self.aim(), escape: 5, begun: false };
+        }
+    }
+
+    /// Where the errand leads.
+    pub(super) fn aim(&self) -> Aim {
+        match self.errand {
+            Errand::Sweep => Aim::Floor,
+            Errand::Recharge | Errand::Finish => self.aim_home(),
+        }
+    }
+
+    /// On with the errand from here.
+    pub(super) fn go_about(&mut self, now_us: u64) {
+        self.begin(Phase::Plan { aim: self.aim(), escape: 5, begun: false }, now_us);
+    }
+
+    /// Whether the pose can be used; takes note of a lift.
+    pub(super) fn is_located(&mut self, senses: &Senses<S>) -> bool {
+        let is_located = !(senses.contacts.lifted || senses.condition.is_lost);
+        match self.phase {
+            Phase::Over { .. } | Phase::Paused => {}
+            Phase::Lost if is_located => {
+                // What stands where is seen anew; what was swept is known.
+                self.near.clear();
+                self.last = None;
+                self.go_about(senses.time_us);
+            }
+            Phase::Lost => {}
+            _ if !is_located => {
+                self.near.clear();
+                self.last = None;
+                self.begin(Phase::Lost, senses.time_us);
+            }
+            _ => {}
+        }
+        is_located
+    }
+
+    /// Off the floor the robot stands; on it, it goes along walls until it is located.
+    pub(super) fn find_oneself(&mut self, senses: &Senses<S>) -> WheelSpeeds {
+        if senses.contacts.lifted || self.phase != Phase::Lost {
+            return WheelSpeeds::STOP;
+        }
+        let pose = senses.pose;
+        let now_us = senses.time_us;
+        self.feel(senses, &pose, None);
+        self.last = Some(pose);
+        let along = self.hug().along(self.near.seen_from(&pose, now_us), 1.0);
+        let drive = &self.config.drive;
+        let (forward_mps, turn_radps) = if senses.contacts.any() {
+            (-0.5 * drive.speed_mps, 0.5 * drive.turn_radps)
+        } else if along.is_beside {
+            (along.forward_mps, along.turn_radps)
+        } else {
+            (drive.speed_mps, 0.0)
+        };
+        WheelSpeeds::from_twist(forward_mps, turn_radps, drive.track_m)
+    }
+
+    /// Where the pose jumps, the floor of the last metres is not sure to be swept, and what was near is elsewhere.
+    pub(super) fn watch_jumps(&mut self, pose: &Pose, now_us: u64) {
+        let Some(last) = self.last else { return };
+        let moved_m = libm::hypotf(pose.x_m - last.x_m, pose.y_m - last.y_m);
+        if moved_m < JUMP_M && wrap(pose.theta_rad - last.theta_rad).abs() < JUMP_RAD {
+            return;
+        }
+        let quarters = self.trail.undo(&mut self.sheet);
+        self.tally.take_back(quarters);
+        self.near.clear();
+        self.last = None;
+        let is_under_way =
+            matches!(self.phase, Phase::Edge { .. } | Phase::Transit { .. } | Phase::Enter { .. } | Phase::Lane(_));
+        if is_under_way {
+            self.go_about(now_us);
+        }
+    }
+}
