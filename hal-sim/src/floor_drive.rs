@@ -29,6 +29,20 @@ pub struct FloorDrive {
 /// # Errors
 /// The robot does not fit where the plan puts it.
 pub fn clean(plan: &Plan, options: SimOptions, seed: u64, minutes: f64) -> Result<FloorDrive, SimError> {
+    clean_with(plan, options, seed, minutes, |_| ())
+}
+
+/// The same with somebody who may meddle after each step.
+///
+/// # Errors
+/// The robot does not fit where the plan puts it.
+pub fn clean_with(
+    plan: &Plan,
+    options: SimOptions,
+    seed: u64,
+    minutes: f64,
+    mut meddle: impl FnMut(&mut ClosedLoop),
+) -> Result<FloorDrive, SimError> {
     let rig = default_rig();
     let simulation = Simulation::new(plan, &rig, options, seed)?;
     let mut slam = HostSlam::with_config(rig.clone(), Config::default()).expect("the default rig is a valid one");
@@ -54,6 +68,7 @@ pub fn clean(plan: &Plan, options: SimOptions, seed: u64, minutes: f64) -> Resul
             is_pressed: contacts.bump_left || contacts.bump_right,
             is_on_floor: !contacts.lifted,
         });
+        meddle(&mut robot);
     }
     let progress = robot.floor_job.as_ref().map(|job| job.progress()).unwrap_or_default();
     Ok(FloorDrive { score: floor.score(), progress, minutes: robot.simulation.time_s() / 60.0, worst_m })

@@ -50,7 +50,7 @@ pub use board::Board;
 pub use body::TrueDrive;
 pub use closed_loop::{ClosedLoop, Estimate, Frame, nominal_ranges};
 pub use coverage::{Coverage, SeenWall};
-pub use floor_drive::{FloorDrive, clean};
+pub use floor_drive::{FloorDrive, clean, clean_with};
 pub use mishap::Mishaps;
 pub use options::{Age, BatteryOptions, DriveOptions, SharpOptions, SimOptions};
 pub use plan::{Face, Plan};

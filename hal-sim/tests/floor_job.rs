@@ -1,8 +1,12 @@
 //! The floor job by what it leaves: swept floor, and a robot that is back.
 
-use hal_sim::mishap::Hold;
-use hal_sim::{BatteryOptions, Pose2, SimOptions, clean, default_rig, plan_file};
-use robot::{FloorConfig, FloorJob, FloorState};
+use hal_sim::mishap::{Hold, Kidnap};
+use hal_sim::{
+    BatteryOptions, ClosedLoop, Estimate, Pose2, SimOptions, Simulation, clean, clean_with, default_rig,
+    nominal_ranges, plan_file,
+};
+use robot::{FLOOR_RECORD_BYTES, FloorConfig, FloorJob, FloorProgress, FloorState};
+use slam_core::Pose;
 
 #[test]
 fn rooms_are_swept_and_the_robot_comes_back() {
@@ -60,6 +64,73 @@ fn a_held_robot_whose_wheels_turn_finds_out() {
     plan.mishaps.holds.push(Hold { at_s: 60.0, held_s: 120.0, is_jammed: false });
     let drive = clean(&plan, SimOptions::default(), 1, 30.0).expect("the robot fits");
     assert!(drive.worst_m < 8.0, "the pose ran off by {} m", drive.worst_m);
+}
+
+#[test]
+fn after_a_reset_and_a_pause_it_goes_on_where_it_was() {
+    let plan = plan_file::load("l-shape").expect("a built-in plan");
+    let options = SimOptions::default();
+    let whole = clean(&plan, options, 1, 30.0).expect("the robot fits");
+    let mut before = FloorProgress::default();
+    let meddled = clean_with(&plan, options, 1, 30.0, |robot| {
+        let time_s = robot.simulation.time_s();
+        let job = robot.floor_job.as_mut().expect("it cleans");
+        if (time_s - 240.0).abs() < 0.01 {
+            let mut bytes = [0; FLOOR_RECORD_BYTES];
+            job.save(&mut bytes);
+            before = job.progress();
+            let again = FloorJob::restored(FloorConfig::default(), &default_rig(), &bytes);
+            **job = again.expect("what was saved is a job");
+            assert_eq!(job.progress().swept_m2, before.swept_m2);
+        }
+        if (time_s - 300.0).abs() < 0.01 {
+            job.pause();
+        }
+        if (time_s - 330.0).abs() < 0.01 {
+            job.resume();
+        }
+    });
+    let meddled = meddled.expect("the robot fits");
+    assert!(before.swept_m2 > 5.0);
+    assert_eq!(meddled.progress.state, FloorState::Done, "{:?}", meddled.progress);
+    assert!(meddled.progress.seconds_in[FloorState::Paused as usize] >= 29, "{:?}", meddled.progress);
+    assert!(meddled.score.swept >= 0.96, "{} of the floor", meddled.score.swept);
+    // A reset costs little: it looks at the edges again, and sweeps nothing twice for it.
+    assert!(meddled.minutes < whole.minutes + 3.0, "{} minutes instead of {}", meddled.minutes, whole.minutes);
+}
+
+/// A robot that is told its true pose, in another frame while it is lost.
+#[test]
+fn a_carried_robot_goes_on_when_it_is_located() {
+    let mut plan = plan_file::load("room").expect("a built-in plan");
+    let to = Some(Pose2::new(3.0, 1.0, 2.0));
+    plan.mishaps.kidnaps.push(Kidnap { at_s: 90.0, carried_s: 5.0, to });
+    let rig = default_rig();
+    let simulation = Simulation::new(&plan, &rig, SimOptions::default(), 1).expect("the robot fits");
+    let mut robot = ClosedLoop::cleaning(simulation, &rig, FloorConfig::default());
+    if let Some(job) = &mut robot.floor_job {
+        job.align(-plan.start.theta_rad as f32);
+    }
+    let mut searched_m = 0.0;
+    while !robot.is_over() && robot.simulation.time_s() < 1200.0 {
+        let truth = robot.simulation.pose();
+        robot.is_lost = (90.0..120.0).contains(&robot.simulation.time_s());
+        let shift_m = if robot.is_lost { 7.0 } else { 0.0 };
+        let before = robot.simulation.pose();
+        robot.step(&mut |sample| Estimate {
+            pose: Pose::new(truth.x_m as f32 + shift_m, truth.y_m as f32, truth.theta_rad as f32),
+            ranges_m: nominal_ranges(&rig, sample),
+        });
+        let [x_m, y_m] = before.inverse_transform([robot.simulation.pose().x_m, robot.simulation.pose().y_m]);
+        if robot.doing() == FloorState::Lost.name() && robot.simulation.time_s() > 95.0 {
+            searched_m += x_m.hypot(y_m);
+        }
+    }
+    let progress = robot.floor_job.as_ref().expect("it cleans").progress();
+    assert_eq!(progress.state, FloorState::Done, "{progress:?}");
+    assert!((28..=32).contains(&progress.seconds_in[FloorState::Lost as usize]), "{progress:?}");
+    assert!(searched_m > 2.0, "it drove {searched_m} m to find itself");
+    assert!(progress.share() > 0.95, "{progress:?}");
 }
 
 #[test]

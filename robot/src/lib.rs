@@ -19,7 +19,9 @@ pub mod wheel_control;
 
 pub use condition::{Condition, PowerSupply, StallWatch};
 pub use contact::{ContactPins, Contacts};
-pub use floor::{AreaKind, Bounds, FloorConfig, FloorJob, FloorProgress, FloorState};
+pub use floor::{
+    AreaKind, Bounds, FLOOR_RECORD_BYTES, FloorConfig, FloorJob, FloorProgress, FloorRecordError, FloorState,
+};
 pub use h_bridge::{HBridge, HBridgeError, MotorPair};
 pub use pilot::{Activity, Pilot, PilotConfig, Senses};
 pub use traits::{DriveMotors, Duty, MetricSensor, RangeSensorBank, WheelCounter, WheelEncoders, WheelSpeeds};

@@ -15,6 +15,16 @@ impl Frame {
         Pose::new(0.0, 0.0, self.grid_rad.unwrap_or(0.0))
     }
 
+    /// The frame turned like this against the map's.
+    pub(super) fn with_grid(grid_rad: Option<f32>) -> Self {
+        Self { grid_rad }
+    }
+
+    /// How it is turned, radians; none until the walls' grid is known.
+    pub(super) fn grid_rad(&self) -> Option<f32> {
+        self.grid_rad
+    }
+
     /// A pose of the map frame.
     pub(super) fn pose(&self, pose: &Pose) -> Pose {
         match self.grid_rad {

@@ -153,6 +153,16 @@ impl Tally {
         self.swept = self.swept.saturating_sub(quarters.into());
     }
 
+    /// Quarters swept so far.
+    pub(super) fn swept(&self) -> u32 {
+        self.swept
+    }
+
+    /// So much was known before a reset.
+    pub(super) fn take_up(&mut self, swept: u32, seconds_in: [u16; FloorState::ALL.len()]) {
+        (self.swept, self.seconds_in) = (swept, seconds_in);
+    }
+
     /// Whether the job has hardly begun: what is swept on the way out of the dock is no more than this.
     pub(super) fn is_new(&self) -> bool {
         self.swept < 60

@@ -46,13 +46,14 @@ impl Swept {
     }
 
     /// The swept quarters of a cell, a bit each; all of them outside the picture.
-    fn of(&self, cell: Cell) -> u8 {
+    pub(super) fn of(&self, cell: Cell) -> u8 {
         let Some([row, col]) = self.stored_at(cell) else { return WHOLE };
         let both = self.cells.get(row).and_then(|row| row.get(col / 2)).copied().unwrap_or(0xFF);
         (both >> (4 * (col % 2))) & WHOLE
     }
 
-    fn put(&mut self, cell: Cell, quarters: u8) {
+    /// Says which quarters of a cell are swept, a bit each.
+    pub(super) fn put(&mut self, cell: Cell, quarters: u8) {
         let Some([row, col]) = self.stored_at(cell) else { return };
         if let Some(both) = self.cells.get_mut(row).and_then(|row| row.get_mut(col / 2)) {
             let shift = 4 * (col % 2);

@@ -81,6 +81,16 @@ impl<const N: usize> Memory<N> {
         Cell { col: place(x_m, self.corner[0]), row: place(y_m, self.corner[1]) }
     }
 
+    /// Place of the lower corner in the estimated frame, in cells.
+    pub(crate) fn corner(&self) -> [i32; 2] {
+        self.corner
+    }
+
+    /// An empty picture is put there.
+    pub(crate) fn put_corner(&mut self, corner: [i32; 2]) {
+        self.corner = corner.map(|cells| cells.clamp(-1_000_000, 1_000_000));
+    }
+
     /// Centre of a cell in the estimated frame, metres.
     pub(crate) fn centre_m(&self, cell: Cell) -> [f32; 2] {
         let middle = |index: i16, corner: i32| (i32::from(index) + corner) as f32 * self.cell_m + 0.5 * self.cell_m;
