@@ -13,7 +13,9 @@ use core::task::{Context, Waker};
 use embassy_time::{Duration, Instant, MockDriver};
 use firmware::shared::Odometry;
 use firmware::{Pilot, SENSORS, Shared, tasks};
-use robot::{ContactPins, Contacts, DriveMotors, Duty, PilotConfig, Senses, WheelControl, WheelControlConfig};
+use robot::{
+    ContactPins, Contacts, DriveMotors, Duty, NoSupply, PilotConfig, Senses, WheelControl, WheelControlConfig,
+};
 use slam_core::{Pose, Ticks};
 use wire::Command;
 
@@ -29,16 +31,24 @@ impl DriveMotors for Motors<'_> {
     }
 }
 
-/// Lets 20 ms pass and hands the drive task the counts of then, from wheels that do not turn.
+/// Lets 20 ms pass and hands the drive task the counts of then, from wheels that turn at a fifth of a metre a second.
 fn odometry(shared: &Shared) {
     MockDriver::get().advance(Duration::from_millis(20));
-    shared.odometry.signal(Odometry { time_us: Instant::now().as_micros(), ticks: Ticks::default() });
+    let time_us = Instant::now().as_micros();
+    let turned = (time_us / 20_000 * 9) as i32;
+    shared.odometry.signal(Odometry { time_us, ticks: Ticks { left: turned, right: turned } });
 }
 
 /// The estimator's word of now: all is clear.
 fn senses() -> Senses<SENSORS> {
     let time_us = Instant::now().as_micros();
-    Senses { time_us, pose: Pose::default(), ranges_m: [Some(1.0); SENSORS], contacts: Contacts::default(), condition: robot::Condition::default() }
+    Senses {
+        time_us,
+        pose: Pose::default(),
+        ranges_m: [Some(1.0); SENSORS],
+        contacts: Contacts::default(),
+        condition: robot::Condition::default(),
+    }
 }
 
 #[test]
@@ -52,7 +62,7 @@ fn silence_stops_the_wheels() {
     let mut motors = Motors(&duty);
     let control = WheelControl::new(WheelControlConfig::default());
     let mut guard = pin!(tasks::guard(inputs, &mut enable, &shared));
-    let mut drive = pin!(tasks::drive(&mut pilot, control, &mut motors, &shared));
+    let mut drive = pin!(tasks::drive(&mut pilot, control, &mut motors, &mut NoSupply, &shared));
     let mut context = Context::from_waker(Waker::noop());
     let mut context_of_guard = Context::from_waker(Waker::noop());
     let mut poll_drive = || assert!(drive.as_mut().poll(&mut context).is_pending());

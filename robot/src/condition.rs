@@ -27,6 +27,20 @@ pub trait PowerSupply {
     fn is_charging(&mut self) -> bool;
 }
 
+/// A robot without a battery gauge and a charging contact.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoSupply;
+
+impl PowerSupply for NoSupply {
+    fn battery_v(&mut self) -> Option<f32> {
+        None
+    }
+
+    fn is_charging(&mut self) -> bool {
+        false
+    }
+}
+
 /// From which duty on a motor is driven hard.
 const HARD_DUTY: f32 = 0.6;
 /// A wheel that turns slower than this share of what its duty gives without load is held.

@@ -17,7 +17,7 @@ pub mod rig;
 pub mod traits;
 pub mod wheel_control;
 
-pub use condition::{Condition, PowerSupply, StallWatch};
+pub use condition::{Condition, NoSupply, PowerSupply, StallWatch};
 pub use contact::{ContactPins, Contacts};
 pub use floor::{
     AreaKind, Bounds, FLOOR_RECORD_BYTES, FloorConfig, FloorJob, FloorProgress, FloorRecordError, FloorState,

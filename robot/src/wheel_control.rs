@@ -2,6 +2,7 @@
 
 use slam_core::Ticks;
 
+use crate::condition::StallWatch;
 use crate::traits::{Duty, WheelSpeeds};
 
 /// Gains and limits, the same for both wheels.
@@ -35,6 +36,11 @@ impl WheelControl {
     /// A controller at rest.
     pub fn new(config: WheelControlConfig) -> Self {
         Self { config, last: None, integral: [0.0; 2] }
+    }
+
+    /// A watch over the same wheels.
+    pub fn stall_watch(&self) -> StallWatch {
+        StallWatch::new(self.config.metres_per_tick, self.config.full_speed_mps)
     }
 
     /// The duty for the next period: `ticks` are the counts now, `period_s` the time since the last call.

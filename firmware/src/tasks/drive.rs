@@ -7,7 +7,7 @@ use crate::shared::{Odometry, Shared, Touch};
 use core::cell::Cell;
 use core::sync::atomic::Ordering;
 use embassy_time::Instant;
-use robot::{DriveMotors, Duty, WheelControl, WheelSpeeds};
+use robot::{Condition, DriveMotors, Duty, PowerSupply, Senses, WheelControl, WheelSpeeds};
 use wire::Command;
 
 /// Longest time that a [`Command::Spin`] turns the wheels, in control periods: half a second.
@@ -33,7 +33,17 @@ struct Decision {
 
 /// Drives the wheels at the odometry's beat, by the pilot's latest decision, once told to start. Without senses the wheels
 /// stop.
-pub async fn drive(pilot: &mut Pilot, mut control: WheelControl, motors: &mut impl DriveMotors, shared: &Shared) -> ! {
+///
+/// A motor that is driven hard while its wheel stands is not driven forward for half a second, and the pilot backs off.
+pub async fn drive(
+    pilot: &mut Pilot,
+    mut control: WheelControl,
+    motors: &mut impl DriveMotors,
+    supply: &mut impl PowerSupply,
+    shared: &Shared,
+) -> ! {
+    let mut stalls = control.stall_watch();
+    let mut duty = Duty::default();
     let mut mode = Mode::Stopped;
     let mut decision: Option<Decision> = None;
     let mut last_us = None;
@@ -42,18 +52,21 @@ pub async fn drive(pilot: &mut Pilot, mut control: WheelControl, motors: &mut im
         while let Ok(command) = shared.commands.try_receive() {
             mode = obey(command, mode);
         }
+        let period_s = period_s(last_us.replace(odometry.time_us), &odometry);
+        let is_stalled = stalls.update(duty, odometry.ticks, period_s);
         if let Some(senses) = shared.senses.try_take() {
-            decision = Some(Decision { time_us: senses.time_us, speeds: pilot.step(&senses) });
+            let (battery_v, is_charging) = (supply.battery_v(), supply.is_charging());
+            let condition = Condition { battery_v, is_charging, is_stalled, ..senses.condition };
+            decision = Some(Decision { time_us: senses.time_us, speeds: pilot.step(&Senses { condition, ..senses }) });
         }
         if decision.take_if(|made| odometry.time_us.saturating_sub(made.time_us) > DECISION_US).is_some() {
             shared.faults.count(|faults| &mut faults.dead_man_stops);
         }
         let target = decision.as_ref().map_or(WheelSpeeds::STOP, |made| made.speeds);
-        let period_s = period_s(last_us.replace(odometry.time_us), &odometry);
         let touch = shared.touch.lock(Cell::get);
-        let duty = match mode {
+        duty = match mode {
             Mode::Stopped => control.update(WheelSpeeds::STOP, odometry.ticks, period_s),
-            Mode::Driving => control.update(touch.contacts.guard(target), odometry.ticks, period_s),
+            Mode::Driving => control.update(stalls.guard(touch.contacts.guard(target)), odometry.ticks, period_s),
             Mode::Spinning { duty, .. } if touch.contacts.any() => {
                 Duty { left: duty.left.min(0.0), right: duty.right.min(0.0) }
             }

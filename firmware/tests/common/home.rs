@@ -172,7 +172,7 @@ impl Home {
             sensing,
             join(
                 tasks::estimate(&mut slam, &mut keeper, config, shared, &self.look_backs),
-                tasks::drive(&mut pilot, control, &mut motors, shared),
+                tasks::drive(&mut pilot, control, &mut motors, &mut robot::NoSupply, shared),
             ),
             tasks::look_back(&self.look_backs),
             join4(

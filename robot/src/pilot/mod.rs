@@ -228,7 +228,8 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
     }
 
     fn decide(&mut self, senses: &Senses<S>) -> (f32, f32) {
-        if senses.contacts.any() && !matches!(self.activity, Activity::BackingOff | Activity::Stuck) {
+        let is_stopped = senses.contacts.any() || senses.condition.is_stalled;
+        if is_stopped && !matches!(self.activity, Activity::BackingOff | Activity::Stuck) {
             self.touch(senses);
         }
         let elapsed_us = senses.time_us.saturating_sub(self.since_us);

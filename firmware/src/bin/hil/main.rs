@@ -35,7 +35,7 @@ use firmware::tasks;
 use firmware::{Keeper, LookBacks, Pilot, SENSORS, Shared};
 use flash::Flash;
 use look_back::RobotBackEnd;
-use robot::{ContactPins, PilotConfig, WheelControl, WheelControlConfig};
+use robot::{ContactPins, NoSupply, PilotConfig, WheelControl, WheelControlConfig};
 use slam_core::{Config, RobotSlam};
 use static_cell::{ConstStaticCell, StaticCell};
 
@@ -118,7 +118,7 @@ async fn look_back() -> ! {
 #[embassy_executor::task]
 async fn drive(pilot: &'static mut Pilot) -> ! {
     let control = WheelControl::new(WheelControlConfig::default());
-    tasks::drive(pilot, control, &mut Motors, &SHARED).await
+    tasks::drive(pilot, control, &mut Motors, &mut NoSupply, &SHARED).await
 }
 
 #[embassy_executor::task]

@@ -12,6 +12,8 @@
 //! | PB0, PB1 | bumper left, right: closed to ground until pressed | EXTI0, EXTI1 |
 //! | PC4 | cliff sensor: low while it sees the floor | EXTI4 |
 //! | PC5 | wheel-drop switches, in series: closed to ground while both wheels carry | EXTI5 |
+//! | PC2 | battery's voltage, through 33 kOhm above and 10 kOhm below | ADC2 |
+//! | PC3 | charging contact: closed to ground in the dock | |
 //! | PA2, PA3 | serial line out, in, 115200 baud | USART2 |
 //! | PA13, PA14 | debug probe (SWDIO, SWCLK) | |
 
@@ -19,9 +21,9 @@ use crate::small_sectors::SmallSectors;
 use core::convert::Infallible;
 use embassy_stm32::adc::{Adc, AdcChannel, AnyAdcChannel, SampleTime};
 use embassy_stm32::exti::{self, ExtiInput};
-use embassy_stm32::gpio::{AnyPin, Level, Output, OutputType, Pull, Speed};
+use embassy_stm32::gpio::{AnyPin, Input, Level, Output, OutputType, Pull, Speed};
 use embassy_stm32::mode::Async;
-use embassy_stm32::peripherals::{ADC1, DMA1_CH5, DMA1_CH6, IWDG, TIM1, TIM3, TIM4, USART2};
+use embassy_stm32::peripherals::{ADC1, ADC2, DMA1_CH5, DMA1_CH6, IWDG, TIM1, TIM3, TIM4, USART2};
 use embassy_stm32::time::{Hertz, khz};
 use embassy_stm32::timer::qei::{self, Qei};
 use embassy_stm32::timer::simple_pwm::{PwmPin, SimplePwm, SimplePwmChannel};
@@ -30,7 +32,7 @@ use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{Config, Peri, bind_interrupts, dma, interrupt, rcc};
 use firmware::SENSORS;
 use firmware::burst::{BurstBank, Converter};
-use robot::{ContactPins, HBridge, MotorPair, WheelCounter, WheelEncoders};
+use robot::{ContactPins, HBridge, MotorPair, PowerSupply, WheelCounter, WheelEncoders};
 use slam_core::Ticks;
 use static_cell::ConstStaticCell;
 use stm32_metapac::RCC;
@@ -71,6 +73,8 @@ pub struct Board {
     pub enable: Output<'static>,
     /// Bumper, cliff and wheel drop.
     pub contacts: Contacts,
+    /// Battery gauge and charging contact.
+    pub supply: Supply,
     /// Serial line, outgoing.
     pub transmitter: UartTx<'static, Async>,
     /// Serial line, incoming.
@@ -133,6 +137,11 @@ impl Board {
             motors,
             enable: output(p.PC8.into()),
             contacts,
+            supply: Supply {
+                adc: Adc::new(p.ADC2),
+                battery: p.PC2.degrade_adc(),
+                contact: Input::new(p.PC3, Pull::Up),
+            },
             transmitter,
             receiver: receiver.into_ring_buffered(RECEIVED.take()),
             map_flash: SmallSectors::new(p.FLASH),
@@ -180,6 +189,26 @@ impl Converter for SharpSensors {
     fn convert(&mut self, sensor: usize) -> Result<u16, NoSuchSensor> {
         let pin = self.sensors.get_mut(sensor).ok_or(NoSuchSensor)?;
         Ok(self.adc.blocking_read(pin, SampleTime::CYCLES84))
+    }
+}
+
+/// The battery behind its divider, and the charging contact.
+pub struct Supply {
+    adc: Adc<'static, ADC2>,
+    battery: AnyAdcChannel<'static, ADC2>,
+    contact: Input<'static>,
+}
+
+/// Volts of the battery a count of the converter: 3.3 V full scale, 12 bits, 33 kOhm above 10 kOhm.
+const BATTERY_V_PER_COUNT: f32 = 3.3 / 4095.0 * 4.3;
+
+impl PowerSupply for Supply {
+    fn battery_v(&mut self) -> Option<f32> {
+        Some(f32::from(self.adc.blocking_read(&mut self.battery, SampleTime::CYCLES84)) * BATTERY_V_PER_COUNT)
+    }
+
+    fn is_charging(&mut self) -> bool {
+        self.contact.is_low()
     }
 }
 

@@ -13,7 +13,7 @@ mod small_sectors;
 #[path = "../../stack.rs"]
 mod stack;
 
-use board::{Board, Contacts, Encoders, Motor, SharpSensors};
+use board::{Board, Contacts, Encoders, Motor, SharpSensors, Supply};
 use defmt_rtt as _;
 use embassy_executor::Spawner;
 use embassy_stm32::gpio::Output;
@@ -52,7 +52,7 @@ async fn main(below: Spawner) {
     let once = "each task is spawned once";
     below.spawn(look_back().expect(once));
     let drives = interrupt_level::drive();
-    drives.spawn(drive(pilot, board.motors).expect(once));
+    drives.spawn(drive(pilot, board.motors, board.supply).expect(once));
     drives.spawn(commands(board.receiver).expect(once));
     drives.spawn(supervise(board.watchdog).expect(once));
     let steps = interrupt_level::step();
@@ -94,9 +94,9 @@ async fn look_back() -> ! {
 }
 
 #[embassy_executor::task]
-async fn drive(pilot: &'static mut Pilot, mut motors: MotorPair<Motor, Motor>) -> ! {
+async fn drive(pilot: &'static mut Pilot, mut motors: MotorPair<Motor, Motor>, mut supply: Supply) -> ! {
     let control = WheelControl::new(WheelControlConfig::default());
-    tasks::drive(pilot, control, &mut motors, &SHARED).await
+    tasks::drive(pilot, control, &mut motors, &mut supply, &SHARED).await
 }
 
 #[embassy_executor::task]
