@@ -61,8 +61,9 @@ fn silence_stops_the_wheels() {
     let mut pilot = Pilot::new(PilotConfig::default(), &robot::rig::default_rig());
     let mut motors = Motors(&duty);
     let control = WheelControl::new(WheelControlConfig::default());
+    let mut supply = NoSupply;
     let mut guard = pin!(tasks::guard(inputs, &mut enable, &shared));
-    let mut drive = pin!(tasks::drive(&mut pilot, control, &mut motors, &mut NoSupply, &shared));
+    let mut drive = pin!(tasks::drive(&mut pilot, control, &mut motors, &mut supply, &shared));
     let mut context = Context::from_waker(Waker::noop());
     let mut context_of_guard = Context::from_waker(Waker::noop());
     let mut poll_drive = || assert!(drive.as_mut().poll(&mut context).is_pending());

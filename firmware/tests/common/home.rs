@@ -167,12 +167,13 @@ impl Home {
         let (mut enable, mut platform) = (Wire(&self.enabled), Fed(&self.fed));
         let (mut transmitter, mut receiver) = (Line(&self.up), Line(&self.down));
         let control = WheelControl::new(WheelControlConfig::default());
+        let mut supply = robot::NoSupply;
         let sensing = join(tasks::odometry(&mut encoders, shared), tasks::sample(&mut bank, shared));
         let all = join4(
             sensing,
             join(
                 tasks::estimate(&mut slam, &mut keeper, config, shared, &self.look_backs),
-                tasks::drive(&mut pilot, control, &mut motors, &mut robot::NoSupply, shared),
+                tasks::drive(&mut pilot, control, &mut motors, &mut supply, shared),
             ),
             tasks::look_back(&self.look_backs),
             join4(

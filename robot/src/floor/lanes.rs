@@ -32,23 +32,30 @@ impl Lane {
 }
 
 impl<const S: usize> FloorJob<S> {
-    /// The lane through a cell that sweeps most, and where it begins.
+    /// The lane along the border of the floor that is left about a cell, and where it begins: along the axis on which it sweeps more.
     pub(super) fn first_lane(&self, cell: Cell, pose: &Pose) -> Option<(Lane, [f32; 2])> {
         let centre_m = self.sheet.picture.centre_m(cell);
         let mut best: Option<(u16, Lane, [f32; 2])> = None;
         for axis in [Axis::X, Axis::Y] {
             let [near, row] = self.sheet.place(axis, centre_m);
-            for across in row - 2..=row + 1 {
-                let Some(stretch) = self.sheet.stretch(axis, across, near, 2) else { continue };
-                let [here, _] = self.sheet.place(axis, [pose.x_m, pose.y_m]);
-                let is_from_low = (here - stretch.from).abs() <= (here - stretch.to).abs();
-                let (first, sign) = if is_from_low { (stretch.from, 1) } else { (stretch.to, -1) };
-                let at_m = self.sheet.point_m(axis, first, across);
-                let [_, across_m] = axis.split(at_m);
-                let bonus = if axis == self.axis { stretch.count / 4 } else { 0 };
-                if best.is_none_or(|(count, ..)| stretch.count + bonus > count) {
-                    best = Some((stretch.count + bonus, Lane { axis, across_m, sign, side: 1 }, at_m));
-                }
+            let [here, _] = self.sheet.place(axis, [pose.x_m, pose.y_m]);
+            let Some((near, [low, high])) = self.sheet.rows_left(axis, near, row) else { continue };
+            // The middle row of three at that border that is nearer, or of what there is.
+            let (across, side) = if high - low < 3 {
+                (low + (high - low) / 2, 1)
+            } else if (row - low).abs() <= (row - high).abs() {
+                (low + 1, 1)
+            } else {
+                (high - 1, -1)
+            };
+            let Some(stretch) = self.sheet.stretch(axis, across, near, 2) else { continue };
+            let is_from_low = (here - stretch.from).abs() <= (here - stretch.to).abs();
+            let (first, sign) = if is_from_low { (stretch.from, 1) } else { (stretch.to, -1) };
+            let at_m = self.sheet.point_m(axis, first, across);
+            let [_, across_m] = axis.split(at_m);
+            let bonus = if axis == self.axis { stretch.count / 4 } else { 0 };
+            if best.is_none_or(|(count, ..)| stretch.count + bonus > count) {
+                best = Some((stretch.count + bonus, Lane { axis, across_m, sign, side }, at_m));
             }
         }
         best.map(|(_, lane, at_m)| (lane, at_m))

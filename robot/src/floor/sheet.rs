@@ -16,6 +16,9 @@ const SWEPT_M: f32 = 0.12;
 /// Quarters that a robot comes for: 0.024 m^2, half of the largest piece that may be missed.
 const WORTHWHILE: u32 = 5;
 
+/// The border of what is left is looked for so many rows to each side.
+const BORDER: i16 = 4;
+
 /// Along which axis of the job's frame a lane runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Axis {
@@ -137,6 +140,23 @@ impl Sheet {
 
     fn left_in_band(&self, axis: Axis, along: i16, across: i16) -> u16 {
         (across - 1..=across + 1).map(|across| u16::from(self.is_left(axis.quarter(along, across)))).sum()
+    }
+
+    /// A place along a lane near this one that has floor left, and between which rows near it there is floor left without a
+    /// gap there.
+    pub(super) fn rows_left(&self, axis: Axis, along: i16, across: i16) -> Option<(i16, [i16; 2])> {
+        // The robot is there: what is under its brush is swept.
+        let offs = [0, -1, 1, -2, 2, -3, 3];
+        let mut quarters = offs.iter().flat_map(|row| offs.iter().map(move |off| (along + off, across + row)));
+        let (along, row) = quarters.find(|&(along, row)| self.is_left(axis.quarter(along, row)))?;
+        let end = |step: i16| {
+            let mut row = row;
+            while (row - across).abs() < BORDER && self.is_left(axis.quarter(along, row + step)) {
+                row += step;
+            }
+            row
+        };
+        Some((along, [end(-1), end(1)]))
     }
 
     fn is_way(&self, axis: Axis, along: i16, across: i16) -> bool {
