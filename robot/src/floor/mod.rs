@@ -13,6 +13,7 @@ mod frame;
 mod hug;
 mod lanes;
 mod near;
+mod phase;
 mod progress;
 mod record;
 mod sheet;
@@ -32,8 +33,8 @@ pub use bounds::{AREAS, AreaKind, BadArea, Bounds, CORNERS};
 use dock::Stage;
 use errand::Errand;
 use frame::Frame;
-use lanes::Lane;
 use near::Near;
+use phase::Phase;
 use progress::Tally;
 pub use progress::{FloorProgress, FloorState};
 pub use record::{FLOOR_RECORD_BYTES, FloorRecordError};
@@ -71,45 +72,6 @@ impl Default for FloorConfig {
             full_v: 12.3,
         }
     }
-}
-
-/// What the job is at.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Phase {
-    /// Straight on, or to a point (metres), until something is near.
-    Seek { to_m: Option<[f32; 2]> },
-    /// Along it, on the right (1) or on the left (-1).
-    Edge { side: f32 },
-    /// Looking for somewhere to go.
-    Plan { aim: Aim, escape: i16, begun: bool },
-    /// Taking the way there from the search.
-    Trace { target: Target, aim: Aim },
-    /// On the way to a target.
-    Transit { target: Target, aim: Aim },
-    /// Straight to where a lane begins.
-    Enter { lane: Lane, at_m: [f32; 2] },
-    /// Along a lane.
-    Lane(Lane),
-    /// Backing off.
-    Back,
-    /// Turning away (1: counter-clockwise) from what was touched again and again.
-    Turn { sign: f32 },
-    /// The last metre home.
-    Home,
-    /// Into the dock, for the second or third time after so many tries in vain.
-    Dock { stage: Stage, tries: u8 },
-    /// Out of the dock.
-    Undock,
-    /// In the dock.
-    Charge,
-    /// Standing on request.
-    Paused,
-    /// Off the floor, or carried and not located yet.
-    Lost,
-    /// Held: standing for a while.
-    Held,
-    /// Over: back where it started, or not.
-    Over { is_home: bool },
 }
 
 /// Without new floor for so long a path an edge is done, metres.
@@ -175,6 +137,8 @@ pub struct FloorJob<const S: usize> {
     retries: u8,
     /// How often it left a pocket.
     pockets: u8,
+    /// How often it looked for a way through narrow places.
+    squeezes: u8,
     /// How often the way to the target was blocked.
     blocked: u8,
     steps: u8,
@@ -221,6 +185,7 @@ impl<const S: usize> FloorJob<S> {
             given_up: heapless::Vec::new(),
             retries: 0,
             pockets: 0,
+            squeezes: 0,
             blocked: 0,
             steps: 0,
             tally: Tally::default(),
@@ -377,17 +342,7 @@ impl<const S: usize> FloorJob<S> {
 
     fn act(&mut self, senses: &Senses<S>, pose: &Pose) -> (f32, f32) {
         let now_us = senses.time_us;
-        let is_sweeping = matches!(
-            self.phase,
-            Phase::Seek { .. }
-                | Phase::Edge { .. }
-                | Phase::Plan { .. }
-                | Phase::Trace { .. }
-                | Phase::Transit { .. }
-                | Phase::Enter { .. }
-                | Phase::Lane(_)
-                | Phase::Home
-        );
+        let is_sweeping = self.phase.is_sweeping();
         if is_sweeping && (senses.condition.is_stalled || self.traction.is_held()) {
             self.be_held(now_us);
         } else if is_sweeping && senses.contacts.any() {

@@ -6,6 +6,7 @@ use slam_core::angle::wrap;
 use super::dock::Stage;
 use super::errand::Errand;
 use super::near::free_ahead_m;
+use super::swept::CELLS;
 use super::wave::{Aim, Slice, Target, unpacked};
 use super::{FloorJob, Phase};
 
@@ -16,6 +17,11 @@ const MAX_BLOCKED: u8 = 4;
 const POCKET: u16 = 40;
 const POCKET_M: f32 = 2.0;
 const MAX_POCKETS: u8 = 12;
+/// As far from where it is as the picture reaches, in cells.
+const ANYWHERE: i16 = CELLS as i16;
+/// For so much floor (m^2) a way through narrow places is looked for, and so often.
+const SQUEEZE_M2: f32 = 0.5;
+const MAX_SQUEEZES: u8 = 6;
 /// A way home is looked for so often, every second time from farther along the walls.
 const MAX_RETURNS: u8 = 12;
 /// Home is this near, metres.
@@ -67,9 +73,19 @@ impl<const S: usize> FloorJob<S> {
                 self.begin(Phase::Trace { target, aim }, now_us);
             }
             Slice::Nothing if escape < 5 => self.begin(Phase::Plan { aim, escape: 5, begun: false }, now_us),
+            Slice::Nothing if escape < ANYWHERE && self.may_squeeze(aim) => {
+                self.squeezes += 1;
+                self.begin(Phase::Plan { aim, escape: ANYWHERE, begun: false }, now_us);
+            }
             Slice::Nothing => self.find_nothing(aim, now_us),
         }
         (0.0, 0.0)
+    }
+
+    /// Whether to look for a way through places that seem too narrow: a door may look so, by bumps and by cells that its frame shares.
+    fn may_squeeze(&self, aim: Aim) -> bool {
+        let is_worth = aim != Aim::Floor || self.tally.progress(self.state()).left_m2 > SQUEEZE_M2;
+        is_worth && self.squeezes < MAX_SQUEEZES
     }
 
     /// Takes the way to the target from the search: a step of its own, since it may be long.

@@ -1,0 +1,61 @@
+//! What the floor job is at, with what it has to know for that.
+
+use super::dock::Stage;
+use super::lanes::Lane;
+use super::wave::{Aim, Target};
+
+/// What the job is at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Phase {
+    /// Straight on, or to a point (metres), until something is near.
+    Seek { to_m: Option<[f32; 2]> },
+    /// Along it, on the right (1) or on the left (-1).
+    Edge { side: f32 },
+    /// Looking for somewhere to go.
+    Plan { aim: Aim, escape: i16, begun: bool },
+    /// Taking the way there from the search.
+    Trace { target: Target, aim: Aim },
+    /// On the way to a target.
+    Transit { target: Target, aim: Aim },
+    /// Straight to where a lane begins.
+    Enter { lane: Lane, at_m: [f32; 2] },
+    /// Along a lane.
+    Lane(Lane),
+    /// Backing off.
+    Back,
+    /// Turning away (1: counter-clockwise) from what was touched again and again.
+    Turn { sign: f32 },
+    /// The last metre home.
+    Home,
+    /// Into the dock, for the second or third time after so many tries in vain.
+    Dock { stage: Stage, tries: u8 },
+    /// Out of the dock.
+    Undock,
+    /// In the dock.
+    Charge,
+    /// Standing on request.
+    Paused,
+    /// Off the floor, or carried and not located yet.
+    Lost,
+    /// Held: standing for a while.
+    Held,
+    /// Over: back where it started, or not.
+    Over { is_home: bool },
+}
+
+impl Phase {
+    /// Whether it is about the floor, or on the way home over it: where contacts, stalls and waiting in vain have to be answered.
+    pub(super) fn is_sweeping(&self) -> bool {
+        matches!(
+            self,
+            Self::Seek { .. }
+                | Self::Edge { .. }
+                | Self::Plan { .. }
+                | Self::Trace { .. }
+                | Self::Transit { .. }
+                | Self::Enter { .. }
+                | Self::Lane(_)
+                | Self::Home
+        )
+    }
+}
