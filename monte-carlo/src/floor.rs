@@ -4,8 +4,6 @@
 //! the true track; what is left are the noises and the readings' unknown age. No estimator that has to find all that out
 //! can do better on the same drive.
 
-use std::time::Instant;
-
 use hal_sim::world::World;
 use hal_sim::{Frame, Plan, Pose2, TrueCalibration};
 use slam_core::{Adc, DriveModel, Motion, RangeInput, RangeModel, RangeSensor, Ticks};
@@ -41,7 +39,6 @@ pub fn localise(plan: &Plan, robot: &Robot, calibration: &TrueCalibration, frame
     let mut nis_sum = 0.0;
     let mut last_us = None;
     for frame in frames {
-        let before = Instant::now();
         let time_us = frame.sample.time_us;
         floor.dt_s = (time_us - last_us.replace(time_us).unwrap_or(time_us)) as f64 * 1e-6;
         if let Motion::Ticks(ticks) = frame.sample.motion {
@@ -53,7 +50,6 @@ pub fn localise(plan: &Plan, robot: &Robot, calibration: &TrueCalibration, frame
                 floor.track.innovations.push((time_us as f64 * 1e-6, z));
             }
         }
-        floor.track.time += before.elapsed();
         let step = floor.step(time_us as f64 * 1e-6);
         floor.track.steps.push(step);
     }

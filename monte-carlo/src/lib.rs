@@ -6,6 +6,7 @@
 //! [`table`]s, [`bar`]s, [`figures`] and the [`page`] are made from the rows alone.
 
 pub mod bar;
+mod clock;
 pub mod command;
 pub mod figures;
 pub mod file;

@@ -1,7 +1,5 @@
 //! Another system over a drive of an experiment.
 
-use std::time::Instant;
-
 use hal_sim::scanner::ScannerKind;
 use relatives::front::Front;
 use relatives::geometry::{Point, Segment};
@@ -31,9 +29,7 @@ pub fn track(driven: &Driven, kind: Kind, scanned: Option<&Scanned>, seed: u64) 
         let beams = scan.map_or(Vec::new(), |(kind, ranges)| beams_of(kind, ranges));
         let dense = scan.filter(|_| has_scans).map(|(kind, ranges)| dense_of(kind, ranges));
         let input = if scanned.is_some() { Input { beams: &beams, dense, ..read } } else { read };
-        let before = Instant::now();
         let output = relative.step(&input);
-        track.time += before.elapsed();
         track.steps.push(Step {
             t_s: frame.sample.time_us as f64 * 1e-6,
             pose: to_record(&output.pose),

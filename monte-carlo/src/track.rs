@@ -1,6 +1,6 @@
 //! One estimator fed sample by sample, with what an experiment needs of it kept.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use hal_sim::{Estimate, Frame};
 use slam_core::ekf::storage;
@@ -20,7 +20,7 @@ pub struct Track {
     pub mean_nis: Option<f64>,
     /// The final map.
     pub walls: Vec<WallView>,
-    /// Time that the estimator took.
+    /// Processor time of the estimator, with that of its front end.
     pub time: Duration,
     /// Memory that its state takes, bytes; zero where there is none.
     pub bytes: usize,
@@ -56,9 +56,7 @@ impl<const B: usize> Tracker<B> {
 
     /// Estimates one sample; for a pilot to drive by.
     pub fn estimate(&mut self, sample: &Sample<MAX_SENSORS>) -> Estimate {
-        let before = Instant::now();
         let report = self.slam.step(sample);
-        self.track.time += before.elapsed();
         let t_s = sample.time_us as f64 * 1e-6;
         for reading in &report.readings {
             if let Outcome::Updated { innovation_m, variance_m2, .. } = reading.outcome {

@@ -5,6 +5,7 @@ use std::fmt;
 use hal_sim::{ClosedLoop, Frame, Plan, SimError, Simulation, TrueCalibration, nominal_ranges};
 use slam_core::{Config, RigError};
 
+use crate::clock::processor_time;
 use crate::file::{Case, Experiment};
 use crate::floor;
 use crate::key::Key;
@@ -108,23 +109,17 @@ impl Unit<'_> {
     /// # Errors
     /// The robot or the home cannot be simulated.
     pub fn run(&self, experiment: &Experiment, variants: &[&Variant]) -> Result<Vec<Outcome>, UnitError> {
-        let (driven, steering) = self.drive(experiment)?;
-        let mut steering = Some(steering);
+        let driven = self.drive(experiment)?;
         let mut outcomes = Vec::new();
         for variant in variants {
-            let is_steering =
-                variant.method == Method::Slam(Config::default(), Buffer::B128) && variant.senses == Senses::Rig;
-            let track = match steering.take_if(|_| is_steering) {
-                Some(track) => track,
-                None => driven.track(variant, self.seed)?,
-            };
+            let track = driven.track(variant, self.seed)?;
             outcomes.push(Outcome { row: driven.score(self.key(variant), variant, &track), track });
         }
         Ok(outcomes)
     }
 
-    /// The drive, and the track of the default estimator that steered it.
-    fn drive(&self, experiment: &Experiment) -> Result<(Driven, Track), UnitError> {
+    /// The drive, steered by the default estimator.
+    fn drive(&self, experiment: &Experiment) -> Result<Driven, UnitError> {
         let setting = &self.case.setting.drawn(self.seed);
         let original = hal_sim::plan_file::load(self.plan).map_err(|error| UnitError(error.to_string()))?;
         let plan = changed(&original, self.plan, &experiment.doors, setting, self.seed);
@@ -143,7 +138,7 @@ impl Unit<'_> {
             seen.into_iter().map(|seen| PassedWall { wall: walls[seen.face], stretches_m: seen.stretches_m }).collect();
         let calibration = closed_loop.simulation.calibration().clone();
         let dead_reckoning = track.steps.iter().map(|step| step.dead_reckoning).collect();
-        Ok((Driven { plan, robot, frames, calibration, dead_reckoning, walls, passed }, track))
+        Ok(Driven { plan, robot, frames, calibration, dead_reckoning, walls, passed })
     }
 }
 
@@ -166,24 +161,25 @@ impl Driven {
             }
             _ => None,
         };
-        if let Some((robot, frames)) = own {
+        let before = processor_time();
+        let mut track = match (variant.method, &own) {
             // Such a robot's settings are those of any rig that reports metres.
-            return Ok(replay::<128>(&robot, Config::for_rig(&robot.rig), &frames)?);
-        }
-        Ok(match variant.method {
-            Method::Relative(kind) => relative::track(self, kind, scanned.as_ref(), seed).map_err(cannot)?,
-            Method::DeadReckoning => {
+            (Method::Slam(..), Some((robot, frames))) => replay::<128>(robot, Config::for_rig(&robot.rig), frames)?,
+            (Method::Relative(kind), _) => relative::track(self, kind, scanned.as_ref(), seed).map_err(cannot)?,
+            (Method::DeadReckoning, _) => {
                 let step = |pose: &Pose2| Step { pose: *pose, ..Step::default() };
                 let mut track = Track { steps: self.dead_reckoning.iter().map(step).collect(), ..Track::default() };
                 track.reveal(frames);
                 track
             }
-            Method::Slam(config, Buffer::B32) => replay::<32>(robot, config, frames)?,
-            Method::Slam(config, Buffer::B64) => replay::<64>(robot, config, frames)?,
-            Method::Slam(config, Buffer::B128) => replay::<128>(robot, config, frames)?,
-            Method::Slam(config, Buffer::B255) => replay::<255>(robot, config, frames)?,
-            Method::Floor => floor::localise(&self.plan, robot, &self.calibration, frames),
-        })
+            (Method::Slam(config, Buffer::B32), _) => replay::<32>(robot, config, frames)?,
+            (Method::Slam(config, Buffer::B64), _) => replay::<64>(robot, config, frames)?,
+            (Method::Slam(config, Buffer::B128), _) => replay::<128>(robot, config, frames)?,
+            (Method::Slam(config, Buffer::B255), _) => replay::<255>(robot, config, frames)?,
+            (Method::Floor, _) => floor::localise(&self.plan, robot, &self.calibration, frames),
+        };
+        track.time = processor_time().saturating_sub(before);
+        Ok(track)
     }
 
     fn score(&self, key: RunKey, variant: &Variant, track: &Track) -> RunRow {
