@@ -1,37 +1,40 @@
-//! Polar scan matching (Diosi and Kleeman 2005; numbers of its version 0.3): turns by shifting ranges, shifts by weighted least
-//! squares along the beams.
+//! Polar scan matching (Diosi and Kleeman 2005; numbers of its version 0.3, for near scans as it advises): turns by shifting ranges,
+//! shifts by weighted least squares.
 //!
-//! Two slips of that code are not repeated: the weight does narrow after ten iterations, and the normal matrix is symmetric.
+//! Two slips of that code are not repeated: the weight does narrow after ten iterations, and the normal matrix is symmetric. Ours:
+//! a range changes with a shift as the surface's slope says, where the source takes every surface to face its beam, which errs by
+//! decimetres along corridors; and the covariance, which follows from the same derivatives.
 
-use nalgebra::{Matrix2, Matrix3, Vector2};
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use std::f64::consts::PI;
 
 use crate::Dense;
-use crate::geometry::{Point, Pose, rotation, unit, wrap};
+use crate::geometry::{Point, Pose, perp, unit, wrap};
 
 /// Neighbours farther apart are of two surfaces, metres.
 const JUMP: f64 = 0.2;
 /// Largest turn that one search covers, radians.
 const TURN: f64 = 20.0 * PI / 180.0;
 /// Residuals beyond this are not used, metres.
-const OUTLIER: f64 = 1.0;
+const OUTLIER: f64 = 0.3;
 /// Squared residual at which a point counts half, m^2, and what it is divided by from this iteration on.
-const WEIGHT: f64 = 0.49;
+const WEIGHT: f64 = 0.09;
 const NARROWER: f64 = 50.0;
 const NARROW_FROM: usize = 10;
 /// Corrections under this, in centimetres and degrees together, so many times in a row end the iterations.
 const STOP: f64 = 0.4;
 const STOPS: usize = 3;
 const ITERATIONS: usize = 30;
-/// Least share of the beams that must be valid.
-const VALID: f64 = 40.0 / 181.0;
-/// 1-sigma of a match whose mean residual is at most 6 cm, metres and radians: a tenth of the source's 20 cm and 4 degrees. Of 1, 0.3
-/// and 0.1 it gave the best paths on simulated drives of their own (seeds 1001 to 1003 of the flat and the room).
-const SIGMA: (f64, f64) = (0.02, 0.4 * PI / 180.0);
-/// A scan whose surfaces' directions scatter less is a corridor; its sigma along and across grow so many times.
-const CORRIDOR: f64 = 25.0 * PI / 180.0;
-const ALONG: f64 = 20.0;
-const ACROSS: f64 = 1.5;
+/// Least share of the beams that two scans must have in common.
+pub const VALID: f64 = 40.0 / 181.0;
+/// Least 1-sigma of a range against another scan's, metres: a laser's.
+const SIGMA: f64 = 0.01;
+/// The sigma of a normal distribution over the median of its magnitude.
+const NORMAL: f64 = 1.4826;
+/// Readings that count as one: the median is of five.
+const SHARED: f64 = 5.0;
+/// 1-sigma of what a match cannot tell, metres and radians.
+const UNKNOWN: f64 = 1.0;
 
 /// A scan made ready: ranges in metres, zero where there is none, and the surface that each is of.
 #[derive(Clone, Debug)]
@@ -108,19 +111,41 @@ impl Scan {
         seen
     }
 
-    /// Scatter of the directions of the surfaces, and their mean modulo a half turn, radians.
-    fn directions(&self) -> (f64, f64) {
-        let (mut s, mut c, mut n) = (0.0, 0.0, 0.0);
-        for i in 1..self.ranges.len() {
-            if self.ranges[i] > 0.0 && self.ranges[i - 1] > 0.0 && self.surface[i] == self.surface[i - 1] {
-                let d = self.point(i) - self.point(i - 1);
-                let double = 2.0 * d.y.atan2(d.x);
-                (s, c, n) = (s + double.sin(), c + double.cos(), n + 1.0);
-            }
+    /// How the range at a bearing changes with a shift: by this vector, as the surface stands there; none at its ends.
+    fn by_shift(&self, i: usize) -> Option<Point> {
+        let (before, after) = (i.checked_sub(1)?, i + 1);
+        let is_one = after < self.ranges.len() && self.surface[before] == self.surface[after];
+        let ranges = [before, i, after].map(|i| self.ranges.get(i).copied().unwrap_or(0.0));
+        let slope = (ranges[2] - ranges[0]) / (2.0 * self.step * ranges[1]);
+        let u = unit(self.bearing(i));
+        (is_one && ranges.iter().all(|range| *range > 0.0)).then(|| u - perp(u) * slope)
+    }
+
+    /// What ranges of another scan, which was taken here, tell of its pose when they are seen at this one's bearings: inverse
+    /// covariance. A corridor tells nothing of the way along it.
+    fn information(&self, seen: &[f64], pose: &Pose) -> Matrix3<f64> {
+        let both = seen.iter().zip(&self.ranges).filter(|(a, b)| **a > 0.0 && **b > 0.0);
+        let mut off: Vec<f64> = both.map(|(a, b)| (a - b).abs()).filter(|off| *off < OUTLIER).collect();
+        off.sort_by(f64::total_cmp);
+        let sigma = (NORMAL * off.get(off.len() / 2).copied().unwrap_or(OUTLIER)).max(SIGMA);
+        let mut information = Matrix3::zeros();
+        for (i, range) in seen.iter().enumerate().filter(|(_, range)| **range > 0.0) {
+            let off = self.ranges[i] - range;
+            let Some(h) = self.by_shift(i).filter(|_| off.abs() < OUTLIER) else { continue };
+            // A turn moves what is seen about where the other scan was taken.
+            let by = Vector3::new(h.x, h.y, h.dot(&perp(self.point(i) - pose.at)));
+            // Somewhere within the beam's width it met the surface.
+            let width = self.step * self.step * (h.norm_squared() - 1.0) * range * range / 12.0;
+            information += by * by.transpose() / (SHARED * (sigma * sigma + off * off + width));
         }
-        let length = (f64::hypot(s, c) / f64::max(n, 1.0)).clamp(1e-9, 1.0);
-        // The scatter of a wrapped normal distribution of the doubled angle.
-        (0.5 * (-2.0 * length.ln()).sqrt(), 0.5 * s.atan2(c))
+        information
+    }
+
+    /// Share of the beams that another scan, taken here, has in common with this one.
+    pub fn shared(&self, other: &Self, pose: &Pose) -> f64 {
+        let seen = other.seen_from(pose);
+        let is_common = |(a, b): &(&f64, &f64)| **a > 0.0 && **b > 0.0 && (*a - *b).abs() < 2.0 * OUTLIER;
+        seen.iter().zip(&self.ranges).filter(is_common).count() as f64 / self.ranges.len().max(1) as f64
     }
 
     /// The turn that lays ranges seen at this scan's bearings on this scan's best.
@@ -155,12 +180,13 @@ impl Scan {
         let (mut sum, mut count) = (0.0, 0.0);
         for (i, range) in seen.iter().enumerate().filter(|(i, range)| **range > 0.0 && self.ranges[*i] > 0.0) {
             let off = self.ranges[i] - range;
-            if off.abs() < OUTLIER {
-                let (h, w) = (unit(self.bearing(i)), weight / (off * off + weight));
-                normal += h * h.transpose() * w;
-                right += h * (w * off);
-                (sum, count) = (sum + off.abs(), count + 1.0);
-            }
+            let Some(h) = self.by_shift(i).filter(|_| off.abs() < OUTLIER) else { continue };
+            // Distances from the surface, not along the beam.
+            let (n, across) = (h.normalize(), off / h.norm());
+            let w = weight / (across * across + weight);
+            normal += n * n.transpose() * w;
+            right += n * (w * across);
+            (sum, count) = (sum + off.abs(), count + 1.0);
         }
         let enough = count >= VALID * self.ranges.len() as f64;
         let inverse = normal.try_inverse().filter(|_| enough)?;
@@ -186,16 +212,9 @@ impl Scan {
             }
             iteration += 1;
         }
-        let grown = (100.0 * residual - 5.0).max(1.0);
-        let (scatter, direction) = self.directions();
-        let (along, across) = if scatter < CORRIDOR { (ALONG, ACROSS) } else { (1.0, 1.0) };
-        let turn = rotation(direction);
-        let position = Matrix2::from_diagonal(&Vector2::new(along * along, across * across));
-        let mut covariance = Matrix3::zeros();
-        let own = turn * position * turn.transpose() * (SIGMA.0 * SIGMA.0);
-        covariance.fixed_view_mut::<2, 2>(0, 0).copy_from(&own);
-        covariance[(2, 2)] = SIGMA.1 * SIGMA.1;
-        residual.is_finite().then_some(Matched { pose, covariance: covariance * grown })
+        let information = self.information(&current.seen_from(&pose), &pose) + Matrix3::identity() / UNKNOWN.powi(2);
+        let covariance = information.try_inverse().filter(|_| residual.is_finite())?;
+        Some(Matched { pose, covariance })
     }
 
     /// Memory that the scan takes, bytes.

@@ -6,15 +6,15 @@ use nalgebra::Matrix3;
 use crate::ekf::Ekf;
 use crate::features::{add_pose, stored_pose};
 use crate::geometry::{Point, Pose, Segment, perp, rotation};
-use crate::psm::{Matched, Scan};
+use crate::psm::{Matched, Scan, VALID};
 use crate::{Input, Output, Relative};
 
 /// A scan is stored where none is nearer than this, metres and radians.
 const STORE: (f64, f64) = (1.0, 1.0);
 /// Way or turn between two matches, metres and radians.
 const EVERY: (f64, f64) = (0.1, 0.1);
-/// Stored scans that each scan is matched with.
-const NEIGHBOURS: usize = 2;
+/// Stored scans farther away are not looked at, metres: what a laser reaches.
+const FAR: f64 = 8.0;
 /// 99 % of a chi-square distribution with three degrees of freedom.
 const GATE: f64 = 11.34;
 
@@ -32,27 +32,22 @@ impl PsmSlam {
         Pose::new(state[0], state[1], state[2])
     }
 
-    /// The stored scans by distance from the robot, the nearest first.
-    fn near(&self) -> Vec<(f64, f64, usize)> {
-        let pose = self.ekf.pose();
-        let off = |(i, (at, _)): (usize, &(usize, Scan))| {
-            let between = self.pose_of(*at).relative(&pose);
-            (between.at.norm(), between.theta.abs(), i)
-        };
-        let mut near: Vec<_> = self.stored.iter().enumerate().map(off).collect();
-        // A radian apart is as far as a metre: less of two scans is the same.
-        near.sort_by(|a, b| (a.0 + a.1).total_cmp(&(b.0 + b.1)));
-        near
-    }
-
+    /// Matches a scan with the stored one that shares most with it, so that little drifts, and with the oldest that shares enough,
+    /// so that loops are closed: past the middle of a corridor that one may look the other way.
     fn take(&mut self, scan: Scan, mount: Point) {
-        let near = self.near();
-        for (_, _, i) in near.iter().take(NEIGHBOURS).filter(|near| near.0 < 2.0 * STORE.0 && near.1 < 1.5) {
-            let (at, reference) = &self.stored[*i];
-            let laser = Pose { at: mount, theta: 0.0 };
-            let inverse = Pose { at: -mount, theta: 0.0 };
-            let guess = inverse.compose(&self.pose_of(*at).relative(&self.ekf.pose())).compose(&laser);
-            let Some(Matched { pose, covariance }) = reference.find(&scan, &guess) else { continue };
+        let (laser, inverse) = (Pose { at: mount, theta: 0.0 }, Pose { at: -mount, theta: 0.0 });
+        let guess = |pose: Pose| inverse.compose(&pose).compose(&laser);
+        let off: Vec<Pose> = self.stored.iter().map(|(at, _)| self.pose_of(*at).relative(&self.ekf.pose())).collect();
+        let near = off.iter().enumerate().filter(|(_, off)| off.at.norm() < FAR);
+        let shares: Vec<(usize, f64)> =
+            near.map(|(i, off)| (i, self.stored[i].1.shared(&scan, &guess(*off)))).collect();
+        let most = shares.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map(|most| most.0);
+        let oldest =
+            shares.iter().find(|(_, share)| *share > VALID).map(|oldest| oldest.0).filter(|i| Some(*i) != most);
+        for i in most.into_iter().chain(oldest) {
+            let (at, reference) = &self.stored[i];
+            let between = self.pose_of(*at).relative(&self.ekf.pose());
+            let Some(Matched { pose, covariance }) = reference.find(&scan, &guess(between)) else { continue };
             let pose = laser.compose(&pose).compose(&inverse);
             // The stored pose as the robot sees it, and its derivative by the match.
             let seen = pose.relative(&Pose::default());
@@ -66,7 +61,7 @@ impl PsmSlam {
                 self.ekf.update(&observation);
             }
         }
-        if near.first().is_none_or(|near| near.0 > STORE.0 || near.1 > STORE.1) {
+        if off.iter().all(|off| off.at.norm() > STORE.0 || off.theta.abs() > STORE.1) {
             let at = add_pose(&mut self.ekf);
             self.stored.push((at, scan));
         }
