@@ -39,6 +39,12 @@ pub fn add_line(ekf: &mut Ekf, seen: &Line, noise: Matrix2<f64>) -> usize {
     ekf.add(Vector2::new(map.rho, map.a), by_pose, by_seen * noise * by_seen.transpose())
 }
 
+/// The mapped line at a place.
+pub fn line_at(ekf: &Ekf, at: usize) -> Line {
+    let state = ekf.states::<2>(at);
+    Line { rho: state[0], a: state[1] }
+}
+
 /// A mapped point seen here in the robot's frame.
 pub fn point(ekf: &Ekf, at: usize, seen: Vector2<f64>, noise: Matrix2<f64>) -> Observation<2> {
     let pose = ekf.pose();
@@ -66,18 +72,10 @@ pub fn add_point(ekf: &mut Ekf, seen: Vector2<f64>, noise: Matrix2<f64>) -> usiz
 /// A stored pose, of which a match says where it is in the robot's frame.
 pub fn stored_pose(ekf: &Ekf, at: usize, seen: &Pose, noise: Matrix3<f64>) -> Observation<3> {
     let (pose, state) = (ekf.pose(), ekf.states::<3>(at));
-    let expected = pose.relative(&Pose::new(state[0], state[1], state[2]));
-    let back = rotation(-pose.theta);
-    let column = |c: usize, sign: f64| Vector3::new(sign * back[(0, c)], sign * back[(1, c)], 0.0);
-    let arm = perp(expected.at);
-    let by = vec![
-        (0, column(0, -1.0)),
-        (1, column(1, -1.0)),
-        (2, Vector3::new(-arm.x, -arm.y, -1.0)),
-        (at, column(0, 1.0)),
-        (at + 1, column(1, 1.0)),
-        (at + 2, Vector3::new(0.0, 0.0, 1.0)),
-    ];
+    let stored = Pose::new(state[0], state[1], state[2]);
+    let (expected, (by_pose, by_stored)) = (pose.relative(&stored), pose.relative_jacobians(&stored));
+    let column = |by: &Matrix3<f64>, c: usize| by.column(c).into_owned();
+    let by = (0..3).map(|c| (c, column(&by_pose, c))).chain((0..3).map(|c| (at + c, column(&by_stored, c)))).collect();
     let off = seen.at - expected.at;
     Observation { innovation: Vector3::new(off.x, off.y, wrap(seen.theta - expected.theta)), by, noise }
 }

@@ -148,18 +148,9 @@ pub fn off_quarter(angle: f64, a: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::window::Extent;
-    use crate::{Beam, Input};
 
-    /// A window of points seen from the origin, in one beam each or all in one.
     fn window(points: &[[f64; 2]]) -> Window {
-        let mut window = Window::new(Extent { path: 1e3, turn: 1e3, points: 1000, step: 0.0 });
-        for [x, y] in points {
-            let beam =
-                Beam { origin: Point::zeros(), bearing: y.atan2(*x), opening: 0.0, range: x.hypot(*y), sigma: 0.02 };
-            window.step(&Input { beams: &[Some(beam)], ..Input::default() });
-        }
-        window
+        Window::of_points(points.iter().map(|at| (*at).into()), 0.02)
     }
 
     #[test]

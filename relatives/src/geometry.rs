@@ -63,6 +63,17 @@ impl Pose {
         Self { at: self.inverse_transform(other.at), theta: wrap(other.theta - self.theta) }
     }
 
+    /// Derivatives of `self.relative(other)` by self and by other.
+    pub fn relative_jacobians(&self, other: &Self) -> (Matrix3<f64>, Matrix3<f64>) {
+        let mut by_other = Matrix3::identity();
+        by_other.fixed_view_mut::<2, 2>(0, 0).copy_from(&rotation(-self.theta));
+        let mut by_self = -by_other;
+        // d(R(-theta) v)/d theta = -perp(R(-theta) v).
+        let arm = perp(self.relative(other).at);
+        (by_self[(0, 2)], by_self[(1, 2)]) = (-arm.x, -arm.y);
+        (by_self, by_other)
+    }
+
     /// Derivatives of `self.compose(inner)` by self and by inner.
     pub fn compose_jacobians(&self, inner: &Self) -> (Matrix3<f64>, Matrix3<f64>) {
         let arm = perp(rotation(self.theta) * inner.at);
@@ -121,6 +132,17 @@ impl Line {
         point.dot(&perp(unit(self.a)))
     }
 
+    /// From where to where along the tangent two points lie.
+    pub fn stretch(&self, ends: [Point; 2]) -> [f64; 2] {
+        let [one, other] = ends.map(|end| self.along(end));
+        [one.min(other), one.max(other)]
+    }
+
+    /// The piece of the line between two places along its tangent.
+    pub fn piece(&self, extent: [f64; 2]) -> Segment {
+        Segment { from: self.point(extent[0]), to: self.point(extent[1]) }
+    }
+
     /// The point of the line so far along the tangent.
     pub fn point(&self, along: f64) -> Point {
         unit(self.a) * self.rho + perp(unit(self.a)) * along
@@ -132,6 +154,32 @@ impl Line {
         Self { rho: self.rho + pose.at.dot(&unit(a)), a }
     }
 }
+
+/// Where a robot is by a chain of motions, and how sure.
+#[derive(Clone, Debug, Default)]
+pub struct Chain {
+    /// Pose in the frame that the chain begins in.
+    pub pose: Pose,
+    /// Its covariance.
+    pub covariance: Matrix3<f64>,
+}
+
+impl Chain {
+    /// The chain with another one after it.
+    pub fn then(&self, pose: &Pose, covariance: &Matrix3<f64>) -> Self {
+        let (by_self, by_next) = self.pose.compose_jacobians(pose);
+        let covariance = by_self * self.covariance * by_self.transpose() + by_next * covariance * by_next.transpose();
+        Self { pose: self.pose.compose(pose), covariance }
+    }
+}
+
+/// The smallest stretch that has both in it.
+pub fn hull(one: [f64; 2], other: [f64; 2]) -> [f64; 2] {
+    [one[0].min(other[0]), one[1].max(other[1])]
+}
+
+/// No stretch yet: what it is [joined](hull) with is the result.
+pub const NOWHERE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
 /// How much of two stretches is common, metres; negative: the gap between them.
 pub fn overlap(one: [f64; 2], other: [f64; 2]) -> f64 {

@@ -9,7 +9,7 @@ use nalgebra_sparse::{CooMatrix, CscMatrix};
 use std::f64::consts::PI;
 
 use crate::fit::off_quarter;
-use crate::geometry::{Line, Pose, perp, rotation, unit, wrap};
+use crate::geometry::{Line, Pose, perp, unit, wrap};
 
 /// A line as it was seen from a pose.
 #[derive(Clone, Copy, Debug)]
@@ -81,14 +81,7 @@ impl Graph {
         let (from, to) = (self.poses[r.from], self.poses[r.to]);
         let expected = from.relative(&to);
         let off = expected.at - r.between.at;
-        let back = rotation(-from.theta);
-        let mut by_to = Matrix3::identity();
-        by_to.fixed_view_mut::<2, 2>(0, 0).copy_from(&back);
-        let mut by_from = -by_to;
-        let arm = perp(expected.at);
-        // d(R(-theta) v)/d theta = -perp(R(-theta) v).
-        by_from[(0, 2)] = -arm.x;
-        by_from[(1, 2)] = -arm.y;
+        let (by_from, by_to) = from.relative_jacobians(&to);
         (Vector3::new(off.x, off.y, wrap(expected.theta - r.between.theta)), by_from, by_to)
     }
 

@@ -93,21 +93,13 @@ impl Hough {
 mod tests {
     use super::*;
     use crate::geometry::Point;
-    use crate::window::Extent;
-    use crate::{Beam, Input};
 
     const HOUGH: Hough = Hough { angles: 360, width: 0.02, reach: 4.0, votes: 8.0, inlier: 0.03, gap: 0.5 };
 
     fn window() -> Window {
-        let mut window = Window::new(Extent { path: 1e3, turn: 1e3, points: 1000, step: 0.0 });
         let wall = (0..20).map(|i| Point::new(0.05 * f64::from(i), 1.013));
         let slanted = (0..12).map(|i| Point::new(1.5 + 0.06 * f64::from(i), -0.1 * f64::from(i)));
-        for at in wall.chain(slanted) {
-            let beam =
-                Beam { origin: Point::zeros(), bearing: at.y.atan2(at.x), opening: 0.0, range: at.norm(), sigma: 0.01 };
-            window.step(&Input { beams: &[Some(beam)], ..Input::default() });
-        }
-        window
+        Window::of_points(wall.chain(slanted), 0.01)
     }
 
     #[test]

@@ -73,6 +73,18 @@ impl Window {
         Self { extent, points: VecDeque::new(), path: 0.0, turned: 0.0, taken: None }
     }
 
+    /// A window that forgets nothing, of points that one beam saw from the origin.
+    #[cfg(test)]
+    pub fn of_points(points: impl IntoIterator<Item = Point>, sigma: f64) -> Self {
+        let mut window = Self::new(Extent { path: 1e3, turn: 1e3, points: 1000, step: 0.0 });
+        for at in points {
+            let bearing = at.y.atan2(at.x);
+            let beam = Beam { origin: Point::zeros(), bearing, opening: 0.0, range: at.norm(), sigma };
+            window.step(&Input { beams: &[Some(beam)], ..Input::default() });
+        }
+        window
+    }
+
     /// Moves on, forgets what is too old and takes in the readings if the robot has come far enough for new ones.
     pub fn step(&mut self, input: &Input<'_>) {
         let motion = &input.motion;

@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 use crate::ekf::{Ekf, Observation};
 use crate::features;
 use crate::fit::{Fit, Splitting, mean_quarter, off_quarter, split};
-use crate::geometry::{Line, Segment, overlap, wrap};
+use crate::geometry::{Line, NOWHERE, Segment, hull, overlap, wrap};
 use crate::hough::Hough;
 use crate::window::{Extent, Window};
 use crate::{Input, Output, Relative};
@@ -79,8 +79,7 @@ impl LineEkf {
     }
 
     fn line(&self, wall: &Wall) -> Line {
-        let state = self.ekf.states::<2>(wall.at);
-        Line { rho: state[0], a: state[1] }
+        features::line_at(&self.ekf, wall.at)
     }
 
     /// Mean direction of the map's walls modulo a quarter turn.
@@ -125,8 +124,7 @@ impl LineEkf {
     /// The fit's stretch along a line of the map.
     fn along(&self, fit: &Fit, line: &Line) -> [f64; 2] {
         let pose = self.ekf.pose();
-        let ends = fit.ends().map(|end| line.along(pose.transform(end)));
-        [ends[0].min(ends[1]), ends[0].max(ends[1])]
+        line.stretch(fit.ends().map(|end| pose.transform(end)))
     }
 
     fn take(&mut self, fit: &Fit) {
@@ -137,14 +135,14 @@ impl LineEkf {
             }
             None if self.agrees(fit) => {
                 let at = features::add_line(&mut self.ekf, &fit.line, fit.covariance);
-                self.walls.push(Wall { at, extent: [f64::INFINITY, f64::NEG_INFINITY], points: 0.0 });
+                self.walls.push(Wall { at, extent: NOWHERE, points: 0.0 });
                 self.walls.len() - 1
             }
             None => return,
         };
         let seen = self.along(fit, &self.line(&self.walls[wall]));
         let wall = &mut self.walls[wall];
-        wall.extent = [wall.extent[0].min(seen[0]), wall.extent[1].max(seen[1])];
+        wall.extent = hull(wall.extent, seen);
         wall.points += fit.points.len() as f64;
         let at = wall.at;
         if self.how == Extraction::ConstrainedHough && self.walls.len() > 1 {
@@ -202,11 +200,7 @@ impl Relative for LineEkf {
     }
 
     fn walls(&self) -> Vec<Segment> {
-        let segment = |wall: &Wall| {
-            let [from, to] = wall.extent.map(|along| self.line(wall).point(along));
-            Segment { from, to }
-        };
-        self.walls.iter().map(segment).collect()
+        self.walls.iter().map(|wall| self.line(wall).piece(wall.extent)).collect()
     }
 
     fn bytes(&self) -> usize {

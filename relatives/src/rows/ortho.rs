@@ -9,7 +9,7 @@ use nalgebra::{Matrix2, Matrix3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::fit::{Fit, Splitting, off_quarter, split};
-use crate::geometry::{Point, Pose, Segment, overlap, rotation, unit, wrap};
+use crate::geometry::{Point, Pose, Segment, hull, overlap, rotation, unit, wrap};
 use crate::window::{Extent, Window};
 use crate::{Input, Output, Relative};
 
@@ -230,7 +230,7 @@ impl Ortho {
         let Some(wall) = sight.wall else { return };
         let (axis, (place, variance)) = (sight.axis, self.places[wall]);
         let extent = &mut self.walls[wall].extent;
-        *extent = [extent[0].min(sight.extent[0]), extent[1].max(sight.extent[1])];
+        *extent = hull(*extent, sight.extent);
         let gain = self.variance[axis] / (self.variance[axis] + variance + sight.variance);
         self.at[axis] += gain * (place - sight.sign * sight.distance - self.at[axis]);
         self.variance[axis] *= 1.0 - gain;

@@ -5,7 +5,7 @@ use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use std::f64::consts::PI;
 
 use crate::fit::{Fit, Splitting, off_quarter, split};
-use crate::geometry::{Line, Pose, Segment, overlap, perp, unit, wrap};
+use crate::geometry::{Chain, Line, NOWHERE, Pose, Segment, hull, overlap, perp, unit, wrap};
 use crate::random::Random;
 use crate::window::{Extent, Window};
 use crate::{Input, Output, Relative};
@@ -43,21 +43,17 @@ pub struct Particles {
     is_square: bool,
     random: Random,
     window: Window,
-    since: Pose,
-    covariance: Matrix3<f64>,
+    /// Motion since the last multiscan.
+    since: Chain,
     scanned: (f64, f64),
     /// Mean and covariance of the particles' poses after the last multiscan.
-    mean: (Pose, Matrix3<f64>),
+    mean: Chain,
 }
 
 impl Particle {
     fn take(&mut self, fit: &Fit, is_square: bool) {
         let seen = fit.line.moved(&self.pose);
         let ends = fit.ends().map(|end| self.pose.transform(end));
-        let along = |line: &Line| {
-            let t = ends.map(|end| line.along(end));
-            [t[0].min(t[1]), t[0].max(t[1])]
-        };
         // The line in the map, given this particle's pose: d(rho, a) by (r, b).
         let by = Matrix2::new(1.0, self.pose.at.dot(&perp(unit(seen.a))), 0.0, 1.0);
         let noise = by * fit.covariance * by.transpose();
@@ -66,7 +62,7 @@ impl Particle {
             let off = Vector2::new(seen.rho - wall.line.rho, wrap(seen.a - wall.line.a));
             let Some(inverse) = (wall.covariance + noise).try_inverse() else { continue };
             let distance = (off.transpose() * inverse * off)[(0, 0)];
-            let shares = off.y.abs() < 0.5 && overlap(along(&wall.line), wall.extent) > -APART;
+            let shares = off.y.abs() < 0.5 && overlap(wall.line.stretch(ends), wall.extent) > -APART;
             if shares && distance < GATE && best.as_ref().is_none_or(|best| distance < best.0) {
                 best = Some((distance, i, off, inverse));
             }
@@ -84,13 +80,12 @@ impl Particle {
             None => {
                 self.log_weight += NEW.ln();
                 let (line, covariance) = self.born(seen, noise, is_square, ends);
-                self.walls.push(Wall { line, covariance, extent: [f64::INFINITY, f64::NEG_INFINITY] });
+                self.walls.push(Wall { line, covariance, extent: NOWHERE });
                 let last = self.walls.len() - 1;
                 &mut self.walls[last]
             }
         };
-        let stretch = along(&wall.line);
-        wall.extent = [wall.extent[0].min(stretch[0]), wall.extent[1].max(stretch[1])];
+        wall.extent = hull(wall.extent, wall.line.stretch(ends));
     }
 
     /// A new line, on the first one's right angles where it is near and that is asked for: turned about its middle.
@@ -126,10 +121,9 @@ impl Particles {
             is_square,
             random: Random::new(seed),
             window: Window::new(WINDOW),
-            since: Pose::default(),
-            covariance: Matrix3::zeros(),
+            since: Chain::default(),
             scanned: (0.0, 0.0),
-            mean: (Pose::default(), Matrix3::zeros()),
+            mean: Chain::default(),
         }
     }
 
@@ -137,10 +131,9 @@ impl Particles {
         let fits = split(&self.window, &SPLITTING);
         self.window.points.clear();
         self.scanned = (self.window.path, self.window.turned);
-        let noise = self.covariance + Matrix3::identity() * 1e-12;
+        let Chain { pose: since, covariance } = std::mem::take(&mut self.since);
+        let noise = covariance + Matrix3::identity() * 1e-12;
         let factor = noise.cholesky().map_or_else(Matrix3::zeros, |cholesky| cholesky.l());
-        let since = std::mem::take(&mut self.since);
-        self.covariance = Matrix3::zeros();
         for particle in &mut self.particles {
             let off = factor * Vector3::from_fn(|_, _| self.random.gaussian());
             let moved = Pose::new(since.at.x + off.x, since.at.y + off.y, since.theta + off.z);
@@ -182,7 +175,7 @@ impl Particles {
     }
 
     /// Mean and covariance of the particles' poses.
-    fn mean_of_all(&self) -> (Pose, Matrix3<f64>) {
+    fn mean_of_all(&self) -> Chain {
         let weights = self.weights();
         let all = || self.particles.iter().zip(&weights);
         let at = all().fold(Vector2::zeros(), |sum, (p, w)| sum + p.pose.at * *w);
@@ -193,32 +186,25 @@ impl Particles {
             let d = Vector3::new(off.x, off.y, wrap(p.pose.theta - mean.theta));
             sum + d * d.transpose() * *w
         });
-        (mean, covariance)
+        Chain { pose: mean, covariance }
     }
 }
 
 impl Relative for Particles {
     fn step(&mut self, input: &Input<'_>) -> Output {
-        let (by_since, by_motion) = self.since.compose_jacobians(&input.motion);
-        self.covariance =
-            by_since * self.covariance * by_since.transpose() + by_motion * input.motion_cov * by_motion.transpose();
-        self.since = self.since.compose(&input.motion);
+        self.since = self.since.then(&input.motion, &input.motion_cov);
         self.window.step(input);
         let (path, turned) = self.scanned;
         if self.window.path - path >= SCAN.0 || self.window.turned - turned >= SCAN.1 {
             self.scan();
         }
-        let (mean, covariance) = self.mean;
-        let (by_mean, by_since) = mean.compose_jacobians(&self.since);
-        let spread = by_mean * covariance * by_mean.transpose() + by_since * self.covariance * by_since.transpose();
-        Output { pose: mean.compose(&self.since), covariance: Some(spread) }
+        let Chain { pose, covariance } = self.mean.then(&self.since.pose, &self.since.covariance);
+        Output { pose, covariance: Some(covariance) }
     }
 
     fn walls(&self) -> Vec<Segment> {
         let best = self.particles.iter().max_by(|a, b| a.log_weight.total_cmp(&b.log_weight));
-        let segment =
-            |wall: &Wall| Segment { from: wall.line.point(wall.extent[0]), to: wall.line.point(wall.extent[1]) };
-        best.map_or(Vec::new(), |best| best.walls.iter().map(segment).collect())
+        best.map_or(Vec::new(), |best| best.walls.iter().map(|wall| wall.line.piece(wall.extent)).collect())
     }
 
     fn bytes(&self) -> usize {

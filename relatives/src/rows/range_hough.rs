@@ -48,8 +48,7 @@ impl RangeHough {
     fn gated(&self, wall: usize, line: &Line) -> Vec<usize> {
         let pose = self.ekf.pose();
         let Segment { from, to } = self.known.walls[wall];
-        let ends = [from, to].map(|end| line.along(pose.inverse_transform(end)));
-        let extent = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+        let extent = line.stretch([from, to].map(|end| pose.inverse_transform(end)));
         let sigma = (self.ekf.variance(0) + self.ekf.variance(1) + 9.0 * self.ekf.variance(2) + MEASURED).sqrt();
         let near = |seen: &Seen| {
             let off = line.beyond(seen.at).abs();

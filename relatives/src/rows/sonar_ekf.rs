@@ -4,8 +4,8 @@
 use nalgebra::Matrix2;
 
 use crate::ekf::{Ekf, Observation};
-use crate::features::{add_line, add_point, line, point};
-use crate::geometry::{Line, Point, Segment, overlap, wrap};
+use crate::features::{add_line, add_point, line, line_at, point};
+use crate::geometry::{Line, NOWHERE, Point, Segment, hull, overlap, wrap};
 use crate::tbf::{Fusion, Target};
 use crate::{Input, Output, Relative};
 
@@ -121,8 +121,7 @@ impl SonarEkf {
         let observe = |f: &Feature| {
             let extent = f.wall?;
             let (observation, is_front) = line(&self.ekf, f.at, seen, noise);
-            let along = touched.map(|at| self.line(f.at).along(at));
-            let along = [along[0].min(along[1]), along[0].max(along[1])];
+            let along = self.line(f.at).stretch(touched);
             let near = observation.innovation.y.abs() < 0.5 && overlap(along, extent) > -APART;
             (is_front && near).then_some(observation)
         };
@@ -133,17 +132,14 @@ impl SonarEkf {
             && self.is_again(touched[0], Some(seen.moved(&pose).a))
         {
             let at = add_line(&mut self.ekf, seen, noise);
-            self.features.push(Feature { at, used: self.path, wall: Some([f64::INFINITY, f64::NEG_INFINITY]) });
+            self.features.push(Feature { at, used: self.path, wall: Some(NOWHERE) });
             self.features.len() - 1
         } else {
             return;
         };
         let known = self.line(self.features[i].at);
         if let Some(extent) = &mut self.features[i].wall {
-            *extent = touched.iter().fold(*extent, |[lo, hi], at| {
-                let t = known.along(*at);
-                [lo.min(t), hi.max(t)]
-            });
+            *extent = hull(*extent, known.stretch(touched));
         }
     }
 
@@ -155,8 +151,7 @@ impl SonarEkf {
     }
 
     fn line(&self, at: usize) -> Line {
-        let state = self.ekf.states::<2>(at);
-        Line { rho: state[0], a: state[1] }
+        line_at(&self.ekf, at)
     }
 }
 
@@ -175,11 +170,7 @@ impl Relative for SonarEkf {
     }
 
     fn walls(&self) -> Vec<Segment> {
-        let segment = |f: &Feature| {
-            let [from, to] = f.wall?.map(|along| self.line(f.at).point(along));
-            Some(Segment { from, to })
-        };
-        self.features.iter().filter_map(segment).collect()
+        self.features.iter().filter_map(|f| Some(self.line(f.at).piece(f.wall?))).collect()
     }
 
     fn bytes(&self) -> usize {

@@ -8,7 +8,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::fit::{Fit, Splitting, off_quarter, split};
-use crate::geometry::{Line, Point, Pose, Segment, overlap};
+use crate::geometry::{Chain, Line, NOWHERE, Point, Pose, Segment, hull, overlap};
 use crate::graph::{Graph, Relation, Sighting};
 use crate::matcher::{Grid, Pyramid, Range};
 use crate::window::{Extent, Window};
@@ -71,9 +71,8 @@ pub struct SparseGslam {
     graph: Graph,
     landmarks: Vec<Landmark>,
     window: Window,
-    /// Motion since the last vertex, and its covariance.
-    since: Pose,
-    since_covariance: Matrix3<f64>,
+    /// Motion since the last vertex.
+    since: Chain,
     since_turn: f64,
     /// Covariances of the vertices when they were the last.
     covariances: Vec<Matrix3<f64>>,
@@ -97,8 +96,7 @@ impl SparseGslam {
             graph: Graph { poses: vec![Pose::default()], ..Graph::default() },
             landmarks: Vec::new(),
             window: Window::new(WINDOW),
-            since: Pose::default(),
-            since_covariance: Matrix3::zeros(),
+            since: Chain::default(),
             since_turn: 0.0,
             covariances: vec![Matrix3::zeros()],
             ways: vec![0.0],
@@ -117,14 +115,14 @@ impl SparseGslam {
 
     fn add_vertex(&mut self) {
         let from = self.last();
-        let mut covariance = self.since_covariance;
+        let Chain { pose: between, mut covariance } = std::mem::take(&mut self.since);
         covariance += Matrix3::from_diagonal(&Vector3::new(LEAST.0, LEAST.0, LEAST.1));
         let information = covariance.try_inverse().unwrap_or_else(Matrix3::identity);
-        self.graph.poses.push(self.graph.poses[from].compose(&self.since));
-        self.graph.odometry.push(Relation { from, to: from + 1, between: self.since, information });
+        self.graph.poses.push(self.graph.poses[from].compose(&between));
+        self.graph.odometry.push(Relation { from, to: from + 1, between, information });
         self.ways.push(self.window.path);
         self.drawn.push(std::mem::take(&mut self.beams));
-        (self.since, self.since_covariance, self.since_turn) = (Pose::default(), Matrix3::zeros(), 0.0);
+        self.since_turn = 0.0;
         let seen = self.see_lines();
         self.place(seen);
         self.finish_submap();
@@ -150,8 +148,7 @@ impl SparseGslam {
         let facing = fit.line.moved(&pose);
         let candidates = self.landmarks.iter().zip(&self.graph.lines).enumerate().filter_map(|(i, (known, line))| {
             let off: f64 = ends.iter().map(|end| line.beyond(*end).abs()).sum();
-            let along = ends.map(|end| line.along(end));
-            let along = [along[0].min(along[1]), along[0].max(along[1])];
+            let along = line.stretch(ends);
             let same_side = crate::geometry::wrap(line.a - facing.a).abs() < 1.0;
             let near = off < NEAR && overlap(along, known.extent) > -APART;
             (near && same_side && way - known.seen < MEMORY).then_some((off, i))
@@ -160,9 +157,8 @@ impl SparseGslam {
             Some((_, line)) => line,
             None => self.add_landmark(facing),
         };
-        let along = ends.map(|end| self.graph.lines[line].along(end));
         let known = &mut self.landmarks[line];
-        known.extent = along.iter().fold(known.extent, |[lo, hi], t| [lo.min(*t), hi.max(*t)]);
+        known.extent = hull(known.extent, self.graph.lines[line].stretch(ends));
         known.seen = way;
         line
     }
@@ -176,7 +172,7 @@ impl SparseGslam {
             self.graph.squares.extend(square.map(|i| [i, new]));
         }
         self.graph.lines.push(line);
-        self.landmarks.push(Landmark { extent: [f64::INFINITY, f64::NEG_INFINITY], seen: 0.0 });
+        self.landmarks.push(Landmark { extent: NOWHERE, seen: 0.0 });
         new
     }
 
@@ -257,15 +253,12 @@ impl Relative for SparseGslam {
         let beams: Vec<Option<Beam>> = input.beams.iter().map(near).collect();
         let (path, turned) = (self.window.path, self.window.turned);
         self.window.step(&Input { beams: &beams, ..*input });
-        let (by_since, by_motion) = self.since.compose_jacobians(&input.motion);
-        self.since_covariance = by_since * self.since_covariance * by_since.transpose()
-            + by_motion * input.motion_cov * by_motion.transpose();
-        self.since = self.since.compose(&input.motion);
+        self.since = self.since.then(&input.motion, &input.motion_cov);
         self.since_turn += self.window.turned - turned;
         // As many beams are drawn as there are points.
         let is_new = ((self.window.path / WINDOW.step) as u64) != ((path / WINDOW.step) as u64);
         if is_new {
-            let drawn = beams.iter().flatten().map(|b| Segment { from: b.origin, to: b.end() }.moved(&self.since));
+            let drawn = beams.iter().flatten().map(|b| Segment { from: b.origin, to: b.end() }.moved(&self.since.pose));
             self.beams.extend(drawn);
         }
         let way = self.window.path - self.ways[self.last()];
@@ -273,19 +266,14 @@ impl Relative for SparseGslam {
             self.add_vertex();
         }
         let vertex = self.last();
-        self.steps.push((vertex, self.since));
-        let (by_vertex, by_since) = self.graph.poses[vertex].compose_jacobians(&self.since);
-        let covariance = by_vertex * self.covariances[vertex] * by_vertex.transpose()
-            + by_since * self.since_covariance * by_since.transpose();
-        Output { pose: self.graph.poses[vertex].compose(&self.since), covariance: Some(covariance) }
+        self.steps.push((vertex, self.since.pose));
+        let last = Chain { pose: self.graph.poses[vertex], covariance: self.covariances[vertex] };
+        let Chain { pose, covariance } = last.then(&self.since.pose, &self.since.covariance);
+        Output { pose, covariance: Some(covariance) }
     }
 
     fn walls(&self) -> Vec<Segment> {
-        let segment = |(known, line): (&Landmark, &Line)| Segment {
-            from: line.point(known.extent[0]),
-            to: line.point(known.extent[1]),
-        };
-        self.landmarks.iter().zip(&self.graph.lines).map(segment).collect()
+        self.landmarks.iter().zip(&self.graph.lines).map(|(known, line)| line.piece(known.extent)).collect()
     }
 
     fn path(&self) -> Option<Vec<Pose>> {
