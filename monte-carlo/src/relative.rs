@@ -3,9 +3,9 @@
 use hal_sim::scanner::ScannerKind;
 use relatives::front::Front;
 use relatives::geometry::{Point, Segment};
-use relatives::{Beam, Dense, Input, Kind, Setup};
+use relatives::{Dense, Input, Kind, Setup};
 
-use crate::senses::Scanned;
+use crate::senses::{Scanned, beams_of};
 use crate::track::Track;
 use crate::unit::Driven;
 use lab::evaluate::score::path;
@@ -46,20 +46,6 @@ pub fn track(driven: &Driven, kind: Kind, scanned: Option<&Scanned>, seed: u64) 
         path::score(&pairs).map(|score| score.ate_m)
     });
     Ok(track)
-}
-
-/// The scan as single readings.
-fn beams_of(kind: ScannerKind, ranges: &[f32]) -> Vec<Option<Beam>> {
-    let beam = |(i, range): (usize, &f32)| {
-        (!range.is_nan()).then(|| Beam {
-            origin: Point::zeros(),
-            bearing: kind.bearing_rad(i),
-            opening: kind.opening_rad(),
-            range: f64::from(*range),
-            sigma: kind.sigma_m(),
-        })
-    };
-    ranges.iter().enumerate().map(beam).collect()
 }
 
 fn dense_of(kind: ScannerKind, ranges: &[f32]) -> Dense<'_> {

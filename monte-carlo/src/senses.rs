@@ -2,6 +2,8 @@
 
 use hal_sim::scanner::{Scanner, ScannerKind};
 use hal_sim::{Frame, MAX_SENSORS};
+use relatives::Beam;
+use relatives::geometry::Point;
 use slam_core::{Mount, RangeInput, RangeModel, RangeSensor, Sample};
 
 use lab::input::rig_file::Robot;
@@ -70,4 +72,18 @@ impl Scanned {
             model: RangeModel::Metric { noise_m: self.kind.sigma_m() as f32, noise_rel: 0.0 },
         }
     }
+}
+
+/// A scan as single readings of a relative.
+pub fn beams_of(kind: ScannerKind, ranges: &[f32]) -> Vec<Option<Beam>> {
+    let beam = |(i, range): (usize, &f32)| {
+        (!range.is_nan()).then(|| Beam {
+            origin: Point::zeros(),
+            bearing: kind.bearing_rad(i),
+            opening: kind.opening_rad(),
+            range: f64::from(*range),
+            sigma: kind.sigma_m(),
+        })
+    };
+    ranges.iter().enumerate().map(beam).collect()
 }

@@ -119,7 +119,10 @@ impl Unit<'_> {
     }
 
     /// The drive, steered by the default estimator.
-    fn drive(&self, experiment: &Experiment) -> Result<Driven, UnitError> {
+    ///
+    /// # Errors
+    /// The robot or the home cannot be simulated.
+    pub fn drive(&self, experiment: &Experiment) -> Result<Driven, UnitError> {
         let setting = &self.case.setting.drawn(self.seed);
         let original = hal_sim::plan_file::load(self.plan).map_err(|error| UnitError(error.to_string()))?;
         let plan = changed(&original, self.plan, &experiment.doors, setting, self.seed);

@@ -4,7 +4,7 @@ use hal_sim::rng::Rng;
 use hal_sim::world::World;
 use hal_sim::{ClosedLoop, Estimate, Plan, Pose2, SimOptions, Simulation, default_rig, mishap};
 use robot::PilotConfig;
-use slam_core::{Config, HostSlam, Rig, StepReport};
+use slam_core::{Config, HostSlam, Rig, Sample, StepReport};
 
 /// Most range sensors of a simulated robot.
 pub const SENSORS: usize = hal_sim::MAX_SENSORS;
@@ -13,7 +13,9 @@ pub const SENSORS: usize = hal_sim::MAX_SENSORS;
 pub struct Driven<'a> {
     /// The estimator.
     pub slam: &'a mut HostSlam,
-    /// What became of the last sample.
+    /// The last sample.
+    pub sample: &'a Sample<SENSORS>,
+    /// What became of it.
     pub report: &'a StepReport<SENSORS>,
     /// How far the robot really went, metres.
     pub path_m: f64,
@@ -47,7 +49,7 @@ pub fn drive(
         path_m += moved.x_m.hypot(moved.y_m);
         let in_plan = robot.simulation.pose_in_plan();
         let Some(report) = &done else { break };
-        if !each(Driven { slam: &mut slam, report, path_m, in_plan }) {
+        if !each(Driven { slam: &mut slam, sample: &frame.sample, report, path_m, in_plan }) {
             break;
         }
     }
