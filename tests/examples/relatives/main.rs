@@ -4,8 +4,16 @@
 //! `--replays N` do a part (50 and 9), `--jobs N` sets the threads, `--page` makes the page of what is there. The logs of real
 //! robots are left out where they are not at hand.
 
+mod carried;
+mod corners;
+mod extractors;
+mod grid;
+mod lines;
 mod logs;
 mod page;
+mod rows;
+mod systems;
+mod verdict;
 mod words;
 
 use std::path::{Path, PathBuf};
@@ -61,11 +69,12 @@ fn run() -> Result<(), String> {
     std::fs::create_dir_all(&asked.out).map_err(|error| format!("{}: {error}", asked.out.display()))?;
     if !asked.only_page {
         logs::run(&asked.out.join(logs::FILE), asked.replays)?;
+        components(&asked)?;
     }
     let mut done = Vec::new();
     for (file, folder) in EXPERIMENTS {
         let said = |error: input_file::FileError| error.to_string();
-        let mut experiment = Experiment::read(&root().join("experiments").join(file)).map_err(said)?;
+        let mut experiment = read(file)?;
         experiment.seeds = experiment.seeds.min(asked.seeds);
         let out = asked.out.join(folder);
         if !asked.only_page {
@@ -75,7 +84,25 @@ fn run() -> Result<(), String> {
         done.push((store::read(&out.join(store::RUNS)).map_err(said)?, experiment));
     }
     let logs = logs::read(&asked.out.join(logs::FILE));
-    page::write(&done, &logs).map_err(|error| format!("docs/results: {error}"))
+    let of = |file: &str| rows::read(&asked.out.join(file));
+    let sections = [
+        carried::section(&of(carried::FILE)),
+        corners::section(&of(corners::FILE)),
+        extractors::section(&of(extractors::FILE)),
+    ];
+    page::write(&done, &logs, &sections.concat()).map_err(|error| format!("docs/results: {error}"))
+}
+
+fn read(file: &str) -> Result<Experiment, String> {
+    Experiment::read(&root().join("experiments").join(file)).map_err(|error| error.to_string())
+}
+
+/// What is measured beside the drives: extractors, edges, robots that are put down somewhere.
+fn components(asked: &Asked) -> Result<(), String> {
+    let experiment = read(EXPERIMENTS[0].0)?;
+    extractors::run(&asked.out.join(extractors::FILE), &experiment, asked.seeds)?;
+    corners::run(&asked.out.join(corners::FILE), &experiment, asked.seeds)?;
+    carried::run(&asked.out.join(carried::FILE), asked.seeds)
 }
 
 fn main() {

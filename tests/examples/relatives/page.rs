@@ -11,7 +11,7 @@ use monte_carlo::table::{self, Line};
 use relatives::Kind;
 
 use crate::logs::{Found, LOGS, OURS};
-use crate::words;
+use crate::{verdict, words};
 
 /// A run whose aligned path is off by more than this is lost, metres: in another room beside a door.
 const LOST_M: f64 = 0.5;
@@ -20,7 +20,11 @@ const LOST_M: f64 = 0.5;
 ///
 /// # Errors
 /// What the system says, or a text that cannot be written.
-pub fn write(done: &[(Vec<RunRow>, Experiment)], logs: &[Found]) -> Result<(), Box<dyn std::error::Error>> {
+pub fn write(
+    done: &[(Vec<RunRow>, Experiment)],
+    logs: &[Found],
+    components: &str,
+) -> Result<(), Box<dyn std::error::Error>> {
     let folder = crate::root().join("docs/results");
     let figures = folder.join("relatives");
     fs::create_dir_all(&figures)?;
@@ -51,7 +55,9 @@ pub fn write(done: &[(Vec<RunRow>, Experiment)], logs: &[Found]) -> Result<(), B
     let title = ("rays", "How many rays?", "rays of the laser");
     figure(&mut text, &figures, title, &words::BY_RAYS, &lines, &point, true)?;
     real(&mut text, logs)?;
-    text.push_str(words::SYSTEMS);
+    text += components;
+    text += &verdict::losses(&main.0, logs);
+    text += &verdict::paragraphs(&main.0, logs);
     fs::write(folder.join("relatives.md"), text.trim_end().to_owned() + "\n")?;
     Ok(())
 }
@@ -143,7 +149,7 @@ fn figure(
         panel.line(curve, i);
         panel.dots(curve, 4.0, i);
     }
-    let legend: Vec<(usize, String)> = shown.iter().enumerate().map(|(i, name)| (i, (*name).to_owned())).collect();
+    let legend: Vec<(usize, String)> = shown.iter().enumerate().map(|(i, name)| (i, words::legend(name))).collect();
     fs::write(folder.join(format!("{name}.svg")), svg(&[panel], &legend))?;
     text.push_str(&format!("## {title}\n\n{}\n\n![{title}](relatives/{name}.svg)\n\n", words::about(name)));
     Ok(())
@@ -184,7 +190,7 @@ fn real(text: &mut String, logs: &[Found]) -> std::fmt::Result {
                 cell(4, 100.0, 0, false),
                 cell(5, 1.0, 2, true),
                 cell(6, 100.0, 1, false),
-                cell(7, 1.0, 0, false),
+                number(own.iter().map(|f| f.figures[7]).reduce(f64::min), 0),
             ];
             writeln!(text, "| {} | {system} | {} |", log.name, cells.join(" | "))?;
         }
