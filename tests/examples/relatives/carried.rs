@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use hal_sim::{Plan, Pose2, plan_file};
 use lab::evaluate::score::path;
-use lab::evaluate::statistics::mean;
+use lab::evaluate::statistics::{mean, median};
 use relatives::Relative as _;
 use relatives::front::Front;
 use relatives::geometry::{Line, Pose, Segment};
@@ -155,9 +155,25 @@ fn carry(home: &Home, seed: u64) -> [f64; FIGURES.len()] {
     ]
 }
 
+/// Where the grid is ahead of the search, as lines of the page's table of losses.
+pub fn losses(found: &[Row]) -> String {
+    let line = |home: &&str| {
+        let of = |figure: usize| {
+            let own = found.iter().filter(|row| row.name == **home).map(|row| row.figures[figure]);
+            median(&own.filter(|value| value.is_finite()).collect::<Vec<_>>())
+        };
+        let (ours, grid) = (of(0)?, of(2)?);
+        let next = "claims by the odds of every place from the first wall on, as the grid has them";
+        let line = format!(
+            "| {home}, carried | path to the claim | {ours:.1} m | {grid:.1} m | after Grossmann and Poli | {next} |\n"
+        );
+        (grid < ours).then_some(line)
+    };
+    HOMES.iter().filter_map(line).collect()
+}
+
 /// The section of the page.
 pub fn section(found: &[Row]) -> String {
-    use lab::evaluate::statistics::median;
     let mut text = crate::words::CARRIED.to_owned();
     for home in HOMES {
         let own: Vec<&Row> = found.iter().filter(|row| row.name == home).collect();

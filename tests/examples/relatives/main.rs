@@ -90,7 +90,8 @@ fn run() -> Result<(), String> {
         corners::section(&of(corners::FILE)),
         extractors::section(&of(extractors::FILE)),
     ];
-    page::write(&done, &logs, &sections.concat()).map_err(|error| format!("docs/results: {error}"))
+    let carried = carried::losses(&of(carried::FILE));
+    page::write(&done, &logs, (&sections.concat(), &carried)).map_err(|error| format!("docs/results: {error}"))
 }
 
 fn read(file: &str) -> Result<Experiment, String> {

@@ -23,7 +23,7 @@ const LOST_M: f64 = 0.5;
 pub fn write(
     done: &[(Vec<RunRow>, Experiment)],
     logs: &[Found],
-    components: &str,
+    (components, carried): (&str, &str),
 ) -> Result<(), Box<dyn std::error::Error>> {
     let folder = crate::root().join("docs/results");
     let figures = folder.join("relatives");
@@ -56,7 +56,7 @@ pub fn write(
     figure(&mut text, &figures, title, &words::BY_RAYS, &lines, &point, true)?;
     real(&mut text, logs)?;
     text += components;
-    text += &verdict::losses(&main.0, logs);
+    text += &verdict::losses(&main.0, logs, carried);
     text += &verdict::paragraphs(&main.0, logs);
     fs::write(folder.join("relatives.md"), text.trim_end().to_owned() + "\n")?;
     Ok(())

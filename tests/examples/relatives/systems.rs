@@ -18,7 +18,7 @@ pub struct System {
 }
 
 /// The systems.
-pub const SYSTEMS: [System; 9] = [
+pub const SYSTEMS: [System; 12] = [
     System {
         title: "After Abrate, Bona and Indri",
         variants: &["after Abrate"],
@@ -90,6 +90,32 @@ pub const SYSTEMS: [System; 9] = [
         what: "Pose tracking by a range-weighted Hough transform around each wall of a map that was measured by hand to a centimetre.",
         good: "Nothing drifts while a mapped wall is in range.",
         short: "It does not calibrate: an error of gain goes straight into its pose. It is given the map, so it stands beside \"floor\".",
+    },
+    System {
+        title: "After Grossmann and Poli: relocalisation",
+        variants: &[],
+        kinds: &[],
+        what: "A grid of probabilities over every pose of a home whose walls are given, weighed by Hough lines.",
+        good: "It keeps every place in mind from the first line on, needs no map of its own, and so is sure after less way than the search of the \
+               kept map.",
+        short: "Megabytes, and ten and more milliseconds of a desk's processor at each update, growing with the home; the search of the kept map \
+                runs in a robot's memory, and its claim is the stricter one. Rooms that look alike stay alike.",
+    },
+    System {
+        title: "After Wijk: triangulation alone",
+        variants: &[],
+        kinds: &[],
+        what: "Edges where the arcs of several sonar cones meet, without a filter.",
+        good: "Nearly every edge that the robot passes is reported.",
+        short: "Many reports are of no edge: two echoes of one wall meet in a point as well. A filter on top must find out which.",
+    },
+    System {
+        title: "Stephens and Ester as line extractors",
+        variants: &[],
+        kinds: &[],
+        what: "Lines by the likelihood of all points of a window, and lines through clusters of near points.",
+        good: "The likelihood uses each reading's own noise and gives the best directions among those that look at a window alone.",
+        short: "It costs twice a plain Hough transform and invents as many lines as that. A cluster goes round a corner, and is no line then.",
     },
     System {
         title: "The estimator without its parts",

@@ -134,7 +134,7 @@ fn on_logs(logs: &[Found], system: &System) -> String {
 }
 
 /// Where some system is ahead of the estimator, and what would be tried next.
-pub fn losses(rows: &[RunRow], logs: &[Found]) -> String {
+pub fn losses(rows: &[RunRow], logs: &[Found], carried: &str) -> String {
     let mut text = "## Where the estimator loses\n\nBy medians, against the best of the others: in simulated homes of those with the same sensors and no map, on logs of all (`psm` has the \
          whole scans). Next steps are plans, not promises.\n\n| drive or log | | the estimator | best of the others | which | next |\n|---|---|---|---|---|---|\n"
         .to_owned();
@@ -169,6 +169,7 @@ pub fn losses(rows: &[RunRow], logs: &[Found]) -> String {
             }
         }
     }
+    text += carried;
     if text.len() == before {
         text.push_str("| none | | | | | |\n");
     }
