@@ -115,7 +115,7 @@ pub const SYSTEMS: [System; 12] = [
         kinds: &[],
         what: "Lines by the likelihood of all points of a window, and lines through clusters of near points.",
         good: "The likelihood uses each reading's own noise and gives the best directions among those that look at a window alone.",
-        short: "It costs twice a plain Hough transform and invents as many lines as that. A cluster goes round a corner, and is no line then.",
+        short: "It costs twice a plain Hough transform and invents more lines. A cluster goes round a corner, and is no line then.",
     },
     System {
         title: "The estimator without its parts",
