@@ -10,7 +10,7 @@ use monte_carlo::row::{Metric, RunRow};
 use monte_carlo::table::{self, Line};
 use relatives::Kind;
 
-use crate::logs::{Found, LOGS, OURS};
+use crate::logs::{Found, LOGS, NOISES, OURS};
 use crate::{verdict, words};
 
 /// A run whose aligned path is off by more than this is lost, metres: in another room beside a door.
@@ -156,8 +156,14 @@ fn figure(
 }
 
 fn real(text: &mut String, logs: &[Found]) -> std::fmt::Result {
-    let replays = logs.iter().map(|found| found.replay + 1).max().unwrap_or(0);
-    writeln!(text, "## Logs of real robots\n\n{}\n", words::REAL.replace("REPLAYS", &replays.to_string()))?;
+    let counts = LOGS.map(|log| logs.iter().filter(|f| f.log == log.name && f.system == OURS).count());
+    let [least, most] = [counts.into_iter().min(), counts.into_iter().max()].map(Option::unwrap_or_default);
+    let replays = if least == most { most.to_string() } else { format!("{least} to {most}") };
+    writeln!(
+        text,
+        "## Logs of real robots\n\n{}\n",
+        words::REAL.replace("REPLAYS", &format!("{replays} of {}", NOISES.len()))
+    )?;
     writeln!(
         text,
         "| log | system | aligned RMSE cm | sharper than odometry, nats | visits apart cm | looking back: RMSE cm | sharper, nats | visits \
