@@ -53,8 +53,10 @@ pub const SYSTEMS: [System; 12] = [
         kinds: &["sparse-gslam", "soma-slam"],
         what: "A graph of poses and lines, loops closed by matching submaps; made for a drone with four beams of 2 m.",
         good: "It corrects the past, needs no right angles and closes loops without any wall that was seen twice.",
-        short: "With the noise of 8 cm that its settings state it weighs walls little. In hallways without features a match slides \
-                along the wall, and one wrong shift bends a round.",
+        short: "With the noise of 8 cm that its settings state it weighs walls little. In hallways without features a match slides along \
+                the wall, and one wrong shift bends a round. On its authors' own log late matches agree with each other on a turn that the \
+                odometry's stated noise all but excludes, so that their weights stay small; surer matches, less sure ones, other limits \
+                of the weight and of the score made it no sharper.",
     },
     System {
         title: "After Beevers and Huang",

@@ -80,7 +80,9 @@ pub fn paragraphs(rows: &[RunRow], logs: &[Found]) -> String {
             text += &simulated(rows, variant);
         }
         text += &on_logs(logs, system);
-        text.push('\n');
+        if !text.ends_with("\n\n") {
+            text.push('\n');
+        }
     }
     text
 }
