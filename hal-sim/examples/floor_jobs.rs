@@ -1,12 +1,22 @@
 //! Writes `docs/results/floor.md`: `cargo run --release --package hal-sim --example floor_jobs`. With `-- SEEDS HOME...`, as in
-//! `-- 11-13 flat random-101`, it prints the rows of these homes instead, and what the path was driven for.
+//! `-- 11-13 flat random-101`, it prints the rows of these homes instead, and what the path was driven for; with
+//! `-- mishaps` what comes of each mishap with another seed.
 
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-use hal_sim::{FloorDrive, SimOptions, clean, plan_file};
+use hal_sim::mishap::{Hold, Kick};
+use hal_sim::plan::{Door, Person};
+use hal_sim::{BatteryOptions, FloorDrive, Pose2, SimOptions, clean, clean_with, plan_file};
 use robot::FloorState;
+
+const MISHAPS_HEAD: &str = "\n## When something goes wrong\n\n\
+    The flat, five minutes after the start, three seeds each; swept is of the floor that stays in reach. The last column is how far the\n\
+    estimated position was off at worst. The bar is 95 % swept.\n\n\
+    | what | drives | done and back | swept, % | overlap | minutes | pose off, m |\n\
+    |---|---|---|---|---|---|---|\n";
+const MISHAP_SEEDS: std::ops::RangeInclusive<u64> = 1..=3;
 
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=10;
 const RANDOM_HOMES: std::ops::RangeInclusive<u64> = 41..=80;
@@ -24,6 +34,14 @@ const HEAD: &str = "# Floors swept\n\n\
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if arguments.first().is_some_and(|first| first == "mishaps") {
+        for mishap in Mishap::ALL {
+            let mut text = String::new();
+            mishap_row(&mut text, mishap.name(), &[mishap.job(11)]);
+            print!("{text}");
+        }
+        return;
+    }
     if let Some((seeds, homes)) = arguments.split_first() {
         let (first, last) = seeds.split_once('-').unwrap_or((seeds, seeds));
         let seed = |text: &str| text.parse::<u64>().expect("SEEDS is a number, or two as in 11-13");
@@ -36,6 +54,11 @@ fn main() {
     }
     let jobs: Vec<FloorDrive> = RANDOM_HOMES.map(|home| job(&format!("random-{home}"), 1)).collect();
     row(&mut page, "random", &jobs);
+    page.push_str(MISHAPS_HEAD);
+    for mishap in Mishap::ALL {
+        let jobs: Vec<FloorDrive> = MISHAP_SEEDS.map(|seed| mishap.job(seed)).collect();
+        mishap_row(&mut page, mishap.name(), &jobs);
+    }
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/results/floor.md");
     fs::write(&path, page).expect("docs/results/floor.md can be written");
 }
@@ -43,6 +66,107 @@ fn main() {
 fn job(home: &str, seed: u64) -> FloorDrive {
     let plan = plan_file::load(home).expect("a built-in plan, or random-SEED");
     clean(&plan, SimOptions::default(), seed, MINUTES).expect("the robot fits")
+}
+
+/// What goes wrong in the flat, five minutes after the start or all the time.
+#[derive(Clone, Copy)]
+enum Mishap {
+    None,
+    Person,
+    Door,
+    Slips,
+    Kick,
+    Lift,
+    Battery,
+    Held,
+    Jammed,
+}
+
+impl Mishap {
+    const ALL: [Self; 9] = [
+        Self::None,
+        Self::Person,
+        Self::Door,
+        Self::Slips,
+        Self::Kick,
+        Self::Lift,
+        Self::Battery,
+        Self::Held,
+        Self::Jammed,
+    ];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::None => "nothing",
+            Self::Person => "somebody walks to and fro in the living room",
+            Self::Door => "the door to the kitchen shuts for good",
+            Self::Slips => "a wheel slips by 2 cm every other metre",
+            Self::Kick => "a kick, 10 cm and 15 degrees",
+            Self::Lift => "lifted for 5 s, put back 3 cm and 3 degrees off",
+            Self::Battery => "the battery lasts 10 minutes, a dock charges it in 5",
+            Self::Held => "held for 20 s, wheels turning",
+            Self::Jammed => "held for 20 s, wheels held, too",
+        }
+    }
+
+    fn job(self, seed: u64) -> FloorDrive {
+        let mut plan = plan_file::load("flat").expect("a built-in plan");
+        let mut options = SimOptions::default();
+        let at_s = 300.0;
+        match self {
+            Self::None | Self::Lift => {}
+            Self::Person => plan.people.push(Person {
+                radius_m: 0.15,
+                speed_mps: 0.5,
+                path_m: vec![[1.0, 2.8], [3.6, 1.8], [2.5, 0.7]],
+            }),
+            Self::Door => plan.doors.push(Door {
+                from_m: [2.2, 3.35],
+                to_m: [3.1, 3.35],
+                closes_at_s: at_s,
+                opens_at_s: f64::INFINITY,
+            }),
+            Self::Slips => (options.drive.slips_per_m, options.drive.slip_m) = (0.5, 0.02),
+            Self::Kick => plan.mishaps.kicks.push(Kick { at_s, slide_m: 0.1, turn_rad: 15_f64.to_radians() }),
+            Self::Battery => {
+                // At the southern wall, which it looks to.
+                plan.start = Pose2::new(1.2, 0.185, -core::f64::consts::FRAC_PI_2);
+                options.has_dock = true;
+                options.battery = Some(BatteryOptions { charge: 1.0, lasts_min: 10.0, charges_min: 5.0 });
+            }
+            Self::Held | Self::Jammed => {
+                let is_jammed = matches!(self, Self::Jammed);
+                plan.mishaps.holds.push(Hold { at_s, held_s: 20.0, is_jammed });
+            }
+        }
+        let mut is_lift_due = matches!(self, Self::Lift);
+        let drive = clean_with(&plan, options, seed, MINUTES, |robot| {
+            if is_lift_due && robot.simulation.time_s() >= at_s {
+                let pose = robot.simulation.pose_in_plan();
+                let to = Pose2 { x_m: pose.x_m + 0.03, theta_rad: pose.theta_rad + 0.05, ..pose };
+                // Where there is no room just there, it is lifted a little later.
+                is_lift_due = robot.simulation.carry(Some(to), 5.0).is_err();
+            }
+        });
+        drive.expect("the robot fits")
+    }
+}
+
+fn mishap_row(page: &mut String, name: &str, jobs: &[FloorDrive]) {
+    let swept = || jobs.iter().map(|job| 100.0 * job.score.swept);
+    let back = jobs.iter().filter(|job| job.progress.state == FloorState::Done).count();
+    let mean = |sum: f64| sum / jobs.len() as f64;
+    let line = writeln!(
+        page,
+        "| {name} | {} | {back} | {:.1} ({:.1}) | {:.2} | {:.1} | {:.2} |",
+        jobs.len(),
+        mean(swept().sum()),
+        swept().fold(f64::INFINITY, f64::min),
+        mean(jobs.iter().map(|job| job.score.overlap).sum()),
+        mean(jobs.iter().map(|job| job.minutes).sum()),
+        jobs.iter().map(|job| job.worst_m).fold(0.0, f64::max),
+    );
+    line.expect("a String takes it all");
 }
 
 /// The row of one home, and what its path was driven for: metres, and square metres swept for the first time.

@@ -97,17 +97,14 @@ impl<const S: usize> FloorJob<S> {
     pub(super) fn lose_patience(&mut self, pose: &Pose, now_us: u64) {
         self.moved = ([pose.x_m, pose.y_m], now_us);
         match self.phase {
-            Phase::Home | Phase::Transit { aim: Aim::Place(_), .. } if self.retries > 2 => {
-                self.begin(Phase::Over { is_home: false }, now_us);
-            }
-            Phase::Home | Phase::Transit { aim: Aim::Place(_), .. } => {
-                self.retries += 1;
-                self.go_about(now_us);
-            }
+            Phase::Home | Phase::Transit { aim: Aim::Place(_), .. } => self.return_again(now_us),
             _ => {
                 self.give_up();
                 self.plan(Aim::Floor, now_us);
             }
+        }
+        if self.is_over() {
+            return;
         }
         self.resume = self.phase;
         self.phase = Phase::Back;

@@ -50,9 +50,14 @@ impl<const S: usize> FloorJob<S> {
     }
 
     pub(super) fn begin_edge(&mut self, side: f32, now_us: u64) {
-        self.credit_m = BARREN_M;
+        self.credit_m = self.barren_m();
         self.beside_m = self.path_m;
         self.begin(Phase::Edge { side }, now_us);
+    }
+
+    /// Without new floor for so long a path an edge is done, metres: one that was come for has its floor where it begins.
+    pub(super) fn barren_m(&self) -> f32 {
+        if self.target.is_some() { 0.5 * BARREN_M } else { BARREN_M }
     }
 
     pub(super) fn edge(&mut self, side: f32, pose: &Pose, now_us: u64) -> (f32, f32) {

@@ -49,7 +49,12 @@ impl<const S: usize> FloorJob<S> {
 
     /// On with the errand from here.
     pub(super) fn go_about(&mut self, now_us: u64) {
-        self.begin(Phase::Plan { aim: self.aim(), escape: 5, begun: false }, now_us);
+        self.go_about_from(5, now_us);
+    }
+
+    /// The same from a place that may be narrow for so many cells.
+    pub(super) fn go_about_from(&mut self, escape: i16, now_us: u64) {
+        self.begin(Phase::Plan { aim: self.aim(), escape, begun: false }, now_us);
     }
 
     /// Whether the pose can be used; takes note of a lift.

@@ -326,7 +326,7 @@ impl<const S: usize> FloorJob<S> {
         if self.traction.step(&self.beams, step_m) {
             self.holds = 0;
         }
-        self.credit_m = (self.credit_m - step_m + WORTH_M * f32::from(new)).min(self.credit_m.max(BARREN_M));
+        self.credit_m = (self.credit_m - step_m + WORTH_M * f32::from(new)).min(self.credit_m.max(self.barren_m()));
         let ([x_m, y_m], _) = self.moved;
         if libm::hypotf(pose.x_m - x_m, pose.y_m - y_m) > 0.05 {
             self.moved = ([pose.x_m, pose.y_m], time_us);

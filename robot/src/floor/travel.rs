@@ -54,7 +54,7 @@ impl<const S: usize> FloorJob<S> {
             self.give_up();
         }
         self.target = None;
-        self.plan(Aim::Floor, now_us);
+        self.go_about_from(2, now_us);
     }
 
     pub(super) fn search(&mut self, aim: Aim, escape: i16, begun: bool, pose: &Pose, now_us: u64) -> (f32, f32) {
@@ -82,6 +82,21 @@ impl<const S: usize> FloorJob<S> {
         (0.0, 0.0)
     }
 
+    /// The way home is blocked: what the bumper felt may be gone, and every second time it looks from farther along the walls.
+    pub(super) fn return_again(&mut self, now_us: u64) {
+        self.retries = self.retries.saturating_add(1);
+        self.blocked = 0;
+        self.sheet.picture.forget_visits();
+        if self.retries > MAX_RETURNS {
+            self.begin(Phase::Over { is_home: false }, now_us);
+        } else if self.retries.is_multiple_of(2) {
+            self.begin_edge(1.0, now_us);
+            self.credit_m = POCKET_M;
+        } else {
+            self.go_about(now_us);
+        }
+    }
+
     /// Whether to look for a way through places that seem too narrow: a door may look so, by bumps and by cells that its frame shares.
     fn may_squeeze(&self, aim: Aim) -> bool {
         let is_worth = aim != Aim::Floor || self.tally.progress(self.state()).left_m2 > SQUEEZE_M2;
@@ -102,17 +117,7 @@ impl<const S: usize> FloorJob<S> {
             self.begin_edge(1.0, now_us);
             self.credit_m = POCKET_M;
         } else if aim != Aim::Floor {
-            // The way home is blocked: what the bumper felt may be gone.
-            self.retries += 1;
-            self.sheet.picture.forget_visits();
-            if self.retries > MAX_RETURNS {
-                self.begin(Phase::Over { is_home: false }, now_us);
-            } else if self.retries.is_multiple_of(2) {
-                self.begin_edge(1.0, now_us);
-                self.credit_m = POCKET_M;
-            } else {
-                self.begin(Phase::Plan { aim, escape: 5, begun: false }, now_us);
-            }
+            self.return_again(now_us);
         } else if self.retries == 0 && !self.given_up.is_empty() {
             self.retries = 1;
             self.sheet.picture.forget_visits();
