@@ -50,8 +50,8 @@ impl<const S: usize> FloorJob<S> {
             };
             let Some(stretch) = self.sheet.stretch(axis, across, near, 2) else { continue };
             let is_from_low = (here - stretch.from).abs() <= (here - stretch.to).abs();
-            let sign = if is_from_low { 1 } else { -1 };
-            let at_m = self.sheet.point_m(axis, self.sheet.begin(&stretch, sign), across);
+            let (first, sign) = if is_from_low { (stretch.from, 1) } else { (stretch.to, -1) };
+            let at_m = self.sheet.point_m(axis, first, across);
             let [_, across_m] = axis.split(at_m);
             let bonus = if axis == self.axis { stretch.count / 4 } else { 0 };
             if best.is_none_or(|(count, ..)| stretch.count + bonus > count) {
@@ -119,8 +119,7 @@ impl<const S: usize> FloorJob<S> {
                 continue;
             }
             let is_from_low = (along - stretch.from).abs() <= (along - stretch.to).abs();
-            let sign = if is_from_low { 1 } else { -1 };
-            let first = self.sheet.begin(&stretch, sign);
+            let (first, sign) = if is_from_low { (stretch.from, 1) } else { (stretch.to, -1) };
             let at_m = self.sheet.point_m(lane.axis, first, across + shift);
             if (along - first).abs() <= 12 && self.sheet.is_open(here_m, at_m) {
                 let [_, across_m] = lane.axis.split(at_m);

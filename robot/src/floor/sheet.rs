@@ -186,12 +186,6 @@ impl Sheet {
         Some(stretch)
     }
 
-    /// Where on a stretch a lane begins that runs in this direction: at its second quarter, since from there the brush reaches the first.
-    pub(super) fn begin(&self, stretch: &Stretch, sign: i16) -> i16 {
-        let first = if sign > 0 { stretch.from } else { stretch.to };
-        if stretch.to - stretch.from > 1 { first + sign } else { first }
-    }
-
     /// Whether a lane that has come to this quarter has more to sweep just ahead.
     pub(super) fn is_more_ahead(&self, axis: Axis, along: i16, across: i16, sign: i16) -> bool {
         (0..=5)
