@@ -51,6 +51,32 @@ fn a_robot_that_starts_anywhere_finds_itself_in_the_map() {
 }
 
 #[test]
+fn a_save_leaves_the_map_before_it_until_it_is_whole() {
+    let place = with_map();
+    let first = fs::read(place.path("first/map.bin")).expect("a map");
+    // Into the folder that the map is in: both are there, and the newer one counts.
+    let again = ["run", "--map", "first/map.bin", "--seed", "2", "--minutes", "2", "--out", "first"];
+    place.lab().args(again).assert().success();
+    let both = fs::read(place.path("first/map.bin")).expect("a map");
+    assert!(both.starts_with(&first) && both.len() > 512 * 1024);
+    let walls = |name: &str, map: &[u8]| {
+        place.put("one.bin", map);
+        place.lab().args(["run", "--map", "one.bin", "--minutes", "0.1", "--out", name]).assert().success();
+        // A robot that finds nothing keeps what it had, alone.
+        fs::read(place.path(&format!("{name}/map.bin"))).expect("a map")
+    };
+    let content = |map: &[u8]| map[24..map.len() - 4].to_vec();
+    let (older, newer) = (walls("older", &first), walls("newer", &both));
+    assert_eq!(content(&older), content(&first));
+    assert_ne!(content(&newer), content(&first));
+    // Cut anywhere in the newer one, the older one counts.
+    for share in [1, 7, 9] {
+        let cut = 512 * 1024 + share * (both.len() - 512 * 1024) / 10;
+        assert_eq!(content(&walls("cut", &both[..cut])), content(&first));
+    }
+}
+
+#[test]
 fn a_lifted_robot_finds_its_map_again() {
     let place = Place::new();
     let plan = hal_sim::plan_file::BUILT_IN.iter().find(|(name, _)| *name == "flat").expect("the flat").1;

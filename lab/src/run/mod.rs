@@ -3,6 +3,7 @@
 
 mod drive;
 mod life;
+mod map_file;
 mod relative;
 mod replay;
 mod session;

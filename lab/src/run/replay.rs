@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 
 use super::Progress;
-use super::session::{Session, begin_in, keep};
+use super::session::{Session, begin_in, keep, renewed};
 use crate::evaluate::score;
 use crate::evaluate::smoother;
 use crate::input::log::truth::{self, Truth};
@@ -62,7 +62,7 @@ impl Replay {
         let config = self.settings.config(&robot.rig);
         let mut session = Session::new(&robot, config, title_of(&self.log)).map_err(|e| rig_error(&self.rig, &e))?;
         begin_in(&mut session, self.map.as_deref())?;
-        let mut folder = Folder::prepare(&self.out, &NAMES)?;
+        let mut folder = Folder::prepare(&self.out, &renewed(&NAMES, &self.out, self.map.as_deref()))?;
         let mut streams = Streams::create(&folder)?;
         let mut times_s = Vec::new();
         let error = feed(&mut *rows, &mut session, &mut streams, &mut times_s, &mut progress)?;

@@ -1,6 +1,5 @@
 //! One estimator, fed row by row, with everything it did kept in a [`Recording`].
 
-use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -9,6 +8,7 @@ use look_back::RobotBackEnd;
 use slam_core::{Config, DriveModel, HostSlam, Outcome, Parameter, RigError, Sample, StepReport, Unfit};
 
 use super::life::{Life, Searched};
+use super::map_file;
 use crate::evaluate::score::{nis, path};
 use crate::evaluate::statistics;
 use crate::input::log::Row;
@@ -255,17 +255,31 @@ fn now() -> Option<Instant> {
 /// The file cannot be read, or is no map of this robot.
 pub(super) fn begin_in(session: &mut Session, map: Option<&Path>) -> Result<(), FileError> {
     let Some(file) = map else { return Ok(()) };
-    let bytes = fs::read(file).map_err(|cause| FileError::system(file, "read", &cause))?;
-    session.begin_in(bytes).map_err(|what| FileError::new(file, what))
+    session.begin_in(map_file::read(file)?).map_err(|what| FileError::new(file, what))
 }
 
-/// Writes `map.bin`, if there is a map.
+/// Of the files that a run writes those that it begins anew: the map in which it began is kept beside the new one, for a run that does
+/// not end has none.
+pub(super) fn renewed<'n>(names: &[&'n str], out: &Path, map: Option<&Path>) -> Vec<&'n str> {
+    let whole = |path: &Path| path.canonicalize().ok();
+    let is_kept = |name: &str| {
+        name == MAP && map.is_some_and(|map| whole(map).is_some_and(|map| whole(&out.join(name)) == Some(map)))
+    };
+    names.iter().copied().filter(|name| !is_kept(name)).collect()
+}
+
+/// Saves `map.bin`, if there is a map.
 ///
 /// # Errors
 /// What the system says.
 pub(super) fn keep(folder: &Folder, session: &Session) -> Result<(), FileError> {
-    session.map().map_or(Ok(()), |map| folder.write("map.bin", map))
+    let Some(map) = session.map() else { return Ok(()) };
+    let Ok(record) = Record::whole(&map) else { return Ok(()) };
+    map_file::save(&folder.file(MAP), &record, rig_hash(session.slam.rig()))
 }
+
+/// The file of the kept map.
+const MAP: &str = "map.bin";
 
 /// Why a kept map cannot be gone on with.
 fn unsuitable(unfit: Unfit) -> &'static str {

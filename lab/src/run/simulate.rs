@@ -8,7 +8,7 @@ use slam_core::Config;
 
 use super::Progress;
 use super::drive::Drive;
-use super::session::{Session, begin_in, keep};
+use super::session::{Session, begin_in, keep, renewed};
 use crate::evaluate::smoother;
 use crate::input::rig_file::rig_error;
 use crate::input::settings::Settings;
@@ -73,7 +73,7 @@ impl Run {
             Session::new(&robot, config, plan.name.clone()).map_err(|error| rig_error(&rig_name, &error))?;
         begin_in(&mut session, self.map.as_deref())?;
         let names: Vec<&str> = NAMES.iter().copied().chain(["log.csv", "rig.toml"]).collect();
-        let mut folder = Folder::prepare(&self.out, &names)?;
+        let mut folder = Folder::prepare(&self.out, &renewed(&names, &self.out, self.map.as_deref()))?;
         folder.write("rig.toml", &rig_toml)?;
         let mut streams = Streams::create(&folder)?;
         let mut log = LineFile::create(folder.file("log.csv"))?;

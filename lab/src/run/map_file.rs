@@ -1,0 +1,111 @@
+//! A kept map in a file: two slots as in a robot's flash, of which the newest whole record counts.
+//!
+//! A save leaves the record before it as it is until its own CRC is written, which comes last. A file of one record alone, as a first save
+//! leaves it, is the same as that record.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
+use std::path::Path;
+
+use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
+use input_file::FileError;
+use kept_map::{Record, SaveError, Store};
+use slam_core::kept::Kept;
+
+/// Bytes of a slot: more than the record of the largest map on the desk.
+const SLOT_BYTES: u32 = 512 * 1024;
+const SLOTS: u32 = 2;
+/// What erased cells hold.
+const ERASED: u8 = 0xFF;
+
+/// The newest whole record of a file.
+///
+/// # Errors
+/// The file cannot be read, or has none: why the first one is not.
+pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
+    let failed = |cause: &io::Error| FileError::system(path, "read", cause);
+    let file = File::open(path).map_err(|cause| failed(&cause))?;
+    let mut store = Store::new(MapFile(file), SLOT_BYTES);
+    let mut bytes = vec![ERASED; SLOT_BYTES as usize];
+    match store.read(&mut bytes).map_err(|Failed(cause)| failed(&cause))? {
+        Some(_) => Ok(bytes),
+        None => {
+            store.flash().read(0, &mut bytes).map_err(|Failed(cause)| failed(&cause))?;
+            let why = Record::parse(&bytes).err();
+            Err(FileError::new(path, why.map_or_else(|| "is no kept map".to_owned(), |refused| refused.to_string())))
+        }
+    }
+}
+
+/// Saves a map of the robot with this [`rig_hash`](kept_map::rig_hash) into a file, which is made where it is not there.
+///
+/// # Errors
+/// What the system says. What was saved before is as it was then.
+pub fn save(path: &Path, kept: &impl Kept, rig: u32) -> Result<(), FileError> {
+    let failed = |cause: &io::Error| FileError::system(path, "write", cause);
+    let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path);
+    let mut store = Store::new(MapFile(file.map_err(|cause| failed(&cause))?), SLOT_BYTES);
+    let saved = store.save(kept, rig).map_err(|error| match error {
+        SaveError::TooLong => {
+            FileError::new(path, format!("has room for a map of {SLOT_BYTES} bytes; this one is larger"))
+        }
+        SaveError::Flash(Failed(cause)) => failed(&cause),
+    });
+    saved.and_then(|_| store.flash().0.sync_all().map_err(|cause| failed(&cause)))
+}
+
+/// A file as NOR flash: cells past its end are erased ones.
+struct MapFile(File);
+
+/// What the system said.
+#[derive(Debug)]
+struct Failed(io::Error);
+
+impl NorFlashError for Failed {
+    fn kind(&self) -> NorFlashErrorKind {
+        NorFlashErrorKind::Other
+    }
+}
+
+impl ErrorType for MapFile {
+    type Error = Failed;
+}
+
+impl ReadNorFlash for MapFile {
+    const READ_SIZE: usize = 1;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Failed> {
+        bytes.fill(ERASED);
+        self.0.seek(SeekFrom::Start(offset.into())).map_err(Failed)?;
+        let mut rest = bytes;
+        while !rest.is_empty() {
+            match self.0.read(rest).map_err(Failed)? {
+                0 => break,
+                count => rest = rest.split_at_mut(count).1,
+            }
+        }
+        Ok(())
+    }
+
+    fn capacity(&self) -> usize {
+        (SLOTS * SLOT_BYTES) as usize
+    }
+}
+
+impl NorFlash for MapFile {
+    const WRITE_SIZE: usize = 4;
+    const ERASE_SIZE: usize = SLOT_BYTES as usize;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), Failed> {
+        let end = self.0.metadata().map_err(Failed)?.len();
+        if u64::from(to) >= end {
+            return self.0.set_len(end.min(from.into())).map_err(Failed);
+        }
+        self.write(from, &vec![ERASED; (to - from) as usize])
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Failed> {
+        self.0.seek(SeekFrom::Start(offset.into())).map_err(Failed)?;
+        self.0.write_all(bytes).map_err(Failed)
+    }
+}
