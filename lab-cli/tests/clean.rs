@@ -66,6 +66,21 @@ fn only_what_is_to_be_cleaned_is_cleaned() {
 }
 
 #[test]
+fn a_robot_that_begins_in_its_kept_map_finds_itself_sweeps_and_comes_back() {
+    let place = Place::new();
+    let run = |out: &str, more: &[&str]| {
+        place.lab().args(["run", "--job", "clean", "--plan", "room", "--out", out]).args(more).assert().success();
+    };
+    run("first", &[]);
+    run("second", &["--map", "first/map.bin", "--seed", "101"]);
+    let estimate = place.get("second/estimate.csv");
+    let located: Vec<bool> = estimate.lines().skip(1).map(|line| line.ends_with(",1")).collect();
+    assert!(!located[0] && located[located.len() - 1]);
+    let floor = place.summary("second")["floor"].clone();
+    assert!(floor["swept"].as_f64().unwrap() > 0.96 && floor["home_m"].as_f64().unwrap() < 0.2, "{floor}");
+}
+
+#[test]
 fn a_robot_that_starts_where_it_must_not_go_is_refused() {
     let place = Place::new();
     place.put("home.toml", format!("{ROOM}{}", rectangle("keep_out", [[0.0, 0.0], [0.5, 3.0]])));

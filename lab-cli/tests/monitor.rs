@@ -5,7 +5,7 @@ mod common;
 use common::Place;
 use predicates::prelude::*;
 use predicates::str::contains;
-use wire::{BoardFaults, Estimate, Faults, Frame, Range, Sample, SlamFaults, encode};
+use wire::{BoardFaults, Estimate, Faults, Floor, Frame, Range, Sample, SlamFaults, encode};
 
 /// What a robot that stands still says in two seconds, joined in the middle of a frame.
 fn recorded(sensors: u16, range: impl Fn(u16, u16) -> Range) -> Vec<u8> {
@@ -17,7 +17,8 @@ fn recorded(sensors: u16, range: impl Fn(u16, u16) -> Range) -> Vec<u8> {
         let estimate = Estimate { time_us, pose: [1.25, -0.5, 0.1], ..Estimate::default() };
         let board = BoardFaults { contact_stops: 2, ..BoardFaults::default() };
         let faults = Faults { slam: SlamFaults::default(), board };
-        for frame in [Frame::Sample(sample), Frame::Estimate(estimate), Frame::Faults(faults)] {
+        let floor = Floor { state: 1, swept_m2: 6.0, left_m2: 2.0, seconds: 125 };
+        for frame in [Frame::Sample(sample), Frame::Estimate(estimate), Frame::Faults(faults), Frame::Floor(floor)] {
             bytes.extend(encode(&frame).unwrap());
         }
     }
@@ -34,7 +35,8 @@ fn it_shows_the_robot_and_records_a_log_that_replays() {
         .args(["monitor", "--port", "line", "--out", "seen", "--mcap", "seen.mcap", "--serve", "127.0.0.1:0"])
         .assert()
         .success()
-        .stdout(contains("x 1.250 m   y -0.500 m").and(contains("contact stops 2")).and(contains("1 damaged")));
+        .stdout(contains("x 1.250 m   y -0.500 m").and(contains("contact stops 2")).and(contains("1 damaged")))
+        .stdout(contains("floor     lanes; 6.0 m2 swept, 75 % of what was seen, after 2 min 5 s"));
     assert_eq!(place.get("seen/log.csv").lines().count(), 51);
     assert!(std::fs::read(place.path("seen.mcap")).unwrap().ends_with(b"\x89MCAP0\r\n"));
     place.lab().args(["replay", "seen/log.csv", "--rig", "seen/rig.toml", "--out", "replayed"]).assert().success();

@@ -12,7 +12,7 @@ pub const STYLE: &str = include_str!("style.css");
 pub const SECTIONS: &str = include_str!("views.html");
 
 /// The view modules, in the order in which they build on each other.
-pub const VIEWS: [&str; 18] = [
+pub const VIEWS: [&str; 19] = [
     include_str!("js/errors.js"),
     include_str!("js/format.js"),
     include_str!("js/theme.js"),
@@ -31,4 +31,5 @@ pub const VIEWS: [&str; 18] = [
     include_str!("js/tables.js"),
     include_str!("js/controls.js"),
     include_str!("js/floor.js"),
+    include_str!("js/place.js"),
 ];

@@ -111,7 +111,7 @@ impl Watched {
             Frame::Wall(wall) => self.wall(wall),
             Frame::Calibration(calibration) => self.calibration(&calibration),
             Frame::Faults(faults) => self.faults = Some(faults),
-            Frame::LookBack(_) | Frame::Place(_) | Frame::Motors(_) | Frame::Command(_) => {}
+            Frame::LookBack(_) | Frame::Place(_) | Frame::Floor(_) | Frame::Motors(_) | Frame::Command(_) => {}
         }
     }
 

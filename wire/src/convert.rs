@@ -1,7 +1,9 @@
 //! Between frames and the estimator's types.
 
+use robot::{FloorProgress, FloorState};
+
 use crate::frames::{
-    Calibration, Estimate, Factor, Health, Parameter, Range, SENSORS, Sample, SlamFaults, Wall, WallKind,
+    Calibration, Estimate, Factor, Floor, Health, Parameter, Range, SENSORS, Sample, SlamFaults, Wall, WallKind,
 };
 use slam_core::{Counters, Motion, RangeInput, Slam, Ticks, WallView};
 
@@ -64,6 +66,26 @@ impl Estimate {
             && (self.walls, self.health, self.epoch) == (other.walls, other.health, other.epoch)
             && bits(self) == bits(other)
             && alpha(self) == alpha(other)
+    }
+}
+
+impl From<FloorProgress> for Floor {
+    fn from(progress: FloorProgress) -> Self {
+        let FloorProgress { state, swept_m2, left_m2, seconds_in } = progress;
+        Self { state: state as u8, swept_m2, left_m2, seconds: seconds_in.into_iter().map(u32::from).sum() }
+    }
+}
+
+impl Floor {
+    /// What the robot is doing; none where it is newer than this program.
+    pub fn state(&self) -> Option<FloorState> {
+        FloorState::ALL.get(usize::from(self.state)).copied()
+    }
+
+    /// Share of the floor seen so far that is swept, 0 to 1.
+    pub fn share(&self) -> f32 {
+        let all_m2 = self.swept_m2 + self.left_m2;
+        if all_m2 > 0.0 { self.swept_m2 / all_m2 } else { 0.0 }
     }
 }
 

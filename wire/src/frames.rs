@@ -30,6 +30,8 @@ pub enum Frame {
     LookBack(LookBack),
     /// Whether it knows where it is in its kept map.
     Place(Place),
+    /// How far it is with the floor.
+    Floor(Floor),
 }
 
 /// Raw input of one estimator step.
@@ -275,6 +277,19 @@ pub struct Place {
     pub lost: u32,
     /// Natural logarithm of the odds of the best place that the last search found.
     pub log_odds: Option<f32>,
+}
+
+/// How far a robot that sweeps the floor is, by its own map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Floor {
+    /// What it is doing: a place in `robot::FloorState::ALL`.
+    pub state: u8,
+    /// Floor swept so far, m^2.
+    pub swept_m2: f32,
+    /// Floor that was seen, has room for the body and is not swept, m^2.
+    pub left_m2: f32,
+    /// Time since the job began, seconds.
+    pub seconds: u32,
 }
 
 /// What a robot knows of its place in its kept map.

@@ -6,7 +6,7 @@
 //!
 //! | direction | frames |
 //! |---|---|
-//! | robot to host | [`Frame::Sample`], [`Frame::Estimate`], [`Frame::Wall`], [`Frame::Calibration`], [`Frame::Faults`], [`Frame::LookBack`], [`Frame::Place`] |
+//! | robot to host | [`Frame::Sample`], [`Frame::Estimate`], [`Frame::Wall`], [`Frame::Calibration`], [`Frame::Faults`], [`Frame::LookBack`], [`Frame::Place`], [`Frame::Floor`] |
 //! | host to robot | [`Frame::Command`] |
 //! | with the robot's hardware simulated | [`Frame::Sample`] to the robot, [`Frame::Motors`] back |
 #![no_std]
@@ -17,8 +17,8 @@ mod frames;
 
 pub use codec::{DecodeError, Decoder, EncodeError, FRAME_CAPACITY, VERSION, encode};
 pub use frames::{
-    BoardFaults, Calibration, Command, Contacts, Estimate, Factor, Faults, Frame, Health, LookBack, Motors, Parameter,
-    Place, PlaceState, Range, SENSORS, Sample, SlamFaults, Wall, WallKind,
+    BoardFaults, Calibration, Command, Contacts, Estimate, Factor, Faults, Floor, Frame, Health, LookBack, Motors,
+    Parameter, Place, PlaceState, Range, SENSORS, Sample, SlamFaults, Wall, WallKind,
 };
 
 /// The examples of the README, compiled and run.

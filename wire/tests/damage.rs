@@ -3,8 +3,8 @@
 use proptest::prelude::*;
 use slam_core::RangeInput;
 use wire::{
-    BoardFaults, Calibration, Command, Contacts, Decoder, Estimate, Factor, Faults, Frame, Health, LookBack, Motors,
-    Parameter, Place, PlaceState, Range, Sample, SlamFaults, Wall, WallKind, encode,
+    BoardFaults, Calibration, Command, Contacts, Decoder, Estimate, Factor, Faults, Floor, Frame, Health, LookBack,
+    Motors, Parameter, Place, PlaceState, Range, Sample, SlamFaults, Wall, WallKind, encode,
 };
 
 fn sample() -> impl Strategy<Value = Frame> {
@@ -87,6 +87,11 @@ fn place() -> impl Strategy<Value = Frame> {
     )
 }
 
+fn floor() -> impl Strategy<Value = Frame> {
+    (any::<u8>(), any::<[f32; 2]>(), any::<u32>())
+        .prop_map(|(state, [swept_m2, left_m2], seconds)| Frame::Floor(Floor { state, swept_m2, left_m2, seconds }))
+}
+
 fn small() -> impl Strategy<Value = Frame> {
     (any::<u64>(), any::<[f32; 2]>(), 0..5).prop_map(|(time_us, [left, right], which)| match which {
         0 => Frame::Motors(Motors { time_us, left, right }),
@@ -98,7 +103,7 @@ fn small() -> impl Strategy<Value = Frame> {
 }
 
 fn frame() -> impl Strategy<Value = Frame> {
-    prop_oneof![sample(), estimate(), wall(), calibration(), faults(), look_back(), place(), small()]
+    prop_oneof![sample(), estimate(), wall(), calibration(), faults(), look_back(), place(), floor(), small()]
 }
 
 /// The frames found in a stream, errors left out.

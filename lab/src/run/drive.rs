@@ -2,16 +2,17 @@
 
 use hal_sim::floor::{FloorRaster, Moment};
 use hal_sim::{ClosedLoop, Estimate, Plan, SimError, SimOptions, Simulation};
-use robot::{Activity, Bounds, FloorConfig, PilotConfig};
-use slam_core::Pose;
+use robot::{Activity, Bounds, FloorConfig, FloorJob, PilotConfig};
+use slam_core::WallView;
 
 use super::session::Session;
 use crate::evaluate::score;
 use crate::evaluate::score::map::{LONG_M, PASSED_M, PassedWall};
 use crate::input::log::Row;
-use crate::input::rig_file::Robot;
+use crate::input::rig_file::{MAX_SENSORS, Robot};
 use crate::numbers::shortest;
 use crate::recording::{Figures, Job, Pose2, Recording, Segment, TruthFrame};
+use crate::show::report::wall_ends;
 
 /// A robot in a home, with the pilot that drives it.
 pub struct Drive {
@@ -22,12 +23,29 @@ pub struct Drive {
     bounds: Bounds,
     /// Count of the frame in which the robot has them; none where it has yet to be told.
     bounded_in: Option<usize>,
+    /// By which map the floor job was told what is where; a job that was told nothing, and how far the robot looked for its place,
+    /// metres.
+    knows: Knows,
+    new_job: Option<Box<FloorJob<MAX_SENSORS>>>,
+    searched_m: f64,
     /// Since when, and where in the start frame, the pilot has been stuck.
     stuck: Option<(f64, Pose2)>,
 }
 
 /// A robot that came so far from where it was stuck is not any more, metres: its own width.
 const AWAY_M: f64 = 0.35;
+
+/// By which map a floor job that began in a kept map was told what is where.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Knows {
+    Nothing,
+    FreshMap,
+    KeptMap,
+}
+
+/// A robot that has not found itself in its kept map after so long a path sweeps by its fresh map, metres: homes that look the same
+/// from two places never tell.
+const SEARCHED_M: f64 = 20.0;
 
 impl Drive {
     /// A robot at the plan's start that maps the home. Every random number follows from `seed`.
@@ -56,15 +74,18 @@ impl Drive {
         let simulation = &robot.simulation;
         let faces = plan.faces_in_start_frame();
         let floor = FloorRaster::new(plan, simulation.options().body_radius_m, simulation.pose_in_plan());
-        let bounds = bounds_from(&plan.start, plan);
+        let bounds = plan.bounds.seen_from(&plan.start.to_pose());
         let plan = faces.iter().map(|face| Segment { from_m: face.from_m, to_m: face.to_m }).collect();
-        Self { robot, stuck: None, floor, bounds, bounded_in: None, plan }
+        let new_job = robot.floor_job.clone();
+        let (knows, searched_m) = (Knows::Nothing, 0.0);
+        Self { robot, stuck: None, floor, bounds, bounded_in: None, knows, new_job, searched_m, plan }
     }
 
     /// Drives to the next sample, which the session estimates and records; the first is taken where the robot stands.
     pub fn step(&mut self, session: &mut Session) -> Row {
         let mut report = None;
         let frames = session.frames();
+        self.robot.is_lost = !session.is_located() && self.knows != Knows::FreshMap;
         let frame = self.robot.step(&mut |sample| {
             let done = session.estimate(sample);
             let estimate =
@@ -76,8 +97,9 @@ impl Drive {
         if session.frames() != frames {
             self.robot.pilot.forget();
         }
-        if let (Some(job), Some((alpha_rad, _))) = (&mut self.robot.floor_job, session.slam().alpha()) {
-            job.align(alpha_rad);
+        self.searched_m += if session.is_located() { 0.0 } else { moved_m(session) };
+        if session.is_located() || self.searched_m > SEARCHED_M {
+            self.tell_floor_job(session);
         }
         if self.bounded_in != Some(session.frames()) {
             self.bounded_in = Some(session.frames());
@@ -99,6 +121,28 @@ impl Drive {
             session.record(&row, &report);
         }
         row
+    }
+
+    /// Tells the floor job the direction of the walls' grid, and, where the robot began in a kept map, what is where in the map
+    /// that it sweeps by: the kept one, or the fresh one as long as it has not found itself.
+    fn tell_floor_job(&mut self, session: &Session) {
+        let begun = session.recording().steps.first().is_some_and(|step| step.searching);
+        let knows = if session.is_located() { Knows::KeptMap } else { Knows::FreshMap };
+        let is_news = begun && self.knows != Knows::KeptMap && self.knows != knows;
+        if let Some(new) = self.new_job.clone().filter(|_| is_news && self.knows == Knows::FreshMap) {
+            self.robot.floor_job = Some(new);
+        }
+        let Some(job) = &mut self.robot.floor_job else { return };
+        if let Some((alpha_rad, _)) = session.slam().alpha().filter(|_| session.is_located() || is_news) {
+            job.align(alpha_rad);
+        }
+        if is_news {
+            self.knows = knows;
+            let point = |x_m: f64, y_m: f64| [x_m as f32, y_m as f32];
+            let ends = |wall: WallView| wall_ends(&wall);
+            let walls = session.slam().walls().map(ends).map(|[x0, y0, x1, y1]| [point(x0, y0), point(x1, y1)]);
+            job.take_up(walls, session.slam().start_pose(), searched_path(session).into_iter());
+        }
     }
 
     fn record_floor(&mut self, t_s: f64) {
@@ -176,7 +220,7 @@ impl Drive {
             Some(_) => ClosedLoop::cleaning(simulation, &robot.rig, FloorConfig::default()),
             None => ClosedLoop::new(simulation, &robot.rig, PilotConfig::default()),
         };
-        (self.stuck, self.bounded_in) = (None, None);
+        (self.stuck, self.bounded_in, self.knows, self.searched_m) = (None, None, Knows::Nothing, 0.0);
     }
 
     /// Holds what is estimated from now on against this plan, which the robot's home was rebuilt by.
@@ -184,7 +228,7 @@ impl Drive {
         self.robot.simulation.rebuild(plan);
         self.floor.rebuild(plan);
         let start = self.robot.simulation.start_in_plan();
-        (self.bounds, self.bounded_in) = (bounds_from(&start, plan), None);
+        (self.bounds, self.bounded_in) = (plan.bounds.seen_from(&start.to_pose()), None);
         let faces = plan.faces.iter().map(|face| face.seen_from(&start));
         self.plan = faces.map(|face| Segment { from_m: face.from_m, to_m: face.to_m }).collect();
     }
@@ -244,8 +288,29 @@ impl Drive {
     }
 }
 
-/// Where the robot must not go and what it is to clean, in the frame of its start.
-fn bounds_from(start: &Pose2, plan: &Plan) -> Bounds {
-    let [x_m, y_m, theta_rad] = [start.x_m, start.y_m, start.theta_rad].map(|value| value as f32);
-    plan.bounds.seen_from(&Pose { x_m, y_m, theta_rad })
+/// Where a robot that has just found itself came through before, in the map that it found itself in, metres: a point every
+/// five centimetres.
+fn searched_path(session: &Session) -> Vec<[f32; 2]> {
+    let Some(last) = session.recording().steps.last() else { return Vec::new() };
+    let driven = last.dead_reckoning.relative(&session.slam().dead_reckoning().into());
+    // Where the fresh map's frame lies in the kept one's.
+    let fresh = last.pose.compose(&driven).relative(&Pose2::default());
+    let frame = Pose2::from(session.slam().pose()).compose(&fresh);
+    let mut path: Vec<[f64; 2]> = Vec::new();
+    for step in &session.recording().steps {
+        let at_m = [step.pose.x_m, step.pose.y_m];
+        if path.last().is_none_or(|last| (at_m[0] - last[0]).hypot(at_m[1] - last[1]) > 0.05) {
+            path.push(at_m);
+        }
+    }
+    path.into_iter().map(|at_m| frame.transform(at_m).map(|value_m| value_m as f32)).collect()
+}
+
+/// How far the robot has driven since the last row, by dead reckoning, metres.
+fn moved_m(session: &Session) -> f64 {
+    let now = Pose2::from(session.slam().dead_reckoning());
+    session.recording().steps.last().map_or(0.0, |last| {
+        let moved = last.dead_reckoning.relative(&now);
+        moved.x_m.hypot(moved.y_m)
+    })
 }

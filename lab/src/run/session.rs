@@ -146,7 +146,8 @@ impl Session {
             health: report.health,
         };
         self.recording.readings.extend_from_slice(&report.readings[..self.recording.sensors.len()]);
-        let changed = step.births > 0 || step.merges > 0 || step.prunes > 0;
+        let is_handed_over = self.recording.hand_overs.last().is_some_and(|found| found.step == index);
+        let changed = step.births > 0 || step.merges > 0 || step.prunes > 0 || is_handed_over;
         if changed || self.is_due(step.t_s) {
             let (map, calibration) = self.snapshot(index);
             self.recording.maps.push(map);

@@ -102,16 +102,16 @@ function chooseOne(group, chosen) {
   }
 }
 
-// Marks on the time line where walls were born.
+// Marks on the time line: where walls were born, and what else happened.
 function drawBirths(canvas, run, theme) {
-  const { context, width, height } = prepare(canvas);
+  const surface = prepare(canvas);
+  const { context, width, height } = surface;
   context.clearRect(0, 0, width, height);
-  context.fillStyle = theme.soft;
   if (run.count < 2) return;
   // The thumb of the slider is half its width away from either end.
   const inset = 8;
-  for (const wall of run.walls) {
-    const x = inset + (wall.born / (run.count - 1)) * (width - 2 * inset);
-    context.fillRect(Math.round(x), 0, 1, height);
-  }
+  const xOf = (step) => inset + (step / (run.count - 1)) * (width - 2 * inset);
+  context.fillStyle = theme.soft;
+  for (const wall of run.walls) context.fillRect(Math.round(xOf(wall.born)), 2, 1, height - 2);
+  drawEvents(surface, run, theme, xOf);
 }

@@ -141,6 +141,7 @@ function decode(raw) {
     walls: wallTracks(raw.walls),
     plan: raw.plan,
     floor: decodeFloor(raw.floor),
+    ...decodeEvents(raw.events),
     calibration: {
       t: column(raw.calibration.t, 1e-3),
       parameters: raw.calibration.parameters.map((p) => ({

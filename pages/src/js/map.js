@@ -10,6 +10,8 @@ class MapView {
     this.hitLayer = document.createElement("canvas");
     this.hitsDrawn = 0;
     this.highlight = null;
+    // At this step of the clock the walls of another one are drawn dashed: { step, at }.
+    this.beside = null;
     this.follow = false;
     const bounds = mapBounds(run);
     canvas.style.aspectRatio = String(Math.min(3, Math.max(0.9, (bounds.x1 - bounds.x0) / Math.max(0.1, bounds.y1 - bounds.y0))));
@@ -100,6 +102,7 @@ class MapView {
     if (shown.estimate) this.paintPath(run.estimate, this.theme.estimate, 2, []);
     if (shown.truth && run.truth) this.paintPath(run.truth, this.theme.truth, 1.25, [5, 4]);
     if (shown.walls && !this.wallsBeneath) this.paintWalls();
+    if (shown.walls) this.paintWallsBeside();
     if (shown.robot && run.count) paintRobot(this, clock.step);
     if (apart) paintApartLabels(this);
     this.paintScaleBar(surface);
@@ -187,6 +190,23 @@ class MapView {
       context.setLineDash([]);
       if (free) this.paintEndCaps(ends);
     }
+  }
+
+  // The walls of another moment: one that was asked for, or while the robot looks for its place those that it found itself in.
+  paintWallsBeside() {
+    const { context, theme, clock } = this;
+    const [, found] = this.run.lost?.find(([from, to]) => from <= clock.step && clock.step < to && to < this.run.count) ?? [];
+    const at = this.beside?.step === clock.step ? this.beside.at : found;
+    if (at === undefined) return;
+    context.strokeStyle = theme.odometry;
+    context.lineWidth = 2;
+    context.lineCap = "butt";
+    context.setLineDash([6, 4]);
+    for (const wall of this.run.walls) {
+      const ends = wallAt(wall, at);
+      if (ends) this.stroke(ends.x0, ends.y0, ends.x1, ends.y1);
+    }
+    context.setLineDash([]);
   }
 
   // Free walls carry rings at their ends, so that they differ by more than colour.

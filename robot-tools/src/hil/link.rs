@@ -104,6 +104,7 @@ impl Link {
                 Ok(Frame::Faults(faults)) => answer.faults = Some(faults),
                 Ok(Frame::LookBack(look_back)) => answer.look_back = Some(look_back),
                 Ok(Frame::Place(place)) => answer.place = Some(place),
+                Ok(Frame::Floor(_)) => {}
                 Ok(Frame::Command(_)) | Err(_) => answer.damaged += 1,
             }
         }

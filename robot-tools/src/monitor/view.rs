@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use wire::{BoardFaults, Calibration, Estimate, Faults, Frame, LookBack, Place, Range, Sample, Wall};
+use robot::FloorState;
+use wire::{BoardFaults, Calibration, Estimate, Faults, Floor, Frame, LookBack, Place, Range, Sample, Wall};
 
 /// Most walls that are listed.
 const LISTED: usize = 24;
@@ -18,6 +19,7 @@ pub struct View {
     faults: Option<Faults>,
     look_back: Option<LookBack>,
     place: Option<Place>,
+    floor: Option<Floor>,
     /// The latest that a step began, microseconds.
     latest_us: u32,
     samples: u64,
@@ -48,6 +50,7 @@ impl View {
             Frame::Faults(faults) => self.faults = Some(faults),
             Frame::LookBack(look_back) => self.look_back = Some(look_back),
             Frame::Place(place) => self.place = Some(place),
+            Frame::Floor(floor) => self.floor = Some(floor),
             Frame::Motors(_) | Frame::Command(_) => {}
         }
     }
@@ -87,6 +90,7 @@ impl fmt::Display for View {
         }
         let restarts = self.faults.map_or(0, |faults| faults.slam.restarts);
         writeln!(f, "health    {}, {restarts} maps begun anew", format!("{:?}", estimate.health).to_lowercase())?;
+        self.write_floor(f)?;
         self.write_look_back(f, &estimate)?;
         self.write_sample(f)?;
         self.write_faults(f)?;
@@ -115,6 +119,18 @@ impl View {
         ];
         let touched: Vec<&str> = names.iter().filter(|(on, _)| *on).map(|(_, name)| *name).collect();
         writeln!(f, "\nticks     {} {}   touched: {}", sample.left_ticks, sample.right_ticks, touched.join(" "))
+    }
+
+    fn write_floor(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(floor) = &self.floor else { return Ok(()) };
+        let doing = floor.state().map_or("something that this program does not know", FloorState::name);
+        let (minutes, seconds) = (floor.seconds / 60, floor.seconds % 60);
+        writeln!(
+            f,
+            "floor     {doing}; {:.1} m2 swept, {:.0} % of what was seen, after {minutes} min {seconds} s",
+            floor.swept_m2,
+            100.0 * floor.share()
+        )
     }
 
     fn write_look_back(&self, f: &mut fmt::Formatter<'_>, estimate: &Estimate) -> fmt::Result {

@@ -11,6 +11,7 @@ mod edges;
 mod errand;
 mod frame;
 mod hug;
+mod known;
 mod lanes;
 mod near;
 mod phase;
@@ -33,6 +34,7 @@ pub use bounds::{AREAS, AreaKind, BadArea, Bounds, CORNERS};
 use dock::Stage;
 use errand::Errand;
 use frame::Frame;
+use known::Known;
 use near::Near;
 use phase::Phase;
 use progress::Tally;
@@ -145,6 +147,8 @@ pub struct FloorJob<const S: usize> {
     tally: Tally,
     /// The cell of the picture that the areas are drawn into next, row by row.
     marked: u16,
+    /// Where a kept map lets floor be presumed.
+    known: Option<Known>,
 }
 
 impl<const S: usize> FloorJob<S> {
@@ -190,6 +194,7 @@ impl<const S: usize> FloorJob<S> {
             steps: 0,
             tally: Tally::default(),
             marked: 0,
+            known: None,
         }
     }
 
@@ -255,6 +260,7 @@ impl<const S: usize> FloorJob<S> {
                 self.begin(Phase::Undock, senses.time_us);
             }
         }
+        self.presume_floor();
         self.watch_jumps(&pose, senses.time_us);
         self.look(senses, &pose);
         self.sweep(&pose, senses.time_us);

@@ -216,19 +216,23 @@ fn counters(recording: &Recording) -> Value {
 
 /// What a look back found while the robot drove, and what came of it.
 fn hand_over(recording: &Recording, found: &HandOver) -> Value {
-    let refused = found.refused.map(|reason| match reason {
+    json!({
+        "t_s": recording.steps.get(found.step).map(|step| step.t_s),
+        "refused": found.refused.map(refused_name),
+        "moved_m": found.moved.x_m.hypot(found.moved.y_m),
+        "turned_rad": found.moved.theta_rad,
+    })
+}
+
+/// Why a hand-over was refused, as the outputs call it.
+pub fn refused_name(reason: NotTaken) -> &'static str {
+    match reason {
         NotTaken::Outdated => "outdated",
         NotTaken::Unsupported => "unsupported",
         NotTaken::Unsound => "unsound",
         NotTaken::Apart => "apart",
         NotTaken::LessSure => "less_sure",
-    });
-    json!({
-        "t_s": recording.steps.get(found.step).map(|step| step.t_s),
-        "refused": refused,
-        "moved_m": found.moved.x_m.hypot(found.moved.y_m),
-        "turned_rad": found.moved.theta_rad,
-    })
+    }
 }
 
 /// A reason of refusal as the outputs call it.

@@ -1,7 +1,8 @@
 //! A recording as compact JSON: columns of whole numbers in small units, each stored as its difference from the one
 //! before, `null` where a value is absent or not finite. `js/decode.js` is the other end.
 
-use super::{floor, series};
+use super::frames::Frames;
+use super::{events, floor, series};
 use crate::evaluate::score::path::nees;
 use crate::recording::{Consistency, Figures, MapScore, PathScore, Pose2, Recording, SeenWall, Step};
 use serde_json::{Value, json};
@@ -24,6 +25,7 @@ const WALL_MOVED_M: f64 = 0.004;
 pub fn page_data(recording: &Recording) -> Value {
     let stride = (recording.steps.len() * recording.sensors.len().max(4)).div_ceil(READINGS_MAX).max(1);
     let shown = shown_steps(recording.steps.len(), stride);
+    let frames = Frames::of(recording);
     json!({
         "title": recording.title,
         "seed": recording.seed,
@@ -32,11 +34,12 @@ pub fn page_data(recording: &Recording) -> Value {
         "figures": figures(&recording.figures),
         "refusals": Refusal::ALL.map(refusal_text),
         "counts": outcome_counts(recording),
-        "steps": steps(recording, &shown),
+        "steps": steps(recording, &shown, &frames),
         "sensors": sensors(recording, &shown),
-        "walls": walls(recording, &shown),
+        "walls": walls(recording, &shown, &frames),
         "calibration": calibration(recording),
         "floor": recording.swept_floor().map(floor::floor),
+        "events": events::events(recording, &shown),
         "plan": recording.true_walls.iter().map(|s| [s.from_m[0], s.from_m[1], s.to_m[0], s.to_m[1]].map(millimetre))
             .collect::<Vec<_>>(),
     })
@@ -52,7 +55,7 @@ fn shown_steps(count: usize, stride: usize) -> Vec<usize> {
 }
 
 /// Index of the first shown step at or after `step`.
-fn shown_index(shown: &[usize], step: usize) -> usize {
+pub(super) fn shown_index(shown: &[usize], step: usize) -> usize {
     shown.partition_point(|&s| s < step).min(shown.len().saturating_sub(1))
 }
 
@@ -75,7 +78,7 @@ fn millimetre(value_m: f64) -> f64 {
     (value_m * MM).round() / MM
 }
 
-fn steps(recording: &Recording, shown: &[usize]) -> Value {
+fn steps(recording: &Recording, shown: &[usize], frames: &Frames) -> Value {
     let all = &recording.steps;
     let col = |value: &dyn Fn(usize) -> Option<f64>, per_unit| column(shown.iter().map(|&i| value(i)), per_unit);
     let pose = |pose: &dyn Fn(usize) -> Pose2| {
@@ -107,7 +110,7 @@ fn steps(recording: &Recording, shown: &[usize]) -> Value {
     let (nis_used, nis_all) = series::running_nis(recording);
     json!({
         "t": col(&|i| Some(all[i].t_s), 1e3),
-        "estimate": pose(&|i| all[i].pose),
+        "estimate": pose(&|i| frames.place(i).compose(&all[i].pose)),
         "start": all.iter().any(|step| step.start != Pose2::default()).then(|| pose(&|i| all[i].start)),
         "odometry": pose(&|i| all[i].dead_reckoning),
         "error": error,
@@ -233,15 +236,18 @@ struct Track {
     states: Vec<(usize, [f64; 4], f64)>,
 }
 
-fn walls(recording: &Recording, shown: &[usize]) -> Vec<Value> {
-    let mut tracks: BTreeMap<u16, Track> = BTreeMap::new();
+fn walls(recording: &Recording, shown: &[usize], frames: &Frames) -> Vec<Value> {
+    let mut tracks: BTreeMap<(usize, u16), Track> = BTreeMap::new();
     for (n, map) in recording.maps.iter().enumerate() {
         let at = shown_index(shown, map.step);
         let last = n + 1 == recording.maps.len();
+        let (frame, place) = (frames.of_step(map.step), frames.place(map.step));
         for wall in &map.walls {
-            let state = (at, wall_ends(wall), f64::from(wall.sigma_rho_m));
+            let [x0, y0, x1, y1] = wall_ends(wall);
+            let [[x0, y0], [x1, y1]] = [place.transform([x0, y0]), place.transform([x1, y1])];
+            let state = (at, [x0, y0, x1, y1], f64::from(wall.sigma_rho_m));
             let fresh = Track { kind: wall.kind, updates: 0, born: at, gone: None, states: vec![state] };
-            let track = tracks.entry(wall.id).or_insert(fresh);
+            let track = tracks.entry((frame, wall.id)).or_insert(fresh);
             track.updates = wall.updates;
             track.kind = wall.kind;
             let before = track.states[track.states.len() - 1].1;
@@ -251,14 +257,16 @@ fn walls(recording: &Recording, shown: &[usize]) -> Vec<Value> {
             }
         }
         for (id, track) in &mut tracks {
-            if track.gone.is_none() && !map.walls.iter().any(|wall| wall.id == *id) {
+            if track.gone.is_none() && !map.walls.iter().any(|wall| (frame, wall.id) == *id) {
                 track.gone = Some(at);
             }
         }
     }
     let seen = recording.figures.consistency.as_ref().map_or(&[][..], |score| &score.walls);
     let seen: BTreeMap<u16, &SeenWall> = seen.iter().map(|wall| (wall.wall, wall)).collect();
-    tracks.iter().map(|(id, track)| track_json(*id, track, seen.get(id).copied())).collect()
+    let is_final = |frame: usize| frame == frames.of_step(recording.steps.len());
+    let seen = |(frame, id): &(usize, u16)| seen.get(id).copied().filter(|_| is_final(*frame));
+    tracks.iter().map(|(key, track)| track_json(key.1, track, seen(key))).collect()
 }
 
 /// The word for a kind of wall.
@@ -327,17 +335,10 @@ pub fn figures(figures: &Figures) -> Value {
 }
 
 fn score(score: &PathScore) -> Value {
-    json!({
-        "ate_m": score.ate_m,
-        "start_m": score.start_m,
-        "heading_deg": score.heading_deg,
-        "nees": score.nees,
-        "alignment": {
-            "x": score.alignment.x_m,
-            "y": score.alignment.y_m,
-            "theta": score.alignment.theta_rad,
-        },
-    })
+    let PathScore { ate_m, start_m, heading_deg, nees, alignment: Pose2 { x_m: x, y_m: y, theta_rad: theta }, .. } =
+        score;
+    let alignment = json!({ "x": x, "y": y, "theta": theta });
+    json!({ "ate_m": ate_m, "start_m": start_m, "heading_deg": heading_deg, "nees": nees, "alignment": alignment })
 }
 
 fn consistency(score: &Consistency) -> Value {

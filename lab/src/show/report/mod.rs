@@ -4,7 +4,9 @@
 //! recording as compact JSON (`data.rs`). It needs no network and no other file.
 
 mod data;
+mod events;
 mod floor;
+mod frames;
 pub mod growing;
 mod picture;
 mod series;

@@ -32,7 +32,8 @@ function start() {
   showFigures(run);
   fillWallTable(shown, map);
   fillCounts(run);
-  const charts = [...allCharts(run, clock), ...showFloor(run.floor, run, clock)];
+  const charts = [...allCharts(run, clock), ...showFloor(run.floor, run, clock), ...showPlace(run, clock)];
+  showHandOvers(run, map, clock);
   const trace = new TraceTable(run);
   const redraw = () => {
     const theme = readTheme();
