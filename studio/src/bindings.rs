@@ -111,6 +111,14 @@ impl Simulation {
         self.0.cut_power()
     }
 
+    pub fn begin_in(&mut self, map: Vec<u8>) -> Result<(), String> {
+        self.0.begin_in(map)
+    }
+
+    pub fn sought(&self) -> Option<String> {
+        self.0.sought().map(|walls| walls.to_string())
+    }
+
     pub fn rebuild(&mut self, plan: &str) -> Result<(), String> {
         self.0.rebuild(plan)
     }

@@ -179,13 +179,27 @@ impl Simulated {
     pub fn cut_power(&mut self) -> Result<(), String> {
         let map =
             self.session.map().ok_or("there is no map yet that could be kept; let the robot find a wall first")?;
+        self.begin_in(map).map_err(|what| format!("the kept map {what}"))
+    }
+
+    /// Cuts the robot's power and gives it back with this map in its memory, the bytes of a `map.bin`.
+    ///
+    /// # Errors
+    /// What is wrong with the map; the robot drives on then.
+    pub fn begin_in(&mut self, map: Vec<u8>) -> Result<(), String> {
         let mut session = Session::new(&self.robot, Config::for_rig(&self.robot.rig), self.plan.name.clone())
             .map_err(|error| rig_error(Path::new("rig"), &error).to_string())?;
-        session.begin_in(map).map_err(|what| format!("the kept map {what}"))?;
+        session.begin_in(map)?;
         (self.session, self.growing, self.back) = (session, Growing::default(), LookingBack::default());
         self.log = writer::header(&self.robot) + "\n";
         self.drive.reboot(&self.robot);
         Ok(())
+    }
+
+    /// The walls of the kept map that the robot looks for itself in: their ends, metres, in that map's frame; none while it is
+    /// located.
+    pub fn sought(&self) -> Option<Value> {
+        self.session.sought().map(|map| Growing::kept_walls(&map))
     }
 
     /// Rebuilds the home after a plan file's text. The robot stays where it is.
@@ -201,6 +215,9 @@ impl Simulated {
     /// How things are now: the robot's true pose in the frame of its start, what is done to it, and what it searches.
     pub fn state(&mut self) -> Value {
         let searched = self.session.searches().last().copied();
+        let places: Vec<_> = self.session.places();
+        let places =
+            places.iter().map(|place| json!([place.pose.x_m, place.pose.y_m, place.pose.theta_rad, place.share]));
         let step = self.recording().steps.last();
         let (searching, health) = (step.is_some_and(|step| step.searching), step.map(|step| health::name(step.health)));
         let complaint = self.recording().complaint();
@@ -227,6 +244,7 @@ impl Simulated {
             "doing": doing,
             "over": is_over,
             "swept": swept.map(|share| [share.swept, share.twice]),
+            "places": places.collect::<Vec<_>>(),
             "searched": searched.map(|searched| json!({
                 "log_odds": searched.log_odds,
                 "walls": searched.walls[0],
@@ -276,103 +294,4 @@ fn plan_of(plan: &str) -> Result<Plan, String> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn scene(plan: &str) -> Scene {
-        Scene { plan: plan.into(), seed: 1, ..Scene::default() }
-    }
-
-    #[test]
-    fn a_drive_in_pieces_is_the_drive_of_the_program() {
-        let mut pieces = Simulated::new(&scene("room")).unwrap();
-        for i in 1..=100 {
-            pieces.advance(f64::from(i) * 0.3, 5);
-            pieces.steps();
-        }
-        let (robot, _) = robot_of("").unwrap();
-        let plan = plan_file::load("room").unwrap();
-        let mut drive = Drive::new(&plan, &robot, SimOptions::default(), 1).unwrap();
-        let mut session = Session::new(&robot, Config::for_rig(&robot.rig), "room").unwrap();
-        while session.recording().steps.len() < pieces.recording().steps.len() {
-            drive.step(&mut session);
-        }
-        assert!(pieces.recording().steps.len() > 400, "{}", pieces.recording().steps.len());
-        assert_eq!(pieces.recording().steps, session.recording().steps);
-    }
-
-    #[test]
-    fn a_robot_that_was_carried_says_so_and_finds_its_map_again() {
-        let mut simulated = Simulated::new(&scene("flat")).unwrap();
-        simulated.advance(200.0, 10_000);
-        assert!(simulated.carry(Some([-3.0, 0.0])).is_ok(), "outside is free, if odd");
-        assert!(simulated.carry(Some([0.0, 0.0])).is_err(), "a corner has no room");
-        let mut simulated = Simulated::new(&scene("flat")).unwrap();
-        simulated.advance(200.0, 10_000);
-        simulated.carry(Some([2.5, 1.0])).unwrap();
-        simulated.advance(202.0, 100);
-        assert_eq!((&simulated.state()["lifted"], &simulated.state()["searching"]), (&json!(true), &json!(true)));
-        simulated.advance(400.0, 10_000);
-        assert_eq!(simulated.state()["searching"], false);
-        let error = simulated.recording().steps.last().and_then(|step| step.error()).expect("it is located");
-        assert!(error.x_m.hypot(error.y_m) < 0.1, "{error:?}");
-    }
-
-    #[test]
-    fn a_robot_without_power_begins_anew_in_its_map() {
-        let mut simulated = Simulated::new(&scene("flat")).unwrap();
-        assert!(simulated.cut_power().is_err());
-        simulated.advance(120.0, 10_000);
-        simulated.cut_power().unwrap();
-        simulated.advance(1.0, 30);
-        assert!(
-            simulated.recording().steps.len() <= 30 && simulated.recording().steps.iter().all(|step| step.searching)
-        );
-    }
-
-    #[test]
-    fn a_covered_sensor_sees_nothing_and_a_new_wall_is_seen() {
-        let mut simulated = Simulated::new(&scene("room")).unwrap();
-        (0..8).for_each(|sensor| simulated.cover(sensor, true));
-        simulated.advance(5.0, 1000);
-        assert_eq!(simulated.recording().walls().len(), 0);
-        (0..8).for_each(|sensor| simulated.cover(sensor, false));
-        let (_, text) = plan_file::BUILT_IN[0];
-        let faces = simulated.plan.faces.len();
-        simulated.rebuild(&format!("{text}\n[[wall]]\nfrom_m = [1.0, 2.0]\nto_m = [2.0, 2.0]\n")).unwrap();
-        assert_eq!(simulated.plan.faces.len(), faces + 1);
-        assert!(simulated.rebuild("[[wall]]").is_err());
-        simulated.advance(30.0, 1000);
-        assert!(simulated.recording().walls().len() > 1);
-    }
-
-    #[test]
-    fn a_robot_that_cleans_sweeps_the_floor_and_stops_when_it_is_back() {
-        let mut simulated = Simulated::new(&Scene { job: Job::Clean, ..scene("room") }).unwrap();
-        simulated.advance(60.0, 10_000);
-        let early = simulated.state();
-        let seen = simulated.floor().chunks(2).filter(|at_s| at_s[0] <= 60.0).count() as f64;
-        let floor = simulated.floor().chunks(2).filter(|at_s| !at_s[0].is_nan()).count() as f64;
-        assert!((early["swept"][0].as_f64().unwrap() - seen / floor).abs() < 1e-9, "{early}");
-        simulated.advance(LONGEST_S, 100_000);
-        let late = simulated.state();
-        assert_eq!((&late["over"], &late["doing"]), (&json!(true), &json!("done")), "{late}");
-        assert!(late["swept"][0].as_f64().unwrap() > 0.9, "{late}");
-        let steps = simulated.recording().steps.len();
-        simulated.advance(LONGEST_S, 10);
-        assert_eq!(simulated.recording().steps.len(), steps);
-    }
-
-    #[test]
-    fn one_call_does_no_more_than_it_may() {
-        let mut simulated = Simulated::new(&scene("flat")).unwrap();
-        simulated.advance(1e9, 10);
-        assert_eq!(simulated.recording().steps.len(), 10);
-    }
-
-    #[test]
-    fn a_bad_plan_is_said_with_its_place() {
-        let error = Simulated::new(&scene("[start]\nx_m = 1\ny_m = 1\nheading = 3\n")).err().unwrap();
-        assert!(error.starts_with("plan:4: start: heading") || error.contains("heading"), "{error}");
-    }
-}
+mod tests;

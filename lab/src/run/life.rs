@@ -5,14 +5,26 @@
 
 use hal_sim::pose::Pose2;
 use kept_map::{Record, Writer, rig_hash};
-use relocate::{Event, Locator, State, Step};
+use relocate::{Event, Hypothesis, Locator, State, Step, path_on_grid};
 use slam_core::kept::Kept;
 use slam_core::{HostSlam, Outcome, Rig, StepReport};
 
 use crate::input::rig_file::MAX_SENSORS;
 
-/// A search on the desk is done at once.
-const WITHOUT_END: usize = usize::MAX;
+/// A search on the desk is done at once; after so many hypotheses it is looked at.
+const BETWEEN_LOOKS: usize = 64;
+
+/// A place whose odds against the best one are below this is none, natural logarithm: one in a thousand.
+const UNLIKELY: f32 = -6.9;
+
+/// Where the robot may be in the kept map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Its pose in the kept map's frame.
+    pub pose: Pose2,
+    /// Share of all the odds that it is there, 0 to 1; the rest is elsewhere.
+    pub share: f64,
+}
 
 /// What a search found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +49,7 @@ pub struct Life {
     frames: usize,
     last: Pose2,
     searches: Vec<Searched>,
+    places: Vec<Hypothesis>,
     lost: usize,
     /// Maps that the estimator itself began anew.
     restarts: u32,
@@ -54,6 +67,7 @@ impl Life {
             frames: 0,
             last: Pose2::default(),
             searches: Vec::new(),
+            places: Vec::new(),
             lost: 0,
             restarts: 0,
         }
@@ -79,6 +93,22 @@ impl Life {
     /// What every search found.
     pub fn searches(&self) -> &[Searched] {
         &self.searches
+    }
+
+    /// Where the last search found that the robot may be, likeliest first; empty while it is located.
+    pub fn places(&self, slam: &HostSlam) -> Vec<Place> {
+        let (Some(record), Some(last)) = (self.sought(), self.searches.last()) else { return Vec::new() };
+        // Odds of the best place against all else are its share's against the rest.
+        let share = 1.0 / (1.0 + f64::from(-last.log_odds).exp());
+        let first = self.places.first().map_or(0.0, |best| best.score);
+        let likely = self.places.iter().filter(|place| place.score - first > UNLIKELY);
+        let pose = |place: &Hypothesis| in_kept_map(slam, record.mean(ALPHA), place);
+        likely.map(|place| Place { pose: pose(place), share: share * f64::from(place.score - first).exp() }).collect()
+    }
+
+    /// The kept map that the robot looks for itself in; none while it is located, or has none.
+    pub fn sought(&self) -> Option<Record<'_>> {
+        Record::whole(self.kept.as_deref().filter(|_| !self.is_located())?).ok()
     }
 
     /// How often a place was given up.
@@ -114,6 +144,7 @@ impl Life {
         self.frames += 1;
         self.lost += usize::from(self.locator.state().is_located());
         self.locator.lost();
+        self.places.clear();
         slam.restart_map();
         self.restarts = slam.counters().restarts;
     }
@@ -129,14 +160,19 @@ impl Life {
         let reckoned: Pose2 = slam.dead_reckoning().into();
         let travelled_m = self.last.relative(&reckoned);
         self.last = reckoned;
-        let step = Step {
+        let mut step = Step {
             position_m: [slam.state_mean(0), slam.state_mean(1)],
             travelled_m: travelled_m.x_m.hypot(travelled_m.y_m) as f32,
             readings: agreement(report),
         };
         let Ok(record) = Record::whole(kept) else { return false };
         let before = self.locator.verdict().copied();
-        let event = self.locator.step(&*slam, &record, &step, WITHOUT_END);
+        let event = loop {
+            let event = self.locator.step(&*slam, &record, &step, BETWEEN_LOOKS);
+            let Some(search) = self.locator.search() else { break event };
+            self.places = search.hypotheses().to_vec();
+            (step.travelled_m, step.readings) = (0.0, [0; 2]);
+        };
         if let Some(verdict) = self.locator.verdict().filter(|verdict| before.as_ref() != Some(verdict)) {
             let [x, y] = verdict.best.matched;
             self.searches.push(Searched {
@@ -159,6 +195,19 @@ impl Life {
         }
         false
     }
+}
+
+/// The state that is the grid's direction.
+const ALPHA: usize = 3;
+
+/// Where the robot is in the kept map, whose grid has this direction (radians), if its fresh one lies there like this.
+fn in_kept_map(slam: &HostSlam, kept_rad: f32, place: &Hypothesis) -> Pose2 {
+    let (pose, fresh_rad) = (slam.filter_pose(), slam.state_mean(ALPHA));
+    let quarters = f64::from(place.quarters) * core::f64::consts::FRAC_PI_2;
+    let [x_m, y_m] = path_on_grid([pose.x_m, pose.y_m], fresh_rad).map(f64::from);
+    let on_grid = Pose2::new(x_m, y_m, f64::from(pose.theta_rad - fresh_rad));
+    let shift = Pose2::new(place.shift_m[0].into(), place.shift_m[1].into(), quarters);
+    Pose2::new(0.0, 0.0, kept_rad.into()).compose(&shift).compose(&on_grid)
 }
 
 /// A reading that is off by less than this says nothing against the robot's place, metres: an end of a wall, a thing before it.

@@ -11,7 +11,7 @@ mod simulate;
 
 pub use crate::recording::Job;
 pub use drive::Drive;
-pub use life::Searched;
+pub use life::{Place, Searched};
 pub use relative::{RelativeReplay, RelativeSession, covariance_of, look_back, to_record, views};
 pub use replay::{Replay, Replayed};
 pub use session::{Session, begun, parameter_name};

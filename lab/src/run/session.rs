@@ -7,7 +7,7 @@ use kept_map::{Record, rig_hash};
 use look_back::RobotBackEnd;
 use slam_core::{Config, DriveModel, HostSlam, Outcome, Parameter, RigError, Sample, StepReport, Unfit};
 
-use super::life::{Life, Searched};
+use super::life::{Life, Place, Searched};
 use super::map_file;
 use crate::evaluate::score::{nis, path};
 use crate::evaluate::statistics;
@@ -81,6 +81,16 @@ impl Session {
     /// What the searches for the place in the kept map found so far.
     pub fn searches(&self) -> &[Searched] {
         self.life.searches()
+    }
+
+    /// Where the last search found that the robot may be, see [`Life::places`].
+    pub fn places(&self) -> Vec<Place> {
+        self.life.places(&self.slam)
+    }
+
+    /// The kept map that the robot looks for itself in; none while it is located, or has none.
+    pub fn sought(&self) -> Option<Record<'_>> {
+        self.life.sought()
     }
 
     /// Takes in what the wheel-drop switches say.

@@ -1,7 +1,7 @@
 // The controls of map and layers, and what lies under the pointer.
 
 function buildLayerToggles(map, run) {
-  const absent = { truth: !run.truth, plan: !run.plan.length, apart: !wallsApart(run).length, floor: !map.floor, back: !map.back?.isOn };
+  const absent = { truth: !run.truth, plan: !run.plan.length, apart: !wallsApart(run).length, floor: !map.floor, back: !map.back?.isOn, places: !map.places?.length };
   const boxes = LAYERS.filter((layer) => !absent[layer.id]).map((layer) => {
     const box = element("input", { type: "checkbox", checked: map.shown[layer.id], "data-layer": layer.id });
     box.addEventListener("change", () => {

@@ -1,11 +1,14 @@
 // The map with what only a live page shows: how sure each wall is.
 
+LAYERS.splice(LAYERS.length - 1, 0, { id: "places", label: "Places that it may be at", swatch: "ring", colour: "apart" });
 LAYERS.splice(2, 0, { id: "sigma", label: "Walls, 2 sigma, drawn tenfold", swatch: "glow", colour: "estimate" });
 
 class LiveMap extends MapView {
   // Walls of a kept map while the robot searches it, and what is being drawn; x0, y0, x1, y1.
   ghost = [];
   sketch = [];
+  // Where a robot that searches may be: place, heading, share of the odds.
+  places = [];
   // The floor of a robot that sweeps it.
   floor = null;
   // The look back.
@@ -19,6 +22,7 @@ class LiveMap extends MapView {
   paint() {
     super.paint();
     this.back.paint(this);
+    if (this.shown.places) this.places.forEach((place) => this.paintPlace(place));
     this.paintSegments(this.ghost, this.theme.estimate, 2.5);
     this.paintSegments(this.sketch, this.theme.estimate, 4);
   }
@@ -30,6 +34,26 @@ class LiveMap extends MapView {
     context.setLineDash([7, 5]);
     for (const segment of segments) this.stroke(...segment);
     context.setLineDash([]);
+  }
+
+  // A ring with a heading, the likelier the bolder, with its share where that is worth words.
+  paintPlace({ at, heading, share }) {
+    const { context, theme, view } = this;
+    const [px, py] = view.toScreen(...at);
+    const radius = Math.max(9, 0.17 * view.scale);
+    context.strokeStyle = context.fillStyle = theme.apart;
+    context.globalAlpha = Math.max(0.35, share);
+    context.lineWidth = 1.5 + 2.5 * share;
+    context.beginPath();
+    context.arc(px, py, radius, 0, 2 * Math.PI);
+    context.moveTo(px, py);
+    context.lineTo(px + 1.6 * radius * Math.cos(heading), py - 1.6 * radius * Math.sin(heading));
+    context.stroke();
+    context.globalAlpha = 1;
+    if (share < 0.01) return;
+    context.font = `600 13px ${theme.font}`;
+    context.textAlign = "left";
+    context.fillText(`${fixed(100 * share, 0)}\u00a0%`, px + radius + 4, py - radius);
   }
 
   paintWalls() {

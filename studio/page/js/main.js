@@ -75,6 +75,7 @@ class Studio {
     this.live.reset(head, turn);
     this.clock.seek(0);
     this.map.ghost = [];
+    this.map.places = [];
     this.map.floor = null;
     this.lookBack.reset();
     document.getElementById("eyebrow").textContent = eyebrow;
@@ -160,7 +161,7 @@ class Studio {
     fillCounts(live.run);
     if (!document.querySelector("#walls:hover")) fillWallTable(live.shown, map);
     drawBirths(document.getElementById("births"), live.run, map.theme);
-    const kinds = [!map.floor, !this.lookBack.isOn, !live.run.truth, !live.run.plan.length, live.run.walls.some((wall) => wall.kind === "free")].join();
+    const kinds = [!map.floor, !map.places.length, !this.lookBack.isOn, !live.run.truth, !live.run.plan.length, live.run.walls.some((wall) => wall.kind === "free")].join();
     if (kinds !== this.kinds) {
       this.kinds = kinds;
       buildLayerToggles(map, live.shown);

@@ -27,6 +27,8 @@ class ReplayMode {
       event.preventDefault();
       const files = await dropped(event.dataTransfer);
       if (!files.length) return;
+      const isMap = files.length === 1 && files[0].name.endsWith(".bin");
+      if (isMap && document.documentElement.dataset.mode === "simulate") return studio.modes.simulate.giveMap(files[0]);
       studio.choose("replay");
       await this.take(files);
     });

@@ -2,6 +2,8 @@
 
 // Samples that are asked for at once; a frame's time is looked at between.
 const CHUNK = 4;
+// A robot's store has less room than this, bytes.
+const LARGEST_MAP = 256 * 1024;
 const KNOBS = ["sensors", "reach", "noise", "gain_sigma", "wheel_sigma"];
 
 class Simulate {
@@ -42,9 +44,11 @@ class Simulate {
     on("carry", () => this.program.carry());
     on("kick", () => this.program.kick());
     on("hold", () => this.program.hold());
-    on("cut-power", () => {
-      this.program.cut_power();
-      this.begun(`${this.eyebrow}, after its power was cut`);
+    on("cut-power", () => this.beginAnew(null));
+    byId("give-map").addEventListener("change", () => {
+      const [file] = byId("give-map").files;
+      byId("give-map").value = "";
+      if (file) this.giveMap(file);
     });
     byId("cover").addEventListener("change", () => {
       const chosen = byId("cover").value;
@@ -193,7 +197,7 @@ class Simulate {
     if (!steps.length) return;
     const state = JSON.parse(this.program.state());
     if (state.searching && (state.lifted || !this.wasSearching)) {
-      if (!this.wasSearching) map.ghost = live.wallsNow();
+      if (!this.wasSearching) map.ghost = this.soughtWalls();
       // A fresh map lies anywhere: it is drawn where the robot truly is.
       const at = steps.length - live.width;
       const [x, y, theta] = [steps[at + 1], steps[at + 2], steps[at + 3]];
@@ -202,6 +206,7 @@ class Simulate {
       live.newFrame({ x: 0, y: 0, theta: 0 });
       map.ghost = [];
     }
+    map.places = this.placesShown(state.places);
     this.wasSearching = state.searching;
     live.take(steps);
     const latest = this.program.map();
@@ -214,6 +219,36 @@ class Simulate {
     this.state = state;
   }
 
+  // The kept map's walls on the screen's map, while the robot looks for itself in them.
+  soughtWalls() {
+    const turn = mover({ x: 0, y: 0, theta: this.studio.live.turn });
+    return JSON.parse(this.program.sought() ?? "[]").map(([x0, y0, x1, y1]) => [...turn(x0, y0), ...turn(x1, y1)]);
+  }
+
+  // Where the robot may be in the kept map, on the screen's map.
+  placesShown(places) {
+    const { turn: theta } = this.studio.live;
+    const turn = mover({ x: 0, y: 0, theta });
+    return places.map(([x, y, heading, share]) => ({ at: turn(x, y), heading: heading + theta, share }));
+  }
+
+  // Cuts the robot's power; it begins anew with this map, or where there is none with the one that it kept.
+  beginAnew(map) {
+    const done = this.studio.attempt(() => {
+      if (map) this.program.begin_in(map.content);
+      else this.program.cut_power();
+      return true;
+    });
+    if (done) this.begun(`${this.eyebrow}, ${map ? `begun anew with ${map.name}` : "after its power was cut"}`);
+  }
+
+  async giveMap(file) {
+    await this.studio.attemptLater(async () => {
+      if (file.size > LARGEST_MAP) throw new Error(`${file.name}: is larger than any map of a robot; it must be a map.bin`);
+      this.beginAnew({ name: file.name, content: new Uint8Array(await file.arrayBuffer()) });
+    });
+  }
+
   // What the page says beside the map.
   status() {
     const { state } = this;
@@ -222,6 +257,7 @@ class Simulate {
     if (state.lifted) words.push("Off the floor: the wheel-drop switches tell, and nothing is seen.");
     else if (state.searching) {
       const found = state.searched;
+      if (state.places.length) words.push(placesWords(state.places));
       words.push(found
         ? `Searching its place in the kept map: of ${found.walls} walls of a fresh map ${found.matched} stand where kept ones do, odds 10^${fixed(found.log_odds / Math.LN10, 1)}; it claims a place at 10^3.`
         : "Searching its place in the kept map (dashed) with a fresh one, which is drawn where the robot truly is.");
@@ -267,6 +303,13 @@ class Simulate {
     byId("plan").value = "";
     byId("plan-text").value = plan;
   }
+}
+
+// How likely the places that a search found are.
+function placesWords(places) {
+  const elsewhere = 1 - places.reduce((sum, [, , , share]) => sum + share, 0);
+  const shares = places.filter(([, , , share]) => share >= 0.01).slice(0, 4).map(([, , , share]) => `${fixed(100 * share, 0)} %`);
+  return `It may be at ${shares.length === 1 ? "one place" : `${shares.length} places`} (ringed: ${shares.join(", ")}), or elsewhere (${fixed(100 * elsewhere, 0)} %).`;
 }
 
 // What a robot that sweeps the floor does, and how far it is.

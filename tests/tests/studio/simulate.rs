@@ -3,7 +3,7 @@
 use serde_json::json;
 use tests::devtools::Page;
 
-use crate::{assert_sound, open, picture};
+use crate::{assert_sound, open, picture, scratch};
 
 /// Where a part of the map is in the window, shares of its width and height.
 fn on_map(page: &mut Page, [x, y]: [f64; 2]) -> [f64; 2] {
@@ -66,6 +66,11 @@ fn a_robot_is_carried_off_and_finds_itself_again() {
     page.run("document.querySelector(\"[data-speed='10']\").click(); document.getElementById('carry').click();");
     page.until("document.getElementById('status').textContent.includes('Searching')");
     picture(&mut page, "searching");
+    page.run("document.querySelector(\"[data-speed='3']\").click();");
+    page.until("document.getElementById('status').textContent.includes('It may be at') && (document.getElementById('play').click(), true)");
+    page.run("await new Promise((done) => setTimeout(done, 1200));");
+    picture(&mut page, "places");
+    page.run("document.getElementById('play').click();");
     page.run("document.querySelector(\"[data-speed='100']\").click();");
     page.until("document.getElementById('status').textContent.includes('Located.')");
     picture(&mut page, "located");
@@ -75,6 +80,20 @@ fn a_robot_is_carried_off_and_finds_itself_again() {
     );
     page.run("document.getElementById('cut-power').click();");
     page.until("document.getElementById('eyebrow').textContent.includes('power was cut')");
+    // The map goes out as a file, and another robot begins with it, not knowing where; half of it is refused.
+    page.run("document.getElementById('save-map').click();");
+    let map = page.run("return [...new Uint8Array(await window.saved.arrayBuffer())];");
+    let map: Vec<u8> = serde_json::from_value(map).expect("bytes");
+    let [whole, half] = ["whole.bin", "half.bin"].map(|name| scratch("carry").join(name));
+    std::fs::write(&whole, &map).expect("a file");
+    std::fs::write(&half, &map[..map.len() / 2]).expect("a file");
+    page.run("document.getElementById('seed').value = '9'; document.getElementById('again').click();");
+    page.until("document.getElementById('status').textContent.startsWith('Located.')");
+    page.choose_files("#give-map", &[half]);
+    page.until("!document.getElementById('problem').hidden");
+    page.choose_files("#give-map", &[whole]);
+    page.until("document.getElementById('eyebrow').textContent.endsWith('begun anew with whole.bin')");
+    page.until("document.getElementById('status').textContent.includes('Located.')");
     assert_sound(&mut page, &address);
 }
 

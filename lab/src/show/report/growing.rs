@@ -6,7 +6,8 @@ use super::series::RunningNis;
 use crate::evaluate::score::path::nees;
 use crate::recording::{CalibrationSnapshot, MapSnapshot, Pose2, Recording, Step};
 use serde_json::{Value, json};
-use slam_core::{Outcome, Refusal, WallView};
+use slam_core::kept::{Kept, KeptWall};
+use slam_core::{Outcome, Refusal, WallKind, WallView};
 
 /// Numbers of a step before those of its sensors.
 pub const STEP_NUMBERS: usize = 24;
@@ -86,6 +87,17 @@ impl Growing {
     /// Every map and calibration that was recorded, in order.
     pub fn maps(recording: &Recording) -> Value {
         recording.maps.iter().zip(&recording.calibration).map(|(map, calibration)| map_of(map, calibration)).collect()
+    }
+
+    /// The walls of a kept map: their ends.
+    pub fn kept_walls(map: &impl Kept) -> Value {
+        let view = |wall: KeptWall| {
+            let [rho_m, beta_rad] = map.line(&wall);
+            let KeptWall { id, lo_m, hi_m, updates, .. } = wall;
+            WallView { id, kind: WallKind::Grid, rho_m, beta_rad, lo_m, hi_m, sigma_rho_m: 0.0, updates }
+        };
+        let walls = (0..usize::from(map.frame().walls)).filter_map(|index| map.wall(index));
+        walls.map(|wall| json!(wall_ends(&view(wall)))).collect()
     }
 
     /// Walls that a look back over so many steps found: their ends.
