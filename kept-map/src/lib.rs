@@ -13,12 +13,14 @@
 #[cfg(test)]
 extern crate std;
 
+mod receiving;
 mod record;
 mod rig_hash;
 mod store;
 #[cfg(test)]
 mod tests;
 
+pub use receiving::{ReceiveError, Receiving};
 pub use record::{Record, Refused, VERSION, Writer};
 pub use rig_hash::rig_hash;
 pub use store::{SaveError, Saved, Saving, Store};

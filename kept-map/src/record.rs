@@ -290,18 +290,26 @@ fn layout_of(word: impl Fn(usize) -> Option<u32>) -> Result<Layout, Refused> {
     if head(3)? as usize == layout.len() { Ok(layout) } else { Err(Refused::Corrupt) }
 }
 
+/// Words of the head that tell the record's sizes.
+pub(crate) const HEAD_SIZES: usize = 8;
+
+/// Words of the record that begins with these, with the CRC.
+pub(crate) fn len_of_head(head: &[u32; HEAD_SIZES]) -> Result<usize, Refused> {
+    layout_of(|place| head.get(place).copied()).map(Layout::len)
+}
+
 /// Checks a record that is read word by word; its sequence number where it is whole.
 pub(crate) fn check(mut word: impl FnMut(usize) -> Option<u32>) -> Option<u32> {
-    let mut head = [0; 8];
+    let mut head = [0; HEAD_SIZES];
     for (place, entry) in head.iter_mut().enumerate() {
         *entry = word(place)?;
     }
-    let layout = layout_of(|place| head.get(place).copied()).ok()?;
+    let last = len_of_head(&head).ok()? - 1;
     let mut digest = CRC.digest();
-    for place in 0..layout.len() - 1 {
+    for place in 0..last {
         digest.update(&word(place)?.to_le_bytes());
     }
-    (word(layout.len() - 1)? == digest.finalize()).then_some(head[4])
+    (word(last)? == digest.finalize()).then_some(head[4])
 }
 
 impl Kept for Record<'_> {

@@ -115,21 +115,35 @@ impl<F: NorFlash> Store<F> {
     /// The record is longer than a slot, or the flash refused. The slot holds no record then.
     pub fn go_on(&mut self, saving: &mut Saving, kept: &impl Kept, words: usize) -> Result<bool, SaveError<F::Error>> {
         let writer = Writer::new(kept, saving.sequence, saving.rig);
-        if 4 * (writer.len() + 1) > self.slot_bytes as usize {
+        if !self.fits(writer.len() + 1) {
             return Err(SaveError::TooLong);
         }
         for _ in 0..words {
-            let is_last = saving.written == writer.len();
-            let word = if is_last { saving.digest } else { writer.word(saving.written) };
-            if !is_last {
-                saving.digest = continued(saving.digest, word);
-            }
-            saving.push(&mut self.flash, word, is_last).map_err(SaveError::Flash)?;
-            if is_last {
+            if saving.written == writer.len() {
+                self.finish(saving).map_err(SaveError::Flash)?;
                 return Ok(true);
             }
+            let word = writer.word(saving.written);
+            self.write(saving, word).map_err(SaveError::Flash)?;
         }
         Ok(false)
+    }
+
+    /// Whether a record of so many words has room in a slot.
+    pub(crate) fn fits(&self, words: usize) -> bool {
+        4 * words <= self.slot_bytes as usize
+    }
+
+    /// Writes the next word of a record but for its CRC.
+    pub(crate) fn write(&mut self, saving: &mut Saving, word: u32) -> Result<(), F::Error> {
+        saving.digest = continued(saving.digest, word);
+        saving.push(&mut self.flash, word, false)
+    }
+
+    /// Writes the CRC: the record is whole.
+    pub(crate) fn finish(&mut self, saving: &mut Saving) -> Result<Saved, F::Error> {
+        saving.push(&mut self.flash, saving.digest, true)?;
+        Ok(Saved { slot: saving.slot, sequence: saving.sequence })
     }
 
     /// Saves in one go.
@@ -150,6 +164,24 @@ impl<F: NorFlash> Store<F> {
         self.flash.erase(0, self.slots * self.slot_bytes)
     }
 
+    /// Erases the oldest whole record; false where there is none. Until the last one is erased, the newest is where it was.
+    ///
+    /// # Errors
+    /// The flash refused.
+    pub fn forget_oldest(&mut self) -> Result<bool, F::Error> {
+        let Some(newest) = self.newest() else { return Ok(false) };
+        let mut oldest = newest.slot;
+        for after in (1..self.slots).rev() {
+            // Saves go round: the slot after the newest one's is the oldest.
+            let slot = (newest.slot + after) % self.slots.max(1);
+            if check(|place| self.word(slot, place)).is_some() {
+                oldest = slot;
+            }
+        }
+        self.flash.erase(oldest * self.slot_bytes, (oldest + 1) * self.slot_bytes)?;
+        Ok(true)
+    }
+
     /// The flash.
     pub fn flash(&mut self) -> &mut F {
         &mut self.flash
@@ -157,7 +189,7 @@ impl<F: NorFlash> Store<F> {
 }
 
 /// The CRC of what was before, and of one word more.
-fn continued(crc: u32, word: u32) -> u32 {
+pub(crate) fn continued(crc: u32, word: u32) -> u32 {
     // The algorithm inverts its register at both ends and is reflected: the register before is the inverse of the CRC, whose
     // bits an initial value has in reverse.
     let mut digest = CRC.digest_with_initial((!crc).reverse_bits());
@@ -166,6 +198,26 @@ fn continued(crc: u32, word: u32) -> u32 {
 }
 
 impl Saving {
+    /// Its slot.
+    pub(crate) fn slot(&self) -> u32 {
+        self.slot
+    }
+
+    /// The number of the save.
+    pub(crate) fn sequence(&self) -> u32 {
+        self.sequence
+    }
+
+    /// The rig's hash.
+    pub(crate) fn rig(&self) -> u32 {
+        self.rig
+    }
+
+    /// Words that are written.
+    pub(crate) fn written(&self) -> usize {
+        self.written
+    }
+
     fn push<F: NorFlash>(&mut self, flash: &mut F, word: u32, is_last: bool) -> Result<(), F::Error> {
         for byte in word.to_le_bytes() {
             if let Some(entry) = self.unit.get_mut(self.filled) {

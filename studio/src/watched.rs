@@ -112,6 +112,7 @@ impl Watched {
             Frame::Calibration(calibration) => self.calibration(&calibration),
             Frame::Faults(faults) => self.faults = Some(faults),
             Frame::LookBack(_) | Frame::Place(_) | Frame::Floor(_) | Frame::Motors(_) | Frame::Command(_) => {}
+            Frame::MapRequest(_) | Frame::MapAnswer(_) => {}
         }
     }
 

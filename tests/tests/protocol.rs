@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use wire::{Command, Contacts, Frame, Motors, Range, Sample, encode};
+use wire::{Command, Contacts, Frame, MapAnswer, MapRefusal, MapRequest, Motors, Range, Sample, encode};
 
 /// A frame of which the page shows the bytes, and how it names it.
 fn examples() -> Vec<(&'static str, Frame)> {
@@ -11,6 +11,7 @@ fn examples() -> Vec<(&'static str, Frame)> {
     let contacts = Contacts { cliff: true, ..Contacts::default() };
     let sample = Sample { time_us: 1_000_000, left_ticks: 300, right_ticks: -300, ranges, contacts };
     let motors = Motors { time_us: 1_000_000, left: 0.25, right: -0.25 };
+    let bytes = [1, 2, 3, 4].into_iter().collect();
     vec![
         ("`Start`", Frame::Command(Command::Start)),
         ("`Stop`", Frame::Command(Command::Stop)),
@@ -21,6 +22,12 @@ fn examples() -> Vec<(&'static str, Frame)> {
             "`Sample` at 1 s, 300 and -300 ticks, ranges missing, 1000 counts, 0.5 m; no floor under the front",
             Frame::Sample(sample),
         ),
+        ("`MapRequest`, `Get` from place 96", Frame::MapRequest(MapRequest::Get { offset: 96 })),
+        (
+            "`MapRequest`, `Put` of the bytes 1, 2, 3, 4 at place 0",
+            Frame::MapRequest(MapRequest::Put { offset: 0, bytes }),
+        ),
+        ("`MapAnswer`, `Refused`, since it drives", Frame::MapAnswer(MapAnswer::Refused(MapRefusal::Driving))),
     ]
 }
 

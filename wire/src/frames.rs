@@ -1,6 +1,7 @@
 //! What is said. The order of variants and fields is the format: a change needs a new [`VERSION`](crate::VERSION), but for a
 //! variant at the end.
 
+use crate::map::{MapAnswer, MapRequest};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
@@ -30,6 +31,10 @@ pub enum Frame {
     LookBack(LookBack),
     /// Whether it knows where it is in its kept map.
     Place(Place),
+    /// What is wanted with that map.
+    MapRequest(MapRequest),
+    /// What it says to that.
+    MapAnswer(MapAnswer),
     /// How far it is with the floor.
     Floor(Floor),
 }

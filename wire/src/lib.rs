@@ -6,20 +6,22 @@
 //!
 //! | direction | frames |
 //! |---|---|
-//! | robot to host | [`Frame::Sample`], [`Frame::Estimate`], [`Frame::Wall`], [`Frame::Calibration`], [`Frame::Faults`], [`Frame::LookBack`], [`Frame::Place`], [`Frame::Floor`] |
-//! | host to robot | [`Frame::Command`] |
+//! | robot to host | [`Frame::Sample`], [`Frame::Estimate`], [`Frame::Wall`], [`Frame::Calibration`], [`Frame::Faults`], [`Frame::LookBack`], [`Frame::Place`], [`Frame::MapAnswer`], [`Frame::Floor`] |
+//! | host to robot | [`Frame::Command`], [`Frame::MapRequest`] |
 //! | with the robot's hardware simulated | [`Frame::Sample`] to the robot, [`Frame::Motors`] back |
 #![no_std]
 
 mod codec;
 mod convert;
 mod frames;
+mod map;
 
 pub use codec::{DecodeError, Decoder, EncodeError, FRAME_CAPACITY, VERSION, encode};
 pub use frames::{
     BoardFaults, Calibration, Command, Contacts, Estimate, Factor, Faults, Floor, Frame, Health, LookBack, Motors,
     Parameter, Place, PlaceState, Range, SENSORS, Sample, SlamFaults, Wall, WallKind,
 };
+pub use map::{MapAnswer, MapRefusal, MapRequest, PIECE_BYTES, Piece};
 
 /// The examples of the README, compiled and run.
 #[cfg(doctest)]

@@ -4,7 +4,8 @@ use proptest::prelude::*;
 use slam_core::RangeInput;
 use wire::{
     BoardFaults, Calibration, Command, Contacts, Decoder, Estimate, Factor, Faults, Floor, Frame, Health, LookBack,
-    Motors, Parameter, Place, PlaceState, Range, Sample, SlamFaults, Wall, WallKind, encode,
+    MapAnswer, MapRefusal, MapRequest, Motors, Parameter, Place, PlaceState, Range, Sample, SlamFaults, Wall, WallKind,
+    encode,
 };
 
 fn sample() -> impl Strategy<Value = Frame> {
@@ -92,6 +93,24 @@ fn floor() -> impl Strategy<Value = Frame> {
         .prop_map(|(state, [swept_m2, left_m2], seconds)| Frame::Floor(Floor { state, swept_m2, left_m2, seconds }))
 }
 
+fn kept_map() -> impl Strategy<Value = Frame> {
+    let piece = prop::collection::vec(any::<u8>(), 0..=wire::PIECE_BYTES);
+    let why = prop::sample::select(vec![MapRefusal::Nothing, MapRefusal::Driving, MapRefusal::Flash]);
+    (any::<[u32; 2]>(), piece, why, 0..8).prop_map(|([offset, of], piece, why, which)| {
+        let bytes = piece.into_iter().collect();
+        match which {
+            0 => Frame::MapRequest(MapRequest::Get { offset }),
+            1 => Frame::MapRequest(MapRequest::Put { offset, bytes }),
+            2 => Frame::MapRequest(MapRequest::Forget),
+            3 => Frame::MapAnswer(MapAnswer::Part { offset, of, bytes }),
+            4 => Frame::MapAnswer(MapAnswer::Awaiting { offset }),
+            5 => Frame::MapAnswer(MapAnswer::Kept { sequence: of }),
+            6 => Frame::MapAnswer(MapAnswer::Forgotten),
+            _ => Frame::MapAnswer(MapAnswer::Refused(why)),
+        }
+    })
+}
+
 fn small() -> impl Strategy<Value = Frame> {
     (any::<u64>(), any::<[f32; 2]>(), 0..5).prop_map(|(time_us, [left, right], which)| match which {
         0 => Frame::Motors(Motors { time_us, left, right }),
@@ -103,7 +122,9 @@ fn small() -> impl Strategy<Value = Frame> {
 }
 
 fn frame() -> impl Strategy<Value = Frame> {
-    prop_oneof![sample(), estimate(), wall(), calibration(), faults(), look_back(), place(), floor(), small()]
+    prop_oneof![
+        sample(), estimate(), wall(), calibration(), faults(), look_back(), place(), floor(), kept_map(), small()
+    ]
 }
 
 /// The frames found in a stream, errors left out.
@@ -195,7 +216,9 @@ fn the_longest_frames_fit() {
         contacts: Contacts::default(),
     };
     let faults = Faults { slam: counts, board };
-    for frame in [Frame::Sample(sample), Frame::Calibration(calibration), Frame::Faults(faults)] {
+    let bytes = [0xAA; wire::PIECE_BYTES].into_iter().collect();
+    let part = Frame::MapAnswer(MapAnswer::Part { offset: u32::MAX, of: u32::MAX, bytes });
+    for frame in [Frame::Sample(sample), Frame::Calibration(calibration), Frame::Faults(faults), part] {
         assert_eq!(received(&encode(&frame).unwrap()), [frame]);
     }
 }

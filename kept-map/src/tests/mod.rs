@@ -1,5 +1,6 @@
 mod nor;
 mod power_cuts;
+mod receiving;
 mod records;
 
 use slam_core::Pose;

@@ -104,8 +104,8 @@ impl Link {
                 Ok(Frame::Faults(faults)) => answer.faults = Some(faults),
                 Ok(Frame::LookBack(look_back)) => answer.look_back = Some(look_back),
                 Ok(Frame::Place(place)) => answer.place = Some(place),
-                Ok(Frame::Floor(_)) => {}
-                Ok(Frame::Command(_)) | Err(_) => answer.damaged += 1,
+                Ok(Frame::Floor(_) | Frame::MapAnswer(_)) => {}
+                Ok(Frame::Command(_) | Frame::MapRequest(_)) | Err(_) => answer.damaged += 1,
             }
         }
     }

@@ -51,7 +51,7 @@ impl View {
             Frame::LookBack(look_back) => self.look_back = Some(look_back),
             Frame::Place(place) => self.place = Some(place),
             Frame::Floor(floor) => self.floor = Some(floor),
-            Frame::Motors(_) | Frame::Command(_) => {}
+            Frame::Motors(_) | Frame::Command(_) | Frame::MapRequest(_) | Frame::MapAnswer(_) => {}
         }
     }
 
