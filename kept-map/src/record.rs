@@ -259,6 +259,11 @@ impl<'a> Record<'a> {
         self.word(4)
     }
 
+    /// Words of the record, with the CRC.
+    pub fn words(&self) -> usize {
+        self.layout.len()
+    }
+
     fn word(&self, place: usize) -> u32 {
         word(self.bytes, place).unwrap_or_default()
     }

@@ -19,6 +19,7 @@ use relatives::Kind;
 use robot::rig::BuiltIn;
 use robot_tools::doctor::Doctor;
 use robot_tools::hil::{Hil, Target};
+use robot_tools::kept_map::MapArgs;
 use robot_tools::monitor::Monitor;
 
 /// The workbench: a simulated cleaning robot maps a flat, or a recorded log is replayed through the same estimator.
@@ -47,6 +48,8 @@ enum Command {
     Monitor(Monitor),
     /// Check a robot at a serial port part by part.
     Doctor(Doctor),
+    /// Fetch, store or forget the map that a robot at a serial port keeps.
+    Map(MapArgs),
     /// Compare estimators over many simulated drives, as an experiment file says.
     Experiment(ExperimentArgs),
 }
@@ -200,6 +203,7 @@ fn main() -> ExitCode {
         Some(Command::Hil(args)) => hil(args),
         Some(Command::Monitor(monitor)) => monitor.run().map_err(Into::into),
         Some(Command::Doctor(doctor)) => doctor.run().map_err(Into::into),
+        Some(Command::Map(map)) => map.run().map_err(Into::into),
         Some(Command::Experiment(experiment)) => experiment.run().map_err(Into::into),
         None => run(cli.run),
     };

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use slam_core::{RangeInput, RangeModel};
-use wire::{Command, DecodeError, Decoder, Frame, Sample, encode};
+use wire::{DecodeError, Decoder, Frame, Sample, encode};
 
 use lab::input::log::Row;
 use lab::input::rig_file::{MAX_SENSORS, Robot};
@@ -150,12 +150,12 @@ impl Port {
         }
     }
 
-    /// Tells the robot what to do.
+    /// Says something to the robot.
     ///
     /// # Errors
     /// What the system says.
-    pub fn send(&mut self, command: Command) -> Result<(), String> {
-        let bytes = encode(&Frame::Command(command)).map_err(|error| format!("{error:?}"))?;
+    pub fn send(&mut self, frame: &Frame) -> Result<(), String> {
+        let bytes = encode(frame).map_err(|error| format!("{error:?}"))?;
         self.to.write_all(&bytes).and_then(|()| self.to.flush()).map_err(|error| format!("the serial line: {error}"))
     }
 

@@ -60,7 +60,7 @@ impl Monitor {
         let mut film = self.mcap.as_deref().map(Film::create).transpose()?;
         let mut port = Port::new(self.line()?);
         if self.start {
-            port.send(Command::Start)?;
+            port.send(&Frame::Command(Command::Start))?;
         }
         let mut view = View::default();
         let mut drawn_us = 0;
