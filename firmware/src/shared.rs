@@ -11,7 +11,7 @@ use embassy_sync::signal::Signal;
 use embassy_time::Instant;
 use robot::{Contacts, Senses};
 use slam_core::{RangeInput, Ticks};
-use wire::{Command, Frame};
+use wire::{Command, Frame, MapRequest};
 
 /// One reading of the range sensors.
 #[derive(Clone, Copy, Debug)]
@@ -56,6 +56,8 @@ pub struct Shared {
     pub commands: Channel<Raw, Command, 4>,
     /// The estimator shall forget its map.
     pub reset_map: Signal<Raw, ()>,
+    /// Somebody wants something with the kept map: the latest request only.
+    pub map_request: Signal<Raw, MapRequest>,
     /// Guard to drive and estimate.
     pub touch: Mutex<Raw, Cell<Touch>>,
     /// Drive to guard: the stop with this number is taken into account. It releases no other one.
@@ -87,6 +89,7 @@ impl Shared {
             frames: Channel::new(),
             commands: Channel::new(),
             reset_map: Signal::new(),
+            map_request: Signal::new(),
             touch: Mutex::new(Cell::new(Touch { contacts, stop: None })),
             release: Signal::new(),
             driven: Mutex::new(Cell::new(None)),

@@ -5,25 +5,9 @@
 mod common;
 
 use common::home::{Home, estimates};
-use core::convert::Infallible;
-use firmware::SENSORS;
-use hal_sim::board::SimRanges;
-use robot::RangeSensorBank;
+use common::ranges::Ranges;
 use robot::rig::BuiltIn;
-use slam_core::RangeInput;
 use wire::{Command, Frame};
-
-/// The simulated bank with the robot's number of sensors.
-struct Ranges(SimRanges);
-
-impl RangeSensorBank<SENSORS> for Ranges {
-    type Error = Infallible;
-
-    async fn read(&mut self) -> [Result<RangeInput, Infallible>; SENSORS] {
-        let wide = self.0.read().await;
-        core::array::from_fn(|i| wide.get(i).copied().unwrap_or(Ok(RangeInput::Missing)))
-    }
-}
 
 #[test]
 fn look_backs_are_handed_over_while_the_robot_drives() {

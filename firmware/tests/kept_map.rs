@@ -6,24 +6,9 @@
 mod common;
 
 use common::home::{Home, Tasks, estimates};
-use core::convert::Infallible;
-use firmware::SENSORS;
-use robot::RangeSensorBank;
+use common::ranges::Ranges;
 use robot::rig::BuiltIn;
-use slam_core::RangeInput;
 use wire::{Command, Frame, Place, PlaceState};
-
-/// The simulated bank with the robot's number of sensors.
-struct Ranges(hal_sim::board::SimRanges);
-
-impl RangeSensorBank<SENSORS> for Ranges {
-    type Error = Infallible;
-
-    async fn read(&mut self) -> [Result<RangeInput, Infallible>; SENSORS] {
-        let wide = self.0.read().await;
-        core::array::from_fn(|i| wide[i])
-    }
-}
 
 fn run(home: &Home, story: impl FnOnce(&mut Tasks<'_>)) {
     home.run(BuiltIn::Sharp, Ranges(home.board.range_sensors()), story);

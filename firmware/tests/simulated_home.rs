@@ -5,25 +5,10 @@
 mod common;
 
 use common::home::{Home, estimates};
-use core::convert::Infallible;
-use firmware::SENSORS;
+use common::ranges::Ranges;
 use hal_sim::Pose2;
-use robot::RangeSensorBank;
 use robot::rig::BuiltIn;
-use slam_core::RangeInput;
 use wire::{Command, Frame};
-
-/// The simulated bank with the robot's number of sensors.
-struct Ranges(hal_sim::board::SimRanges);
-
-impl RangeSensorBank<SENSORS> for Ranges {
-    type Error = Infallible;
-
-    async fn read(&mut self) -> [Result<RangeInput, Infallible>; SENSORS] {
-        let wide = self.0.read().await;
-        core::array::from_fn(|i| wide[i])
-    }
-}
 
 /// A minute's frames: where the robot is, the room's walls, and every kind of frame beside.
 fn assert_mapped(said: &[Frame], truth: Pose2) {

@@ -12,6 +12,8 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+mod transfer;
+
 use embedded_storage::nor_flash::NorFlash;
 use kept_map::{Record, Saved, Store, rig_hash};
 use relocate::{Event, HYPOTHESES, Locator, State, Step};
@@ -59,6 +61,7 @@ pub struct Keeper<F> {
     /// Maps that the estimator began anew.
     restarts: u32,
     tally: Place,
+    incoming: Option<transfer::Incoming>,
 }
 
 impl<F: MapFlash> Keeper<F> {
@@ -82,6 +85,7 @@ impl<F: MapFlash> Keeper<F> {
             unsaved_m: 0.0,
             restarts: 0,
             tally: Place::default(),
+            incoming: None,
         }
     }
 
@@ -93,7 +97,8 @@ impl<F: MapFlash> Keeper<F> {
         let travelled_m = libm::hypotf(reckoned.x_m - self.last.x_m, reckoned.y_m - self.last.y_m);
         self.last = reckoned;
         self.unsaved_m += travelled_m;
-        let is_saving = self.is_worth_saving(slam) && now.stands;
+        let receives = self.receives(now);
+        let is_saving = !receives && self.is_worth_saving(slam) && now.stands;
         if is_saving && now.is_off {
             self.save(slam);
         }
@@ -106,7 +111,7 @@ impl<F: MapFlash> Keeper<F> {
                 self.locate(slam, report, travelled_m);
             }
         }
-        is_saving && !now.is_off
+        receives || (is_saving && !now.is_off)
     }
 
     /// The map was begun anew at someone's wish.

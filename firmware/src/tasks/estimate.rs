@@ -12,7 +12,7 @@ use embassy_time::Instant;
 use look_back::RobotBackEnd;
 use robot::{Condition, Senses};
 use slam_core::{Config, RobotSlam, StepReport};
-use wire::{Calibration, Estimate, Faults, Frame, LookBack, Sample, Wall};
+use wire::{Calibration, Estimate, Faults, Frame, LookBack, MapRequest, Sample, Wall};
 
 /// Steps between two frames of calibration and faults: once a second.
 const SLOW_FRAMES: u32 = 25;
@@ -27,6 +27,7 @@ pub async fn estimate<F: MapFlash>(
     look_backs: &LookBacks,
 ) -> ! {
     let mut steps = 0_u32;
+    let mut wanted = None;
     loop {
         let ranges = shared.ranges.receive().await;
         let late_us = Instant::now().as_micros().saturating_sub(ranges.time_us);
@@ -61,9 +62,28 @@ pub async fn estimate<F: MapFlash>(
         }
         // A hand-over and a slice of a search are too much for one step.
         if handed_over.is_none() {
-            shared.hold.store(keeper.step(slam, &report, now), Ordering::Relaxed);
+            let keeps = keeper.step(slam, &report, now);
+            wanted = shared.map_request.try_take().or(wanted);
+            wanted = wanted.filter(|request| !answer(slam, keeper, request, now, shared));
+            shared.hold.store(keeps || wanted.is_some(), Ordering::Relaxed);
         }
     }
+}
+
+/// Does what somebody wants with the kept map; whether it is done, or refused.
+fn answer<F: MapFlash>(
+    slam: &mut RobotSlam,
+    keeper: &mut Keeper<F>,
+    request: &MapRequest,
+    now: Circumstances,
+    shared: &Shared,
+) -> bool {
+    let answer = keeper.ask(slam, request, now);
+    let is_done = answer.is_some();
+    if let Some(answer) = answer {
+        shared.push_frame(Frame::MapAnswer(answer));
+    }
+    is_done
 }
 
 /// What the keeper has to know of this moment.

@@ -43,6 +43,7 @@ pub async fn commands(line: &mut impl Read, shared: &Shared) -> ! {
             match decoder.push(*byte) {
                 None => {}
                 Some(Ok(Frame::Command(command))) => take(command, shared),
+                Some(Ok(Frame::MapRequest(request))) => shared.map_request.signal(request),
                 Some(_) => shared.faults.count(|faults| &mut faults.bytes_lost),
             }
         }

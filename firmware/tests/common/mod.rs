@@ -3,6 +3,7 @@
 
 pub mod home;
 pub mod nor;
+pub mod ranges;
 
 use core::cell::Cell;
 use core::convert::Infallible;

@@ -32,7 +32,7 @@ impl Link {
                     self.at_us = sample.time_us;
                     return self.at_us;
                 }
-                Some(Ok(frame @ Frame::Command(_))) => {
+                Some(Ok(frame @ (Frame::Command(_) | Frame::MapRequest(_)))) => {
                     if let Ok(bytes) = encode(&frame) {
                         devices::hear(&bytes);
                     }
