@@ -197,6 +197,31 @@ impl Robot {
         self.0.take(bytes);
     }
 
+    /// What is to be sent to the robot now, by the page's clock, see [`crate::Errands::due`].
+    pub fn due(&mut self, now_ms: f64) -> Vec<u8> {
+        self.0.errands().due(now_ms)
+    }
+
+    pub fn begin_map(&mut self, name: &str, map: Vec<u8>) -> Result<(), String> {
+        self.0.errands().begin_map(name, map)
+    }
+
+    pub fn fetched(&mut self) -> Vec<u8> {
+        self.0.errands().fetched()
+    }
+
+    pub fn examine(&mut self) {
+        self.0.examine();
+    }
+
+    pub fn answer(&mut self) {
+        self.0.errands().answer();
+    }
+
+    pub fn end_examination(&mut self) {
+        self.0.errands().end_examination();
+    }
+
     pub fn log(&self) -> String {
         self.0.log().to_owned()
     }

@@ -5,12 +5,14 @@
 //! page asks for a little work a frame, and gets what has come since.
 
 mod bindings;
+mod errands;
 mod looking_back;
 mod replayed;
 mod rig;
 mod simulated;
 mod watched;
 
+pub use errands::Errands;
 pub use looking_back::LookingBack;
 pub use replayed::{File, Files, Replayed};
 pub use rig::{Knobs, tuned};

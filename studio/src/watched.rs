@@ -14,8 +14,9 @@ use lab::show::report::growing::Growing;
 use lab::show::report::{self};
 use serde_json::{Value, json};
 use slam_core::{Config, RangeInput, ReadingReport, RobotSlam, WallView};
-use wire::{Command, DecodeError, Decoder, Estimate, Faults, Frame, SENSORS, encode};
+use wire::{Command, DecodeError, Decoder, Estimate, Faults, Frame, Place, PlaceState, SENSORS, encode};
 
+use crate::errands::Errands;
 use crate::looking_back::LookingBack;
 use crate::rig::robot_of;
 use crate::simulated::LONGEST_S;
@@ -47,10 +48,14 @@ pub struct Watched {
     readings: Option<(u64, [ReadingReport; SENSORS])>,
     walls: BTreeMap<u8, wire::Wall>,
     faults: Option<Faults>,
+    place: Option<Place>,
     contacts: wire::Contacts,
     recording: Recording,
     growing: Growing,
     back: LookingBack,
+    errands: Errands,
+    /// 1-sigma of the calibration before anything was driven, in the record's order.
+    priors: Vec<f32>,
     log: String,
     first_us: Option<u64>,
     /// Counts the robot's starts: with each one the page begins anew.
@@ -67,6 +72,7 @@ impl Watched {
         let shadow = shadow_of(&robot)?;
         let log = writer::header(&robot) + "\n";
         let recording = begun(&robot, "Your robot");
+        let priors = recording.parameters.iter().map(|parameter| prior(&shadow, &robot, &parameter.name)).collect();
         Ok(Self {
             robot,
             rig_toml,
@@ -76,10 +82,13 @@ impl Watched {
             readings: None,
             walls: BTreeMap::new(),
             faults: None,
+            place: None,
             contacts: wire::Contacts::default(),
             recording,
             growing: Growing::default(),
             back: LookingBack::default(),
+            errands: Errands::default(),
+            priors,
             log,
             first_us: None,
             starts: 0,
@@ -111,8 +120,9 @@ impl Watched {
             Frame::Wall(wall) => self.wall(wall),
             Frame::Calibration(calibration) => self.calibration(&calibration),
             Frame::Faults(faults) => self.faults = Some(faults),
-            Frame::LookBack(_) | Frame::Place(_) | Frame::Floor(_) | Frame::Motors(_) | Frame::Command(_) => {}
-            Frame::MapRequest(_) | Frame::MapAnswer(_) => {}
+            Frame::Place(place) => self.place = Some(place),
+            Frame::LookBack(_) | Frame::Floor(_) | Frame::Motors(_) | Frame::Command(_) | Frame::MapRequest(_) => {}
+            Frame::MapAnswer(answer) => self.errands.map_answer(&answer),
         }
     }
 
@@ -120,6 +130,7 @@ impl Watched {
         if self.first_us.is_some_and(|first_us| sample.time_us < first_us) {
             self.begin_anew();
         }
+        self.errands.sample(sample);
         let first_us = *self.first_us.get_or_insert(sample.time_us);
         self.contacts = sample.contacts;
         let report = self.shadow.step(&sample.to_slam());
@@ -181,8 +192,10 @@ impl Watched {
     /// The robot was started again: what was shown is of another life.
     fn begin_anew(&mut self) {
         if let Ok(fresh) = Self::new(&self.rig_toml) {
+            // Somebody may be at an errand that has the robot begin anew.
+            let errands = core::mem::take(&mut self.errands);
             let (line, starts) = (self.line, self.starts + 1);
-            *self = Self { line, starts, ..fresh };
+            *self = Self { line, starts, errands, ..fresh };
         }
     }
 
@@ -246,6 +259,9 @@ impl Watched {
             "bytes": bytes, "frames": frames, "damaged": damaged, "other_version": other_version,
             "version": wire::VERSION, "strange_bytes": strange_bytes, "same": same, "other": other,
             "faults": faults, "touched": touched, "health": health, "starts": self.starts,
+            "errands": self.errands.state(),
+            "calibration": self.calibrated(),
+            "place": self.place.as_ref().map(place_words),
             "full": self.recording.steps.len() >= LONGEST,
         })
     }
@@ -271,6 +287,24 @@ impl Watched {
     /// The page of the look back, see [`LookingBack::page`].
     pub fn look_back_page(&self) -> Option<String> {
         self.back.page(self.recording.clone())
+    }
+
+    /// Each calibration factor that is estimated: its name, value, 1-sigma, and that before anything was driven.
+    fn calibrated(&self) -> Value {
+        let last = self.recording.calibration.last().map_or(&[][..], |last| &last.values);
+        let factors = self.recording.parameters.iter().zip(last).zip(&self.priors);
+        let estimated = factors.filter(|((_, (_, sigma)), prior)| *sigma > 0.0 && **prior > 0.0);
+        estimated.map(|((parameter, (value, sigma)), prior)| json!([parameter.name, value, sigma, prior])).collect()
+    }
+
+    /// What is done with the robot beside watching it.
+    pub fn errands(&mut self) -> &mut Errands {
+        &mut self.errands
+    }
+
+    /// Begins to examine the robot.
+    pub fn examine(&mut self) {
+        self.errands.examine(&self.robot);
     }
 
     /// What the robot sensed so far, as a `log.csv`.
@@ -306,6 +340,26 @@ fn shadow_of(robot: &Robot) -> Result<Box<RobotSlam>, String> {
     let slam =
         RobotSlam::with_config(rig, config).map_err(|error| format!("rig: {} must be {}", error.key, error.allowed))?;
     Ok(Box::new(slam))
+}
+
+/// 1-sigma of a factor before anything was driven; 0 where it is not estimated.
+fn prior(slam: &RobotSlam, robot: &Robot, name: &str) -> f32 {
+    let found = slam.calibration().find(|(parameter, ..)| parameter_name(*parameter, &robot.names) == name);
+    found.map_or(0.0, |(_, _, sigma)| sigma)
+}
+
+/// What a robot says of its place in its kept map.
+fn place_words(place: &Place) -> String {
+    let kept = format!("its kept map, number {}", place.sequence);
+    match place.state {
+        PlaceState::Fresh => {
+            "It keeps no map yet: it saves one when it has driven for three metres and stands.".to_owned()
+        }
+        PlaceState::Searching => format!("It looks for itself in {kept}."),
+        PlaceState::Probation => format!("It takes itself to be in {kept}, on probation."),
+        PlaceState::Tracking => format!("It knows where it is in {kept}."),
+        PlaceState::Doubtful => format!("Its readings contradict {kept}."),
+    }
 }
 
 fn step_of(estimate: &Estimate, t_s: f64) -> Step {

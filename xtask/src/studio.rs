@@ -16,7 +16,7 @@ use crate::wasm::{TARGET, Wasm};
 const PROGRAM_BUDGET: usize = 1_500_000;
 
 /// The studio's own scripts, in the order in which they build on each other; those of the crate `pages` come before.
-const SCRIPTS: [&str; 13] = [
+const SCRIPTS: [&str; 14] = [
     "files.js",
     "live.js",
     "live_clock.js",
@@ -28,6 +28,7 @@ const SCRIPTS: [&str; 13] = [
     "tools.js",
     "simulate.js",
     "replay.js",
+    "errands.js",
     "watch.js",
     "main.js",
 ];

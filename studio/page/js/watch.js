@@ -23,6 +23,7 @@ class RobotMode {
     this.dropped = 0;
     this.line = null;
     this.lineSays = "";
+    this.errands = new Errands(this);
     const byId = (id) => document.getElementById(id);
     const serial = byId("connect-serial");
     serial.disabled = !("serial" in navigator);
@@ -98,6 +99,7 @@ class RobotMode {
     const open = Boolean(this.line);
     for (const id of ["robot-start", "robot-stop", "robot-reset", "disconnect", "drive-pad"]) document.getElementById(id).disabled = !open;
     for (const id of ["connect-socket"]) document.getElementById(id).disabled = open;
+    this.errands.enable(open);
     document.getElementById("connect-serial").disabled = open || !("serial" in navigator);
   }
 
@@ -183,6 +185,7 @@ class RobotMode {
       this.enter();
     }
     const { live, map } = studio;
+    this.errands.work(state);
     const steps = program.steps();
     if (steps.length) {
       live.take(steps);

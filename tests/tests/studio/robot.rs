@@ -142,3 +142,113 @@ fn a_robot_at_a_monitor_is_shown_and_steered_through_its_socket() {
     page.run("document.getElementById('disconnect').click();");
     assert_sound(&mut page, &address);
 }
+
+/// Frames that the page has written since it was asked last.
+fn written(page: &mut Page) -> Vec<wire::Frame> {
+    let bytes: Vec<u8> = serde_json::from_value(page.run("return window.written.splice(0);")).expect("bytes");
+    let mut decoder = wire::Decoder::new();
+    bytes.iter().filter_map(|byte| decoder.push(*byte)).map(|frame| frame.expect("undamaged")).collect()
+}
+
+/// A map as a robot keeps it.
+fn a_map() -> Vec<u8> {
+    let (robot, _) = lab::input::built_in_robot().expect("it is built in");
+    let plan = plan_file::load("room").expect("it is built in");
+    let mut drive = lab::run::Drive::new(&plan, &robot, SimOptions::default(), 1).expect("it can be simulated");
+    let mut session = lab::run::Session::new(&robot, Config::for_rig(&robot.rig), "room").expect("a good rig");
+    for _ in 0..500 {
+        drive.step(&mut session);
+    }
+    session.map().expect("a map")
+}
+
+fn answer(page: &mut Page, answer: wire::MapAnswer) {
+    feed(page, &wire::encode(&wire::Frame::MapAnswer(answer)).expect("it fits"));
+}
+
+#[test]
+#[ignore = "needs the built page: cargo xtask test studio"]
+fn a_robot_gives_its_map_and_takes_one() {
+    let Some((mut page, address)) = open_with("robot-map", "", [1280, 900], FAKE_SERIAL) else { return };
+    page.run("document.querySelector(\"[data-mode-choice='robot']\").click(); document.getElementById('connect-serial').click();");
+    page.until("!document.getElementById('fetch-map').disabled");
+    feed(&mut page, &robot_bytes(4.0));
+    let map = a_map();
+    // Fetched piece by piece, as they are asked for.
+    page.run("document.getElementById('fetch-map').click();");
+    for (index, piece) in map.chunks(wire::PIECE_BYTES).enumerate() {
+        page.until("window.written.length > 0");
+        let offset = (index * wire::PIECE_BYTES) as u32;
+        assert_eq!(written(&mut page), [wire::Frame::MapRequest(wire::MapRequest::Get { offset })]);
+        let bytes = piece.iter().copied().collect();
+        answer(&mut page, wire::MapAnswer::Part { offset, of: map.len() as u32, bytes });
+    }
+    page.until("window.saved !== null");
+    let saved: Vec<u8> =
+        serde_json::from_value(page.run("return [...new Uint8Array(await window.saved.arrayBuffer())];"))
+            .expect("bytes");
+    assert!(saved == map, "another map was saved");
+    page.until("document.getElementById('map-said').textContent.startsWith('The robot\'s map is fetched')");
+    // Half a map is refused before anything is sent; a whole one is sent as it is, and a robot that drives refuses it.
+    let [half, whole] = ["half.bin", "whole.bin"].map(|name| crate::scratch("robot-map").join(name));
+    std::fs::write(&half, &map[..map.len() / 2]).expect("a file");
+    std::fs::write(&whole, &map).expect("a file");
+    page.choose_files("#store-map", &[half]);
+    page.until("document.getElementById('problem').textContent.startsWith('half.bin: is a damaged kept map')");
+    page.choose_files("#store-map", std::slice::from_ref(&whole));
+    page.until("window.written.length > 0");
+    let first = map.iter().take(wire::PIECE_BYTES).copied().collect();
+    assert_eq!(written(&mut page), [wire::Frame::MapRequest(wire::MapRequest::Put { offset: 0, bytes: first })]);
+    answer(&mut page, wire::MapAnswer::Refused(wire::MapRefusal::Driving));
+    page.until("document.getElementById('map-said').textContent.includes('stop it first')");
+    page.choose_files("#store-map", &[whole]);
+    let mut put = Vec::new();
+    while put.len() < map.len() {
+        page.until("window.written.length > 0");
+        let [wire::Frame::MapRequest(wire::MapRequest::Put { offset, bytes })] = &written(&mut page)[..] else {
+            panic!("a piece is put")
+        };
+        assert_eq!(*offset as usize, put.len());
+        put.extend(bytes);
+        let is_last = put.len() == map.len();
+        let taken = wire::MapAnswer::Awaiting { offset: put.len() as u32 };
+        answer(&mut page, if is_last { wire::MapAnswer::Kept { sequence: 8 } } else { taken });
+    }
+    assert!(put == map);
+    page.until("document.getElementById('map-said').textContent.includes('as its number 8')");
+    picture(&mut page, "robot-map");
+    assert_sound(&mut page, &address);
+}
+
+#[test]
+#[ignore = "needs the built page: cargo xtask test studio"]
+fn a_robot_is_examined_and_its_calibration_told() {
+    let Some((mut page, address)) = open_with("doctor", "", [1280, 1100], FAKE_SERIAL) else { return };
+    page.run("document.querySelector(\"[data-mode-choice='robot']\").click(); document.getElementById('connect-serial').click();");
+    page.until("!document.getElementById('doctor-begin').disabled");
+    let bytes = robot_bytes(60.0);
+    let (first, rest) = bytes.split_at(bytes.len() * 3 / 4);
+    for part in first.chunks(16 * 1024) {
+        feed(&mut page, part);
+    }
+    page.until("document.querySelectorAll('#walls tbody tr').length > 3");
+    page.run("document.querySelectorAll('#doctor, #calibrate').forEach((part) => (part.open = true));");
+    page.until("document.querySelectorAll('#calibrate-factors li').length === 11");
+    page.run("document.getElementById('doctor-begin').click();");
+    page.until("document.getElementById('doctor-now').textContent.includes('middle of the room')");
+    assert_eq!(written(&mut page), [wire::Frame::Command(wire::Command::Stop)]);
+    page.run("document.getElementById('doctor-done').click();");
+    page.until("document.getElementById('doctor-now').textContent.startsWith('Listening')");
+    let (middle, rest) = rest.split_at(rest.len() / 2);
+    feed(&mut page, middle);
+    page.until("document.getElementById('doctor-now').textContent.includes('in front of sensor 0')");
+    page.run("document.getElementById('doctor-done').click();");
+    page.until("document.getElementById('doctor-now').textContent.startsWith('Listening')");
+    feed(&mut page, rest);
+    page.until("document.querySelectorAll('#doctor-found li').length === 1");
+    picture(&mut page, "doctor");
+    page.run("document.getElementById('doctor-end').click();");
+    page.until("document.getElementById('doctor-end').hidden");
+    assert_eq!(written(&mut page), [wire::Frame::Command(wire::Command::Stop)]);
+    assert_sound(&mut page, &address);
+}
