@@ -8,6 +8,9 @@ pub mod serve;
 /// The style sheet.
 pub const STYLE: &str = include_str!("style.css");
 
+/// The head of a page, with the choice of its theme; `{{EYEBROW}}`, `{{TITLE}}` and `{{VERDICT}}` in it are its words.
+pub const HEADER: &str = include_str!("header.html");
+
 /// The sections that the view modules fill; `{{MAP_NOTE}}` in it is what the page says of its map.
 pub const SECTIONS: &str = include_str!("views.html");
 

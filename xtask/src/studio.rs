@@ -94,8 +94,12 @@ pub fn build() -> Result<PathBuf> {
     }
     let note = "Walls and hits as they were estimated up to the moment on the slider.";
     let sections = pages::SECTIONS.replace("{{MAP_NOTE}}", note);
+    let words = [("EYEBROW", "Studio"), ("TITLE", "A robot maps a home"), ("VERDICT", "Loading the estimator.")];
+    let fill = |text: String, (name, word): (&str, &str)| text.replace(&format!("{{{{{name}}}}}"), word);
+    let header = words.into_iter().fold(pages::HEADER.to_owned(), fill);
+    let index = [("HEADER", header.as_str()), ("VIEWS", &sections)].into_iter();
     let files = [
-        ("index.html", read(&page.join("index.html"))?.replace("{{VIEWS}}", &sections)),
+        ("index.html", index.fold(read(&page.join("index.html"))?, fill)),
         ("app.css", pages::STYLE.to_owned() + &read(&page.join("studio.css"))?),
         ("app.js", script),
     ];

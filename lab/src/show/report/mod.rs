@@ -42,10 +42,13 @@ pub fn html(recording: &Recording) -> String {
     let json = json.replace('<', "\\u003c");
     let title = if recording.title.is_empty() { "Untitled run" } else { &recording.title };
     let map_note = if recording.looks_back { LOOKING_BACK } else { AT_THE_TIME };
+    let title = escape(title);
+    let header = fill(pages::HEADER, &[("EYEBROW", "Run report"), ("TITLE", &title), ("VERDICT", "")]);
     fill(
         PAGE,
         &[
-            ("TITLE", &escape(title)),
+            ("TITLE", &title),
+            ("HEADER", &header),
             ("VIEWS", &fill(pages::SECTIONS, &[("MAP_NOTE", map_note)])),
             ("STYLE", pages::STYLE),
             ("MAP_SVG", &map_svg(recording)),
