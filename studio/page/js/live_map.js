@@ -53,7 +53,11 @@ class LiveMap extends MapView {
     if (share < 0.01) return;
     context.font = `600 13px ${theme.font}`;
     context.textAlign = "left";
-    context.fillText(`${fixed(100 * share, 0)}\u00a0%`, px + radius + 4, py - radius);
+    const words = `${fixed(100 * share, 0)}\u00a0%`;
+    context.strokeStyle = theme.card;
+    context.lineWidth = 4;
+    context.strokeText(words, px + radius + 4, py - radius);
+    context.fillText(words, px + radius + 4, py - radius);
   }
 
   paintWalls() {
