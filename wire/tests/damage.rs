@@ -123,7 +123,16 @@ fn small() -> impl Strategy<Value = Frame> {
 
 fn frame() -> impl Strategy<Value = Frame> {
     prop_oneof![
-        sample(), estimate(), wall(), calibration(), faults(), look_back(), place(), floor(), kept_map(), small()
+        sample(),
+        estimate(),
+        wall(),
+        calibration(),
+        faults(),
+        look_back(),
+        place(),
+        floor(),
+        kept_map(),
+        small()
     ]
 }
 
