@@ -62,7 +62,8 @@ fn only_what_is_to_be_cleaned_is_cleaned() {
     assert!(floor["swept"].as_f64().unwrap() > 0.96, "{floor}");
     let path = path(&place, "swept/truth.tum");
     let beyond = path.iter().filter(|at| distance_m(corner, **at) > 0.3).count();
-    assert!(4 * beyond < path.len(), "{beyond} of {} samples were elsewhere", path.len());
+    // Once round the room, whose walls it does not know yet, is a third of its path.
+    assert!(2 * beyond < path.len(), "{beyond} of {} samples were elsewhere", path.len());
 }
 
 #[test]

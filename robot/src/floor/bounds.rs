@@ -150,6 +150,7 @@ impl<const S: usize> FloorJob<S> {
     /// where it is.
     pub fn step_within(&mut self, senses: &Senses<S>, bounds: &Bounds) -> WheelSpeeds {
         let Pose { x_m, y_m, theta_rad } = senses.pose;
+        self.is_elsewhere = !bounds.is_to_clean([x_m, y_m]);
         if !bounds.is_empty() && x_m.is_finite() && y_m.is_finite() && theta_rad.is_finite() {
             self.put_up_fences(senses, bounds);
             self.mark_areas(bounds);

@@ -78,6 +78,8 @@ impl Default for FloorConfig {
 
 /// Without new floor for so long a path an edge is done, metres.
 const BARREN_M: f32 = 1.0;
+/// Share of a path along an edge that counts as such where nothing is to be cleaned: once round a room it leads to where something is.
+const ELSEWHERE: f32 = 0.1;
 /// Path along an edge that a new quarter is worth, metres: one row of them, 13 a metre, is not enough to go on.
 const WORTH_M: f32 = 0.035;
 /// A point that a beam ended at is kept so long, microseconds.
@@ -147,6 +149,8 @@ pub struct FloorJob<const S: usize> {
     tally: Tally,
     /// The cell of the picture that the areas are drawn into next, row by row.
     marked: u16,
+    /// The robot is where it need not clean.
+    is_elsewhere: bool,
     /// Where a kept map lets floor be presumed.
     known: Option<Known>,
 }
@@ -194,6 +198,7 @@ impl<const S: usize> FloorJob<S> {
             steps: 0,
             tally: Tally::default(),
             marked: 0,
+            is_elsewhere: false,
             known: None,
         }
     }
@@ -332,7 +337,8 @@ impl<const S: usize> FloorJob<S> {
         if self.traction.step(&self.beams, step_m) {
             self.holds = 0;
         }
-        self.credit_m = (self.credit_m - step_m + WORTH_M * f32::from(new)).min(self.credit_m.max(self.barren_m()));
+        let spent_m = if self.is_elsewhere { ELSEWHERE * step_m } else { step_m };
+        self.credit_m = (self.credit_m - spent_m + WORTH_M * f32::from(new)).min(self.credit_m.max(self.barren_m()));
         let ([x_m, y_m], _) = self.moved;
         if libm::hypotf(pose.x_m - x_m, pose.y_m - y_m) > 0.05 {
             self.moved = ([pose.x_m, pose.y_m], time_us);
