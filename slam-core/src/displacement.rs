@@ -4,6 +4,7 @@ use crate::filter::ekf::{LEADING, MotionJacobian};
 use crate::filter::layout::{self, THETA, X, Y};
 use crate::geometry::angle::{sin_cos, wrap};
 use crate::geometry::pose::Pose;
+use crate::jolts::Jolts;
 use crate::jolts::recent::Moment;
 use crate::jolts::search::Scene;
 use crate::sample::RangeInput;
@@ -29,7 +30,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     }
 
     /// Where the readings tell that something moved the robot besides its wheels, it is there. What was seen meanwhile was
-    /// seen from elsewhere: candidates and new walls are forgotten, and the map is of another epoch.
+    /// seen from elsewhere and is forgotten as far as it waits to become a wall; the map is of another epoch.
     pub(crate) fn recover_from_jolt(&mut self) {
         let moment = Moment { map: layout::pose(&self.ekf), reckoned: self.drive.dead_reckoning.pose };
         let scene = Scene { ekf: &self.ekf, map: &self.map };
@@ -37,11 +38,27 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let [x_m, y_m, turn_rad] = found.by;
         let Pose { x_m: x, y_m: y, theta_rad } = moment.map;
         let pose = Pose { x_m: x + x_m, y_m: y + y_m, theta_rad: theta_rad + turn_rad };
-        self.ekf.predict([pose.x_m, pose.y_m, pose.theta_rad], &UNMOVED, &found.covariance);
+        self.put(pose, &found.covariance);
+        self.holds.forget();
+        self.counters.add_jolt();
+    }
+
+    /// Where the readings tell that the robot does not move with its wheels, or does so again, it is where that leads.
+    pub(crate) fn recover_from_hold(&mut self) {
+        let Some(found) = self.holds.judge(layout::pose(&self.ekf)) else { return };
+        // Half of what is in doubt was driven, give or take the other half.
+        let sigma = found.in_doubt.map(|value| 0.5 * value);
+        self.put(found.pose, &sigma.map(|a| sigma.map(|b| a * b)));
+        self.jolts = Jolts::NONE;
+        self.counters.add_hold(found.is_held);
+    }
+
+    /// Puts the robot elsewhere in the map, as well known as before but for this covariance.
+    fn put(&mut self, pose: Pose, covariance: &[[f32; 3]; 3]) {
+        self.ekf.predict([pose.x_m, pose.y_m, pose.theta_rad], &UNMOVED, covariance);
         self.first.follow(pose, self.map.grid(&self.ekf));
         self.candidates.clear();
         self.map.begin_epoch();
-        self.counters.add_jolt();
     }
 
     /// Moves the pose, and makes it less certain by a 1-sigma vector, both metres, in the frame of dead reckoning.
@@ -58,5 +75,6 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         }
         self.ekf.predict([pose.x_m, pose.y_m, pose.theta_rad], &UNMOVED, &noise);
         self.first.follow(pose, self.map.grid(&self.ekf));
+        self.holds.forget();
     }
 }

@@ -18,6 +18,7 @@
 //! | `walls` | the walls, the grid that they stand on, the map frame that they hold (Rousse & Qiu 3.2) |
 //! | `measurement` | which wall a reading came from, and what it should have been (Rousse & Qiu eqs. 1, 3, 5) |
 //! | `births` | new walls from the readings that fit none (Rousse & Qiu 3.3) |
+//! | `holds` | robots that stay where they are while their wheels turn, from their readings |
 //! | `jolts` | displacements of the robot that its wheels do not tell, from its readings |
 //! | [`report`], [`WallView`] | what became of each reading, and what is known |
 //! | [`hand_over`] | what a look back found, taken over ([`Slam::take_over`]) |
@@ -43,6 +44,7 @@ mod filter;
 mod geometry;
 pub mod hand_over;
 mod health;
+mod holds;
 mod jolts;
 pub mod kept;
 mod measurement;

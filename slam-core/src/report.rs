@@ -196,6 +196,11 @@ impl Counters {
         count(&mut self.jolts, 1u8);
     }
 
+    /// Counts a robot that is held from now on, and not one that no longer is.
+    pub(crate) fn add_hold(&mut self, is_held: bool) {
+        count(&mut self.holds, u8::from(is_held));
+    }
+
     /// Counts a sample whose motion, or time, cannot be, where this one's cannot.
     pub(crate) fn add_motion(&mut self, is_bad: bool) {
         count(&mut self.bad_motion, is_bad);
@@ -258,6 +263,7 @@ impl Counters {
         bad_motion: 0,
         restarts: 0,
         jolts: 0,
+        holds: 0,
         taken_over: 0,
         not_taken: [0; NotTaken::COUNT],
     };
@@ -295,6 +301,8 @@ pub struct Counters {
     pub restarts: u32,
     /// Displacements of the robot that its wheels did not tell and its readings did.
     pub jolts: u32,
+    /// Times that something held the robot while its wheels turned.
+    pub holds: u32,
     /// Hand-overs of look backs that were taken over.
     pub taken_over: u32,
     /// Those that were not, by reason, in the order of [`NotTaken::ALL`].

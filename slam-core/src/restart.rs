@@ -59,6 +59,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.shortfall = Shortfall::NONE;
         self.candidates.clear();
         self.jolts = Jolts::NONE;
+        self.holds.forget();
         self.counters.add_restart();
     }
 }

@@ -8,12 +8,13 @@ use crate::filter::ekf::{Ekf, Jacobian, storage};
 use crate::filter::layout::{self, ALPHA, THETA};
 use crate::geometry::angle::{sin_cos, wrap};
 use crate::health::HealthMonitor;
+use crate::holds::Holds;
 use crate::jolts::Jolts;
 use crate::jolts::recent::Seen;
 use crate::measurement::first_estimates::{FirstEstimates, Linearisation};
 use crate::measurement::observe::Observer;
 use crate::measurement::sensor::{Sensor, SensorState};
-use crate::motion::drive::{Drive, DriveStates};
+use crate::motion::drive::{Drive, DriveStates, Way};
 use crate::motion::shortfall::Shortfall;
 use crate::motion::step::{Step, start_variance};
 use crate::report::{Counters, Outcome, Refusal, StepReport};
@@ -77,6 +78,7 @@ pub struct Slam<const S: usize, const W: usize, const B: usize, const ROWS: usiz
     pub(crate) candidates: Candidates<B>,
     pub(crate) monitor: HealthMonitor,
     pub(crate) jolts: Jolts,
+    pub(crate) holds: Holds<S>,
     pub(crate) counters: Counters,
 }
 
@@ -110,6 +112,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         candidates: Candidates::NONE,
         monitor: HealthMonitor::NEW,
         jolts: Jolts::NONE,
+        holds: Holds::NONE,
         counters: Counters::ZERO,
     };
 
@@ -171,6 +174,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.candidates.clear();
         self.monitor = HealthMonitor::NEW;
         self.jolts = Jolts::NONE;
+        self.holds = Holds::NONE;
         self.counters = Counters::ZERO;
         self.add_states();
         Ok(())
@@ -215,6 +219,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.predict(&sample.motion, tick);
         self.turn_round(&sample.ranges);
         self.observe(&sample.ranges, tick.dt_s, &mut report);
+        self.recover_from_hold();
         self.recover_from_jolt();
         self.extend_map(tick.dt_s, &mut report);
         self.latency.settle(&mut self.ekf);
@@ -243,7 +248,9 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         }
         let Self { rig, config, drive, ekf, .. } = self;
         let seen = drive.dead_reckoning.pose;
-        let factors = drive.advance(&rig.drive, &config.motion, travel, self.sign.is_reversed, tick.dt_s, ekf);
+        let way = Way { is_reversed: self.sign.is_reversed, is_held: self.holds.is_held() };
+        let factors = drive.advance(&rig.drive, &config.motion, travel, way, tick.dt_s, ekf);
+        self.holds.follow(&drive.turned, tick.dt_s);
         let step = &drive.step;
         let mut noise = if config.sensing.learn_noise { self.levels.of_motion(&step.noise) } else { step.noise };
         noise[0][0] += self.shortfall.advance(step.path_m, self.map.heading_variance(ekf));
@@ -295,7 +302,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             } else if matches!(reading, Err(Refusal::TooFar | Refusal::Floor)) {
                 observer.judge_absence(&sensor);
             }
-            let is_in_doubt = self.jolts.is_in_doubt();
+            let is_in_doubt = self.jolts.is_in_doubt() || self.holds.is_in_doubt();
             let outcome = reading.and_then(|reading| match is_in_doubt {
                 true => Err(Refusal::Ambiguous),
                 false => observer.observe(&sensor, &reading),
@@ -305,6 +312,9 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             self.monitor.note(&report.outcome, observer.path_m);
             if matches!(report.outcome, Outcome::Updated { .. }) {
                 self.shortfall = Shortfall::NONE;
+            }
+            if let Ok(reading) = &reading {
+                self.holds.note(&sensor, reading, &timing, (observer.ekf, observer.map), &report.outcome);
             }
             if let Ok(reading) = &reading
                 && self.jolts.asks(index)

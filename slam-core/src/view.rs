@@ -117,6 +117,11 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.drive.last_motion
     }
 
+    /// Whether something holds the robot, so that its wheels turn and it stays where it is.
+    pub fn is_held(&self) -> bool {
+        self.holds.is_held()
+    }
+
     /// The pose by the motion input alone, with the rig's nominal calibration.
     pub fn dead_reckoning(&self) -> Pose {
         self.drive.nominal

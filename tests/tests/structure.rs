@@ -14,7 +14,7 @@ const LAYERS: &[&[&str]] = &[
     &["sensing"],
     &["walls"],
     &["measurement"],
-    &["births", "jolts"],
+    &["births", "holds", "jolts"],
     &["config", "clock", "health"],
     &["slam"],
     &["view", "displacement", "restart", "take_over", "kept"],

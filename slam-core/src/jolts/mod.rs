@@ -11,6 +11,7 @@ pub mod search;
 
 use crate::jolts::recent::{Moment, Recent, Seen};
 use crate::jolts::search::{Displacement, STARTS, Scene};
+use crate::measurement::data_association::{CHANGE_M, MIDDLE_M};
 use crate::motion::step::Step;
 use crate::report::Outcome;
 
@@ -19,13 +20,6 @@ const LOOK_S: f32 = 0.15;
 
 /// Time within a look until every sensor that sees something has been looked at, seconds: two readings of an analogue one.
 const WHOLE_S: f32 = 0.08;
-
-/// A sensor changes, from hitting its wall to missing it or to nothing, or from missing it, once in so many metres that its
-/// beam's middle moves: a wall's end, a chair, a door.
-const CHANGE_M: f32 = 0.75;
-
-/// Distance of a beam's middle from the robot, metres, by which turns move it.
-const MIDDLE_M: f32 = 0.5;
 
 /// Least and greatest chance of a change between two looks: people walk; and one that is as likely as not tells nothing.
 const CHANGES: (f32, f32) = (0.02, 0.6);

@@ -4,6 +4,7 @@ use crate::filter::ekf::EkfView;
 use crate::geometry::angle::sin_cos;
 use crate::jolts::recent::Sighting;
 use crate::measurement::beam::{Beam, Prediction};
+use crate::measurement::data_association::density;
 use crate::measurement::line_of_sight::{Candidate, first_met};
 use crate::measurement::observe::by_pose_and_wall;
 use crate::sensing::range::SURFACE_M;
@@ -188,10 +189,7 @@ impl Scene<'_> {
 
 /// Densities of a reading that is the wall's, and of one that is of anything within the sensor's span.
 fn likelihoods(held: &Held, sighting: &Sighting) -> [f32; 2] {
-    const INVERSE_SQRT_TAU: f32 = 0.398_942_3; // 1 / sqrt(2 pi)
-    let square = held.innovation_m * held.innovation_m / held.variance_m2;
-    let normal = INVERSE_SQRT_TAU / libm::sqrtf(held.variance_m2) * libm::expf(-0.5 * square);
-    [(1.0 - ELSE) * normal, ELSE / sighting.seen.span_m]
+    [(1.0 - ELSE) * density(held.innovation_m, held.variance_m2), ELSE / sighting.seen.span_m]
 }
 
 /// Information of what is known of jolts.

@@ -6,10 +6,24 @@
 //! the sensor's span, either as probable as the other beforehand. And a reading counts by the probability that it is the
 //! wall's (Bar-Shalom and Tse 1975, probabilistic data association with one reading).
 
+/// 1 / sqrt(2 pi).
+const INVERSE_SQRT_TAU: f32 = 0.398_942_3;
+
+/// A beam comes to something else, a wall's end, a chair or a door, once in so many metres that its middle moves.
+pub const CHANGE_M: f32 = 0.75;
+
+/// Distance of a beam's middle from the robot, metres, by which turns move it.
+pub const MIDDLE_M: f32 = 0.5;
+
+/// Normal density at so far from the mean.
+pub fn density(off_m: f32, variance_m2: f32) -> f32 {
+    let square = off_m * off_m / variance_m2;
+    INVERSE_SQRT_TAU / libm::sqrtf(variance_m2) * libm::expf(-0.5 * square)
+}
+
 /// Odds that a reading is the wall's: the normal density of its innovation against the uniform one of what else may stand in
 /// the sensor's span.
 pub fn odds(innovation_m: f32, variance_m2: f32, span_m: f32) -> f32 {
-    const INVERSE_SQRT_TAU: f32 = 0.398_942_3; // 1 / sqrt(2 pi)
     let square = innovation_m * innovation_m / variance_m2;
     INVERSE_SQRT_TAU * span_m / libm::sqrtf(variance_m2) * libm::expf(-0.5 * square)
 }

@@ -47,6 +47,15 @@ impl DriveStates {
     }
 }
 
+/// How the wheels' motion is the robot's.
+#[derive(Clone, Copy, Debug)]
+pub struct Way {
+    /// The ranges tell that it is the other way.
+    pub is_reversed: bool,
+    /// The ranges tell that something holds the robot.
+    pub is_held: bool,
+}
+
 /// The motion of the robot so far.
 #[derive(Clone, Debug)]
 pub struct Drive {
@@ -61,6 +70,8 @@ pub struct Drive {
     pub nominal: Pose,
     /// The last step by the motion input and the nominal calibration, the way that the ranges tell, in its own frame.
     pub last_motion: Pose,
+    /// The same, whether or not something holds the robot.
+    pub turned: Pose,
     /// The pose by the motion input, with the calibration as estimated.
     pub dead_reckoning: DeadReckoning,
 }
@@ -74,6 +85,7 @@ impl Drive {
         step: Step::STILL,
         nominal: Pose::ORIGIN,
         last_motion: Pose::ORIGIN,
+        turned: Pose::ORIGIN,
         dead_reckoning: DeadReckoning::START,
     };
 
@@ -88,24 +100,26 @@ impl Drive {
         model: &DriveModel,
         settings: &MotionSettings,
         logged: Option<Travel>,
-        is_reversed: bool,
+        way: Way,
         dt_s: f32,
         ekf: &EkfView,
     ) -> Factors {
         let factors = self.states.factors(model, ekf);
-        let step = match &logged {
-            Some(travel) if is_reversed => self.real_step(model, settings, &travel.reversed(), dt_s, &factors),
+        let driven = if way.is_reversed { logged.map(|travel| travel.reversed()) } else { logged };
+        let step = match &driven {
             Some(travel) => self.real_step(model, settings, travel, dt_s, &factors),
             None => self.step.lost(),
         };
+        // What holds it gives way by what the wheels' noise is.
+        let step = if way.is_held { Step { noise: step.noise, ..Step::STILL } } else { step };
         self.dead_reckoning.advance(&step);
         self.step = step;
         let nominal = |travel: Travel| step::step(model, &travel, &Factors::nominal(model));
         if let Some(travel) = logged {
             self.nominal = nominal(travel).applied_to(&self.nominal);
         }
-        let driven = if is_reversed { logged.map(|travel| travel.reversed()) } else { logged };
-        self.last_motion = driven.map_or(Pose::ORIGIN, |travel| nominal(travel).applied_to(&Pose::ORIGIN));
+        self.turned = driven.map_or(Pose::ORIGIN, |travel| nominal(travel).applied_to(&Pose::ORIGIN));
+        self.last_motion = if way.is_held { Pose::ORIGIN } else { self.turned };
         factors
     }
 

@@ -1,0 +1,259 @@
+//! Holds: the wheels turn and the robot stays where it is. A cable, a threshold, a chair's leg or a hand holds it.
+//!
+//! The readings of a held robot stay as they are while its wheels say that they must change. Each reading of a sensor that
+//! met a wall is held against two predictions: that of a robot that moved along that wall as its wheels say, and that of one
+//! that did not move. The log odds of all sensors are summed for as long as they speak for a hold (Page 1954, cumulative
+//! sums), and the other way round while the robot is held.
+
+use crate::filter::ekf::EkfView;
+use crate::filter::layout;
+use crate::geometry::angle::{sin_cos, wrap};
+use crate::geometry::line::Line;
+use crate::geometry::pose::Pose;
+use crate::measurement::beam::Beam;
+use crate::measurement::data_association::{CHANGE_M, MIDDLE_M, density};
+use crate::measurement::sensor::Sensor;
+use crate::report::Outcome;
+use crate::sensing::latency::Timing;
+use crate::sensing::range::{Reading, SURFACE_M};
+use crate::walls::manhattan::ManhattanFrame;
+use crate::walls::map::MapView;
+
+/// How far a beam's middle moves, metres, and for how long, seconds, until a reading is told from the one before: several
+/// times what ranges are known to, and what readings of analogue sensors may be older than others.
+const LOOK: (f32, f32) = (0.06, 0.15);
+
+/// How far it moves at most, metres, until a hold is found or there is none, and a wall that was met is another one.
+const REACH_M: f32 = 0.5;
+
+/// Chances that a sensor of a robot that moves comes to something else before the next look, and at most.
+const CHANGES: (f32, f32) = (0.02, 0.6);
+
+/// Chance that a reading stays though the robot moves: what it sees goes with it, or the wall is not as the map has it. In
+/// simulated homes that was so in one to three of a hundred looks.
+const STAYS: f32 = 0.02;
+
+/// Share of a motion that wheels get wrong.
+const WHEELS: f32 = 0.2;
+
+/// Walls lie to the robot as the filter has it, to this, metres.
+const WALLS_M: f32 = 0.01;
+
+/// Least cosine of the incidence on a wall whose reading says something.
+const LEAST_COS: f32 = 0.2;
+
+/// What one sensor can say, as log odds: it may be what it sees that goes with the robot, for as long as it does.
+const SENSOR_SAYS: f32 = 6.0;
+
+/// Log of the odds against the beginning of a hold from one look to the next: one in ten minutes of driving.
+const BEGINS: f32 = 8.3;
+
+/// Log of the odds against its end from one look to the next: most last for some of them.
+const ENDS: f32 = 3.0;
+
+/// Log odds of a hold from which on it is in doubt whether the robot moves.
+const WORTH: f32 = 4.0;
+
+/// For so many metres of its wheels a robot is held without a reading that says so.
+const UNTOLD_M: f32 = 0.2;
+
+/// Path after which all is forgotten, metres: sums of single precision are good to a tenth of a millimetre until then.
+const LONG_M: f32 = 1000.0;
+
+/// A wall that a sensor met.
+#[derive(Clone, Copy, Debug)]
+struct Met {
+    /// Its identifier.
+    wall: u16,
+    /// Where, metres, and its unit normal, in the frame of the wheels.
+    hit_m: [f32; 2],
+    normal: [f32; 2],
+    /// The range there, metres.
+    range_m: f32,
+    /// How far beams had moved, metres, and for how long, seconds.
+    at: (f32, f32),
+}
+
+/// What a sensor has said of a hold, as log odds: by the walls that it met before, and by its last reading.
+#[derive(Clone, Copy, Debug)]
+struct Witness {
+    met: Option<Met>,
+    before: f32,
+    now: f32,
+}
+
+/// Where the robot was when its readings last agreed with what it is taken to do.
+#[derive(Clone, Copy, Debug)]
+struct Moment {
+    map: Pose,
+    wheels: Pose,
+    at_m: f32,
+}
+
+/// A robot that is elsewhere than the filter has it, because it was held or no longer is.
+#[derive(Clone, Copy, Debug)]
+pub struct Correction {
+    /// Where it is, in the map.
+    pub pose: Pose,
+    /// The motion of its wheels that is in doubt, metres and radians, in the map.
+    pub in_doubt: [f32; 3],
+    /// Whether it is held from now on.
+    pub is_held: bool,
+}
+
+/// Whether the robot is held, and what speaks for it.
+#[derive(Clone, Debug)]
+pub struct Holds<const S: usize> {
+    witnesses: [Witness; S],
+    /// The pose by the wheels alone.
+    wheels: Pose,
+    /// How far beams moved by them, metres, and for how long, seconds.
+    at: (f32, f32),
+    moment: Option<Moment>,
+    is_held: bool,
+    is_in_doubt: bool,
+}
+
+impl<const S: usize> Holds<S> {
+    /// A robot that moves as its wheels do.
+    pub const NONE: Self = Self {
+        witnesses: [Witness::NONE; S],
+        wheels: Pose::ORIGIN,
+        at: (0.0, 0.0),
+        moment: None,
+        is_held: false,
+        is_in_doubt: false,
+    };
+
+    /// Whether the robot stays where it is, whatever its wheels do.
+    pub fn is_held(&self) -> bool {
+        self.is_held
+    }
+
+    /// Whether that is in doubt, so that readings are not to be used.
+    pub fn is_in_doubt(&self) -> bool {
+        self.is_in_doubt
+    }
+
+    /// Forgets what was seen: where the robot is in the map is another place, or the map another one.
+    pub fn forget(&mut self) {
+        *self = Self { is_held: self.is_held, ..Self::NONE };
+    }
+
+    /// Follows the wheels by a motion in the robot's frame.
+    pub fn follow(&mut self, motion: &Pose, dt_s: f32) {
+        let moved_m = libm::hypotf(motion.x_m, motion.y_m) + MIDDLE_M * motion.theta_rad.abs();
+        if moved_m > 0.0 {
+            self.wheels = self.wheels.compose(motion);
+            self.at = (self.at.0 + moved_m, self.at.1 + dt_s);
+        }
+        if self.at.0 > LONG_M {
+            self.forget();
+        }
+    }
+
+    /// Takes in a reading and what became of it.
+    pub fn note(
+        &mut self,
+        sensor: &Sensor,
+        reading: &Reading,
+        timing: &Timing,
+        (ekf, map): (&EkfView, &MapView),
+        outcome: &Outcome,
+    ) {
+        let Some(witness) = self.witnesses.get_mut(sensor.index) else { return };
+        let mount = sensor.state.mount_then(&sensor.limits.model, timing, ekf);
+        let beam = mount.beam([self.wheels.x_m, self.wheels.y_m], sin_cos(self.wheels.theta_rad));
+        let gain = sensor.state.gain(ekf);
+        if let Some(met) = &witness.met {
+            let (moved_m, for_s) = (self.at.0 - met.at.0, self.at.1 - met.at.1);
+            if matches!(outcome, Outcome::Updated { wall, .. } if *wall != met.wall) {
+                witness.now = 0.0;
+            } else if moved_m > REACH_M {
+                *witness = Witness::NONE;
+            } else if moved_m < LOOK.0 || for_s < LOOK.1 {
+                return;
+            } else {
+                let span_m = sensor.limits.max_m - sensor.limits.min_m;
+                witness.now = met.log_odds(&beam, reading.range_m / gain, reading.sigma_m(), moved_m, span_m);
+            }
+        }
+        let Outcome::Updated { wall, innovation_m, .. } = outcome else { return };
+        let Some(wall) = map.walls().iter().find(|other| other.id == *wall) else { return };
+        let [x, y] = wall.line(ekf, &ManhattanFrame::of(ekf)).normal;
+        let (s, c) = sin_cos(wrap(self.wheels.theta_rad - ekf.mean(layout::THETA)));
+        // Where the filter expected the wall, which is better known than by one reading.
+        let range_m = (reading.range_m - innovation_m) / gain;
+        let normal = [c * x - s * y, s * x + c * y];
+        let met = Met { wall: wall.id, hit_m: beam.at(range_m), normal, range_m, at: self.at };
+        *witness = Witness { met: Some(met), before: witness.says(), now: 0.0 };
+    }
+
+    /// Judges by all readings so far, with the pose after the last of them.
+    pub fn judge(&mut self, map: Pose) -> Option<Correction> {
+        let said: f32 = self.witnesses.iter().map(Witness::says).sum();
+        self.is_in_doubt = !self.is_held && said > WORTH;
+        self.settle(said);
+        let now = Moment { map, wheels: self.wheels, at_m: self.at.0 };
+        let moment = self.moment.get_or_insert(now);
+        let since_m = now.at_m - moment.at_m;
+        let agrees = if self.is_held { said > 0.0 } else { said <= 0.0 };
+        if agrees && since_m > LOOK.0 {
+            *moment = now;
+        }
+        let moment = *moment;
+        let has_changed = if self.is_held { said < -ENDS || since_m > UNTOLD_M && !agrees } else { said > BEGINS };
+        if !has_changed {
+            if since_m > REACH_M {
+                self.forget();
+            }
+            return None;
+        }
+        let moved = moment.wheels.inverse().compose(&self.wheels);
+        let from = if self.is_held { map } else { moment.map };
+        let to = from.compose(&moved);
+        let in_doubt = [to.x_m - from.x_m, to.y_m - from.y_m, moved.theta_rad];
+        let pose = if self.is_held { to } else { from };
+        *self = Self { is_held: !self.is_held, ..Self::NONE };
+        Some(Correction { pose, in_doubt, is_held: self.is_held })
+    }
+
+    /// What was said before tells no more where all of it speaks for what the robot is taken to do.
+    fn settle(&mut self, said: f32) {
+        if !self.is_held && said < -ENDS {
+            self.witnesses = [Witness::NONE; S];
+        } else if self.is_held && said >= 0.0 || !self.is_held && said <= 0.0 {
+            for witness in &mut self.witnesses {
+                witness.before = 0.0;
+            }
+        }
+    }
+}
+
+impl Witness {
+    const NONE: Self = Self { met: None, before: 0.0, now: 0.0 };
+
+    fn says(&self) -> f32 {
+        (self.before + self.now).clamp(-SENSOR_SAYS, SENSOR_SAYS)
+    }
+}
+
+impl Met {
+    /// Log odds of a robot that did not move against one that moved as its wheels say, by a range since.
+    fn log_odds(&self, beam: &Beam, range_m: f32, sigma_m: f32, moved_m: f32, span_m: f32) -> f32 {
+        let rho_m = self.hit_m[0] * self.normal[0] + self.hit_m[1] * self.normal[1];
+        let line = Line { rho_m, beta_rad: 0.0, normal: self.normal };
+        if beam.cos_incidence(&line) < LEAST_COS {
+            return 0.0;
+        }
+        let noise_m2 = WALLS_M * WALLS_M + sigma_m * sigma_m + SURFACE_M * SURFACE_M;
+        let change_m = beam.predict(&line).range_m - self.range_m;
+        let wheels_m = WHEELS * change_m;
+        let (least, most) = CHANGES;
+        let changes = (moved_m / CHANGE_M).clamp(least, most);
+        let likelihood = |off_m, variance_m2, other| (1.0 - other) * density(off_m, variance_m2) + other / span_m;
+        let stays = likelihood(range_m - self.range_m, noise_m2, least);
+        let moves = likelihood(range_m - self.range_m - change_m, noise_m2 + wheels_m * wheels_m, changes);
+        libm::logf(stays / ((1.0 - STAYS) * moves + STAYS * stays))
+    }
+}
