@@ -23,7 +23,8 @@ use crate::walls::map::MapView;
 /// times what ranges are known to, and what readings of analogue sensors may be older than others.
 const LOOK: (f32, f32) = (0.06, 0.15);
 
-/// How far it moves at most, metres, until a hold is found or there is none, and a wall that was met is another one.
+/// How far it moves at most, metres, until a hold is found or there is none, until a robot that is held shows it again, and
+/// until a wall that was met is another one.
 const REACH_M: f32 = 0.5;
 
 /// Chances that a sensor of a robot that moves comes to something else before the next look, and at most.
@@ -53,9 +54,6 @@ const ENDS: f32 = 3.0;
 
 /// Log odds of a hold from which on it is in doubt whether the robot moves.
 const WORTH: f32 = 4.0;
-
-/// For so many metres of its wheels a robot is held without a reading that says so.
-const UNTOLD_M: f32 = 0.2;
 
 /// Path after which all is forgotten, metres: sums of single precision are good to a tenth of a millimetre until then.
 const LONG_M: f32 = 1000.0;
@@ -202,7 +200,7 @@ impl<const S: usize> Holds<S> {
             *moment = now;
         }
         let moment = *moment;
-        let has_changed = if self.is_held { said < -ENDS || since_m > UNTOLD_M && !agrees } else { said > BEGINS };
+        let has_changed = if self.is_held { said < -ENDS || since_m > REACH_M && !agrees } else { said > BEGINS };
         if !has_changed {
             if since_m > REACH_M {
                 self.forget();

@@ -313,16 +313,13 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             if matches!(report.outcome, Outcome::Updated { .. }) {
                 self.shortfall = Shortfall::NONE;
             }
-            if let Ok(reading) = &reading {
-                self.holds.note(&sensor, reading, &timing, (observer.ekf, observer.map), &report.outcome);
-            }
-            if let Ok(reading) = &reading
-                && self.jolts.asks(index)
-            {
+            let Ok(reading) = &reading else { continue };
+            self.holds.note(&sensor, reading, &timing, (observer.ekf, observer.map), &report.outcome);
+            if self.jolts.asks(index) {
                 let seen = Seen::new(&sensor, reading, &timing, odometry, observer.ekf, observer.number);
                 self.jolts.note(index, seen, &report.outcome);
             }
-            if let (Ok(reading), Outcome::Unexplained | Outcome::Gated { .. }) = (&reading, report.outcome) {
+            if matches!(report.outcome, Outcome::Unexplained | Outcome::Gated { .. }) {
                 let ekf = &*observer.ekf;
                 let outlier = Unexplained { sensor: &sensor, reading, timing, odometry, ekf, number: observer.number };
                 match self.candidates.keep(&outlier, spacing_m) {
