@@ -5,7 +5,7 @@ use super::oracle::{Matrix, sandwich};
 use super::random::Random;
 use crate::filter::ekf::{Ekf, storage};
 use crate::geometry::angle::sin_cos;
-use crate::motion::drive::Drive;
+use crate::motion::drive::{Drive, Way};
 use crate::motion::step::{Factor, Factors, Step, step};
 use crate::motion::travel::{Encoders, Travel};
 use crate::{DriveModel, Increment, Motion, MotionSettings, Pose, SLIP_M2_PER_RAD, Ticks};
@@ -260,7 +260,7 @@ fn wheels_slide_in_turns_where_floors_are_real() {
     let noise_m2 = |slip: bool| {
         let settings = MotionSettings { slip, ..MotionSettings::default() };
         let mut drive = Drive::START;
-        drive.advance(&rig, &settings, Some(travel), false, 0.1, &ekf);
+        drive.advance(&rig, &settings, Some(travel), Way { is_reversed: false, is_held: false }, 0.1, &ekf);
         [drive.step.noise[0][0], drive.step.noise[1][1]]
     };
     for (with, without) in noise_m2(true).into_iter().zip(noise_m2(false)) {
