@@ -52,9 +52,6 @@ const BEGINS: f32 = 8.3;
 /// Log of the odds against its end from one look to the next: most last for some of them.
 const ENDS: f32 = 3.0;
 
-/// Log odds of a hold from which on it is in doubt whether the robot moves.
-const WORTH: f32 = 4.0;
-
 /// Path after which all is forgotten, metres: sums of single precision are good to a tenth of a millimetre until then.
 const LONG_M: f32 = 1000.0;
 
@@ -109,28 +106,16 @@ pub struct Holds<const S: usize> {
     at: (f32, f32),
     moment: Option<Moment>,
     is_held: bool,
-    is_in_doubt: bool,
 }
 
 impl<const S: usize> Holds<S> {
     /// A robot that moves as its wheels do.
-    pub const NONE: Self = Self {
-        witnesses: [Witness::NONE; S],
-        wheels: Pose::ORIGIN,
-        at: (0.0, 0.0),
-        moment: None,
-        is_held: false,
-        is_in_doubt: false,
-    };
+    pub const NONE: Self =
+        Self { witnesses: [Witness::NONE; S], wheels: Pose::ORIGIN, at: (0.0, 0.0), moment: None, is_held: false };
 
     /// Whether the robot stays where it is, whatever its wheels do.
     pub fn is_held(&self) -> bool {
         self.is_held
-    }
-
-    /// Whether that is in doubt, so that readings are not to be used.
-    pub fn is_in_doubt(&self) -> bool {
-        self.is_in_doubt
     }
 
     /// Forgets what was seen: where the robot is in the map is another place, or the map another one.
@@ -190,7 +175,6 @@ impl<const S: usize> Holds<S> {
     /// Judges by all readings so far, with the pose after the last of them.
     pub fn judge(&mut self, map: Pose) -> Option<Correction> {
         let said: f32 = self.witnesses.iter().map(Witness::says).sum();
-        self.is_in_doubt = !self.is_held && said > WORTH;
         self.settle(said);
         let now = Moment { map, wheels: self.wheels, at_m: self.at.0 };
         let moment = self.moment.get_or_insert(now);

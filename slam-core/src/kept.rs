@@ -124,7 +124,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Kept for
     fn wall(&self, index: usize) -> Option<KeptWall> {
         self.map.walls().get(index).map(|wall| KeptWall {
             id: wall.id,
-            rho: wall.rho as u16,
+            rho: wall.rho() as u16,
             direction: match wall.direction {
                 Direction::Free(theta) => KeptDirection::Free(theta as u16),
                 Direction::Snapped(theta) => KeptDirection::Snapped(theta as u16),

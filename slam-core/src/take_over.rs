@@ -72,7 +72,7 @@ fn along(pose: &Pose, beta_rad: f32) -> f32 {
 fn known_from_robot(wall: &Wall, ekf: &EkfView, beta_rad: f32) -> [f32; 3] {
     let (s, c) = sin_cos(beta_rad);
     let direction = wall.direction.state().unwrap_or(ALPHA);
-    let distance = [(X, -c), (Y, -s), (wall.rho, 1.0), (direction, -along(&layout::pose(ekf), beta_rad))];
+    let distance = [(X, -c), (Y, -s), (wall.rho(), 1.0), (direction, -along(&layout::pose(ekf), beta_rad))];
     let turn = [(THETA, -1.0), (direction, 1.0)];
     let variance = |entries: Jacobian| ekf.variance(&entries).max(0.0);
     let known = [variance(distance.into_iter().collect()), variance(turn.into_iter().collect())];
@@ -84,10 +84,6 @@ fn known_from_robot(wall: &Wall, ekf: &EkfView, beta_rad: f32) -> [f32; 3] {
 fn anchor_m(placed: &PlacedWall) -> [f32; 2] {
     let (s, c) = sin_cos(placed.beta_rad);
     [placed.rho_m * c - placed.anchor_m * s, placed.rho_m * s + placed.anchor_m * c]
-}
-
-fn dot(a: [f32; 2], b: [f32; 2]) -> f32 {
-    a[0] * b[0] + a[1] * b[1]
 }
 
 /// A wall that the look back does not know yet, as it lies to the robot.
@@ -133,7 +129,7 @@ impl Newborn {
             ekf.correlate(rho, theta, cross + here_m * turn_rad2);
             theta
         };
-        wall.rho = rho;
+        wall.set_rho(rho);
         wall.direction = match wall.direction {
             Direction::Grid(quarter) => Direction::Grid(quarter),
             Direction::NearGrid(_, quarter) => Direction::NearGrid(add_direction(), quarter),
@@ -354,8 +350,8 @@ impl MapView {
             // A wall on an exact grid is turned about its anchor until it stands on it.
             let (rho_m, lever_m) = match quarter {
                 Some(quarter) if deviation == 0.0 => {
-                    let ([x, y], anchor_m) = (grid.normal(quarter), anchor_m(placed));
-                    (dot([x, y], anchor_m), dot([-y, x], anchor_m))
+                    let ([x, y], [x_m, y_m]) = (grid.normal(quarter), anchor_m(placed));
+                    (x * x_m + y * y_m, -y * x_m + x * y_m)
                 }
                 _ => (placed.rho_m, placed.anchor_m),
             };
@@ -385,8 +381,8 @@ impl MapView {
             }
         };
         if let Some(wall) = self.wall_mut(index) {
-            (wall.rho, wall.direction, wall.squareness) = (rho, direction, squareness);
-            (wall.lo_m, wall.hi_m) = (placed.lo_m, placed.hi_m);
+            wall.set_rho(rho);
+            (wall.direction, wall.squareness, wall.lo_m, wall.hi_m) = (direction, squareness, placed.lo_m, placed.hi_m);
         }
     }
 

@@ -135,7 +135,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
                 let _ = jacobian.push(entry);
             }
             let _ = jacobian.push((wall.direction.state().unwrap_or(ALPHA), -along_m));
-            let _ = jacobian.push((wall.rho, 1.0));
+            let _ = jacobian.push((wall.rho(), 1.0));
             Some((line.distance([pose.x_m, pose.y_m]), jacobian))
         };
         let [(first_m, first), (second_m, second)] = [distance(found.pairs[0].0)?, distance(found.pairs[1].0)?];
@@ -195,7 +195,7 @@ fn restored(kept: &KeptWall, seen_at_m: f32) -> Wall {
     };
     Wall {
         id: kept.id,
-        rho: usize::from(kept.rho),
+        rho: kept.rho,
         direction: match kept.direction {
             KeptDirection::Free(theta) => Direction::Free(usize::from(theta)),
             KeptDirection::Snapped(theta) => Direction::Snapped(usize::from(theta)),

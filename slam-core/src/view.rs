@@ -150,7 +150,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
                 beta_rad: line.beta_rad,
                 lo_m: wall.lo_m + origin_m,
                 hi_m: wall.hi_m + origin_m,
-                sigma_rho_m: self.sigma(wall.rho),
+                sigma_rho_m: self.sigma(wall.rho()),
                 updates: wall.updates,
             }
         })

@@ -142,7 +142,7 @@ impl<const B: usize> Extension<'_, B> {
             changes.refused = changes.refused.saturating_add(1);
             return false;
         };
-        let wall = Wall { rho, direction, ..Wall::NEW };
+        let wall = Wall { rho: rho as u16, direction, ..Wall::NEW };
         let centroid = layout::pose(self.ekf).transform(local.centroid_m);
         let along_m = wall.line(self.ekf, &ManhattanFrame::of(self.ekf)).along(centroid);
         let extent = (along_m + line.lo_m, along_m + line.hi_m);

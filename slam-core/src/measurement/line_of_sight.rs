@@ -70,7 +70,7 @@ pub fn first_met(
         if facing.cos_incidence < GRAZING_COS {
             continue;
         }
-        let distance = ekf.mean(wall.rho) - facing.origin_m;
+        let distance = ekf.mean(wall.rho()) - facing.origin_m;
         if distance <= beyond_m * facing.cos_incidence || distance >= limit_m * facing.cos_incidence {
             continue;
         }

@@ -366,6 +366,6 @@ pub fn by_pose_and_wall(gain: f32, wall: &Wall, prediction: &Prediction, theta_m
             }
         }
     }
-    push(wall.rho, gain * prediction.by_rho);
+    push(wall.rho(), gain * prediction.by_rho);
     row
 }

@@ -98,7 +98,7 @@ impl Truth {
 
 /// What of the map the oracle must know; as long as it stays the same the oracle runs on its own.
 fn structure(slam: &RobotSlam) -> (usize, bool, Vec<(u16, usize, Direction)>) {
-    (slam.ekf.len(), slam.map.has_grid, slam.map.walls().iter().map(|w| (w.id, w.rho, w.direction)).collect())
+    (slam.ekf.len(), slam.map.has_grid, slam.map.walls().iter().map(|w| (w.id, w.rho(), w.direction)).collect())
 }
 
 fn ticks(sample: &Sample<8>) -> [f64; 2] {
@@ -163,7 +163,7 @@ fn observe(
                 s[ALPHA] + quarters * core::f64::consts::FRAC_PI_2
             }
         };
-        slam.sensors[sensor].gain.map_or(1.0, |i| s[i]) * ray_to_line(origin, phi, s[wall.rho], beta)
+        slam.sensors[sensor].gain.map_or(1.0, |i| s[i]) * ray_to_line(origin, phi, s[wall.rho()], beta)
     };
     let mean = oracle.mean.clone();
     let predicted_m = range(&mean);
@@ -173,7 +173,7 @@ fn observe(
             (Direction::Grid(quarter), Some(grid)) => {
                 let (sin, cos) =
                     (f64::from(grid.alpha_rad) + core::f64::consts::FRAC_PI_2 * f64::from(quarter)).sin_cos();
-                (h[X], h[Y]) = (-cos * h[wall.rho], -sin * h[wall.rho]);
+                (h[X], h[Y]) = (-cos * h[wall.rho()], -sin * h[wall.rho()]);
                 ALPHA
             }
             (Direction::Free(theta), _) => theta,

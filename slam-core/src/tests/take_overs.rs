@@ -162,10 +162,10 @@ fn walls_keep_their_names_and_those_born_since_lie_to_the_robot_as_before() {
         let (pose, wall) = (slam.filter_pose(), slam.map.walls().iter().find(|other| other.id == wall.id).copied());
         let wall = wall.expect("it is kept");
         let Direction::Free(theta) = wall.direction else { panic!("it is free") };
-        let (rho_m, beta_rad) = (slam.ekf.mean(wall.rho), slam.ekf.mean(theta));
+        let (rho_m, beta_rad) = (slam.ekf.mean(wall.rho()), slam.ekf.mean(theta));
         let (s, c) = beta_rad.sin_cos();
         let along_m = pose.y_m * c - pose.x_m * s;
-        let distance: Jacobian = [(X, -c), (Y, -s), (wall.rho, 1.0), (theta, -along_m)].into_iter().collect();
+        let distance: Jacobian = [(X, -c), (Y, -s), (wall.rho(), 1.0), (theta, -along_m)].into_iter().collect();
         let turn: Jacobian = [(THETA, -1.0), (theta, 1.0)].into_iter().collect();
         let means = [rho_m - pose.x_m * c - pose.y_m * s, beta_rad - pose.theta_rad, wall.lo_m - along_m];
         (means, [slam.ekf.variance(&distance), slam.ekf.variance(&turn)])

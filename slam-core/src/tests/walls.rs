@@ -82,11 +82,11 @@ fn signature(map: &Map<CAPACITY>, ekf: &Filter) -> Vec<(u16, [u32; 6])> {
             let line = wall.line(ekf, &grid);
             let theta = match wall.direction {
                 Direction::Free(theta) | Direction::Snapped(theta) | Direction::NearGrid(theta, _) => {
-                    ekf.covariance(theta, wall.rho)
+                    ekf.covariance(theta, wall.rho())
                 }
                 Direction::Grid(quarter) => f32::from(quarter),
             };
-            let (own, with_pose) = (ekf.covariance(wall.rho, wall.rho), ekf.covariance(wall.rho, 1));
+            let (own, with_pose) = (ekf.covariance(wall.rho(), wall.rho()), ekf.covariance(wall.rho(), 1));
             (wall.id, [line.rho_m, line.beta_rad, wall.lo_m, theta, own, with_pose].map(f32::to_bits))
         })
         .collect()
@@ -154,8 +154,8 @@ fn collinear_walls_become_one() {
     assert_eq!((map.walls().len(), ekf.len()), (3, len - 1));
     let merged = map.walls().iter().find(|w| w.lo_m == -1.0 && w.hi_m == 1.5).unwrap();
     // Half way to the other but for the 5 mm by which stretches of a wall may be out of plane.
-    assert!((ekf.mean(merged.rho) - 2.0044).abs() < 1e-4);
-    assert!((ekf.covariance(merged.rho, merged.rho) - 0.56e-4).abs() < 0.1e-4);
+    assert!((ekf.mean(merged.rho()) - 2.0044).abs() < 1e-4);
+    assert!((ekf.covariance(merged.rho(), merged.rho()) - 0.56e-4).abs() < 0.1e-4);
     assert_eq!(merged.updates, 40);
 }
 
@@ -172,7 +172,7 @@ fn a_newborn_twin_only_prolongs_the_wall() {
     assert!(map.merge(&mut ekf, 1, true));
     let wall = map.walls()[0];
     assert_eq!((wall.lo_m, wall.hi_m), (-1.0, 1.5));
-    assert_eq!((ekf.mean(wall.rho), ekf.covariance(wall.rho, wall.rho)), (2.0, 1e-4));
+    assert_eq!((ekf.mean(wall.rho()), ekf.covariance(wall.rho(), wall.rho())), (2.0, 1e-4));
 }
 
 /// Two free walls 2 m long whose places are known to 10 cm and whose directions to one degree.

@@ -167,7 +167,18 @@ impl MapView {
         let id = self.next_id;
         self.next_id = self.next_id.wrapping_add(1);
         let (score, squareness) = (BIRTH_SCORE, self.squareness);
-        let wall = Wall { id, rho, direction, lo_m, hi_m, updates, score, seen_at_m: path_m, squareness, drawn: None };
+        let wall = Wall {
+            id,
+            rho: rho as u16,
+            direction,
+            lo_m,
+            hi_m,
+            updates,
+            score,
+            seen_at_m: path_m,
+            squareness,
+            drawn: None,
+        };
         let _ = self.walls.push(wall);
     }
 
@@ -252,7 +263,7 @@ impl MapView {
         }
         self.walls.truncate(last);
         let mut states: Vec<usize, 2> = Vec::new();
-        let _ = states.push(wall.rho);
+        let _ = states.push(wall.rho());
         if let Some(theta) = wall.direction.state() {
             let _ = states.push(theta);
         }

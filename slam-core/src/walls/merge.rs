@@ -161,8 +161,8 @@ fn second_if_first_is_zero(
 fn apart((wall, line): (&Wall, &Line), (other, other_line): (&Wall, &Line), along_m: f32) -> (f32, Jacobian) {
     let point = line.at(along_m);
     let mut jacobian = Jacobian::new();
-    let _ = jacobian.push((wall.rho, 1.0));
-    let _ = jacobian.push((other.rho, -1.0));
+    let _ = jacobian.push((wall.rho(), 1.0));
+    let _ = jacobian.push((other.rho(), -1.0));
     // The direction turns the line about the origin: d(distance)/dbeta = -along.
     let (i, j) = (direction_state(wall), direction_state(other));
     if i != j {

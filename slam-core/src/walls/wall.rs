@@ -81,8 +81,8 @@ impl Direction {
 pub struct Wall {
     /// Identifier, never used again.
     pub id: u16,
-    /// State index of rho.
-    pub rho: usize,
+    /// State index of rho; two bytes, since there are many walls.
+    pub(crate) rho: u16,
     /// Where the direction comes from.
     pub direction: Direction,
     /// Start of the observed extent along (-sin beta, cos beta), metres.
@@ -116,9 +116,19 @@ impl Wall {
         drawn: None,
     };
 
+    /// Index of the state that is its rho.
+    pub fn rho(&self) -> usize {
+        usize::from(self.rho)
+    }
+
+    /// Sets that.
+    pub fn set_rho(&mut self, state: usize) {
+        self.rho = state as u16;
+    }
+
     /// Its line at the filter's present estimate.
     pub fn line(&self, ekf: &EkfView, grid: &ManhattanFrame) -> Line {
-        let rho_m = ekf.mean(self.rho);
+        let rho_m = ekf.mean(self.rho());
         let on_grid = |quarter| Line { rho_m, beta_rad: grid.beta(quarter), normal: grid.normal(quarter) };
         match self.direction {
             Direction::Grid(quarter) => on_grid(quarter),
@@ -152,8 +162,8 @@ impl Wall {
 
     /// Follows a state that moved from index `from` to `to`.
     pub fn follow(&mut self, from: usize, to: usize) {
-        if self.rho == from {
-            self.rho = to;
+        if self.rho() == from {
+            self.set_rho(to);
         }
         if let Direction::Free(theta) | Direction::Snapped(theta) | Direction::NearGrid(theta, _) = &mut self.direction
             && *theta == from
