@@ -21,7 +21,7 @@ use core::fmt;
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 use slam_core::Pose;
-use slam_core::kept::{Kept, KeptDirection, KeptFrame, KeptWall, POSE_STATES};
+use slam_core::kept::{Direction, Kept, KeptFrame, KeptWall, POSE_STATES};
 
 /// Number of the format; another number is another format.
 pub const VERSION: u32 = 1;
@@ -195,10 +195,10 @@ fn bits(pose: &Pose) -> [u32; 3] {
 
 fn words_of(wall: &KeptWall) -> [u32; WALL] {
     let (kind, quarter, theta) = match wall.direction {
-        KeptDirection::Free(theta) => (0, 0, theta),
-        KeptDirection::Snapped(theta) => (1, 0, theta),
-        KeptDirection::Grid(quarter) => (2, quarter, 0),
-        KeptDirection::NearGrid(theta, quarter) => (3, quarter, theta),
+        Direction::Free(theta) => (0, 0, theta),
+        Direction::Snapped(theta) => (1, 0, theta),
+        Direction::Grid(quarter) => (2, quarter, 0),
+        Direction::NearGrid(theta, quarter) => (3, quarter, theta),
     };
     let [t0, t1] = theta.to_le_bytes();
     let drawn = wall.drawn.unwrap_or_default();
@@ -350,10 +350,10 @@ impl Kept for Record<'_> {
             id: self.word(place) as u16,
             rho: (self.word(place) >> 16) as u16,
             direction: match kind {
-                0 => KeptDirection::Free(theta),
-                1 => KeptDirection::Snapped(theta),
-                2 => KeptDirection::Grid(quarter & 3),
-                _ => KeptDirection::NearGrid(theta, quarter & 3),
+                0 => Direction::Free(theta),
+                1 => Direction::Snapped(theta),
+                2 => Direction::Grid(quarter & 3),
+                _ => Direction::NearGrid(theta, quarter & 3),
             },
             lo_m: self.float(place + 2),
             hi_m: self.float(place + 3),

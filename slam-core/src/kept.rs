@@ -8,24 +8,12 @@ use crate::filter::layout::ALPHA;
 use crate::geometry::angle::wrap;
 use crate::geometry::pose::Pose;
 use crate::slam::Slam;
-use crate::walls::wall::{Direction, Wall};
+pub use crate::walls::wall::Direction;
+use crate::walls::wall::Wall;
 use core::f32::consts::FRAC_PI_2;
 
 /// States of the pose: they lead the filter's states and are not kept.
 pub const POSE_STATES: usize = 3;
-
-/// Where the direction of a kept wall comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum KeptDirection {
-    /// The state with this index.
-    Free(u16),
-    /// The grid direction nearest to the state with this index.
-    Snapped(u16),
-    /// So many quarter turns from the grid's.
-    Grid(u8),
-    /// The state with this index, which was tied to so many quarter turns from the grid's.
-    NearGrid(u16, u8),
-}
 
 /// A wall as it is kept; states are named by their indices in the filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,7 +23,7 @@ pub struct KeptWall {
     /// Index of the state that is the distance of its line from the filter's origin.
     pub rho: u16,
     /// Where its direction comes from.
-    pub direction: KeptDirection,
+    pub direction: Direction,
     /// Start of its extent along (-sin beta, cos beta), metres.
     pub lo_m: f32,
     /// End of its extent, metres.
@@ -93,12 +81,12 @@ pub trait Kept {
         let alpha_rad = self.mean(ALPHA);
         let on_grid = |quarter: u8| wrap(alpha_rad + f32::from(quarter) * FRAC_PI_2);
         let beta_rad = match wall.direction {
-            KeptDirection::Grid(quarter) => on_grid(quarter),
-            KeptDirection::Snapped(theta) => {
+            Direction::Grid(quarter) => on_grid(quarter),
+            Direction::Snapped(theta) => {
                 let quarters = libm::roundf((self.mean(usize::from(theta)) - alpha_rad) * (1.0 / FRAC_PI_2));
                 wrap(alpha_rad + quarters * FRAC_PI_2)
             }
-            KeptDirection::Free(theta) | KeptDirection::NearGrid(theta, _) => self.mean(usize::from(theta)),
+            Direction::Free(theta) | Direction::NearGrid(theta, _) => self.mean(usize::from(theta)),
         };
         [self.mean(usize::from(wall.rho)), beta_rad]
     }
@@ -124,13 +112,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Kept for
     fn wall(&self, index: usize) -> Option<KeptWall> {
         self.map.walls().get(index).map(|wall| KeptWall {
             id: wall.id,
-            rho: wall.rho() as u16,
-            direction: match wall.direction {
-                Direction::Free(theta) => KeptDirection::Free(theta as u16),
-                Direction::Snapped(theta) => KeptDirection::Snapped(theta as u16),
-                Direction::Grid(quarter) => KeptDirection::Grid(quarter),
-                Direction::NearGrid(theta, quarter) => KeptDirection::NearGrid(theta as u16, quarter),
-            },
+            rho: wall.rho,
+            direction: wall.direction,
             lo_m: wall.lo_m,
             hi_m: wall.hi_m,
             updates: wall.updates,

@@ -127,7 +127,7 @@ impl Newborn {
         let mut add_direction = || {
             let theta = ekf.augment(beta_rad, &[(THETA, 1.0)].into_iter().collect(), turn_rad2).unwrap_or(0);
             ekf.correlate(rho, theta, cross + here_m * turn_rad2);
-            theta
+            theta as u16
         };
         wall.set_rho(rho);
         wall.direction = match wall.direction {
@@ -358,9 +358,9 @@ impl MapView {
             let mut allot = |mean| ekf.augment(mean, &Jacobian::new(), 0.0).unwrap_or(0);
             let (rho, offset) = (allot(rho_m), hand_over::WALLS + 2 * index);
             let direction = match quarter {
-                Some(quarter) if deviation > 0.0 => Direction::NearGrid(allot(placed.beta_rad), quarter),
+                Some(quarter) if deviation > 0.0 => Direction::NearGrid(allot(placed.beta_rad) as u16, quarter),
                 Some(quarter) => Direction::Grid(quarter),
-                None => Direction::Free(allot(placed.beta_rad)),
+                None => Direction::Free(allot(placed.beta_rad) as u16),
             };
             let turned_with = if direction.state().is_some() { offset + 1 } else { hand_over::ALPHA };
             add(link(rho, [(offset, 1.0), (turned_with, lever_m)]));

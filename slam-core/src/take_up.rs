@@ -5,7 +5,7 @@ use crate::filter::layout::{self, ALPHA, THETA, X, Y};
 use crate::geometry::angle::{sin_cos, wrap};
 use crate::geometry::line::Line;
 use crate::geometry::pose::Pose;
-use crate::kept::{Kept, KeptDirection, KeptFrame, KeptWall, POSE_STATES};
+use crate::kept::{Kept, KeptFrame, KeptWall, POSE_STATES};
 use crate::motion::shortfall::Shortfall;
 use crate::rig::DriveModel;
 use crate::slam::Slam;
@@ -112,8 +112,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let is_state = |i: u16| states.contains(&usize::from(i));
         let is_wall = |wall: KeptWall| {
             let has_state = match wall.direction {
-                KeptDirection::Free(i) | KeptDirection::Snapped(i) | KeptDirection::NearGrid(i, _) => is_state(i),
-                KeptDirection::Grid(_) => true,
+                Direction::Free(i) | Direction::Snapped(i) | Direction::NearGrid(i, _) => is_state(i),
+                Direction::Grid(_) => true,
             };
             is_state(wall.rho) && has_state && wall.lo_m.is_finite() && wall.hi_m.is_finite()
         };
@@ -197,10 +197,9 @@ fn restored(kept: &KeptWall, seen_at_m: f32) -> Wall {
         id: kept.id,
         rho: kept.rho,
         direction: match kept.direction {
-            KeptDirection::Free(theta) => Direction::Free(usize::from(theta)),
-            KeptDirection::Snapped(theta) => Direction::Snapped(usize::from(theta)),
-            KeptDirection::Grid(quarter) => Direction::Grid(quarter & 3),
-            KeptDirection::NearGrid(theta, quarter) => Direction::NearGrid(usize::from(theta), quarter & 3),
+            Direction::Grid(quarter) => Direction::Grid(quarter & 3),
+            Direction::NearGrid(theta, quarter) => Direction::NearGrid(theta, quarter & 3),
+            other => other,
         },
         lo_m: kept.lo_m,
         hi_m: kept.hi_m,
@@ -241,8 +240,8 @@ impl Placement {
         let mut by_states = [Jacobian::new(), Jacobian::new(), Jacobian::new()];
         for (wall, (line, column)) in walls.iter().zip(lines.iter().zip([0, 1])) {
             let direction = match wall.direction {
-                KeptDirection::Free(theta) | KeptDirection::NearGrid(theta, _) => usize::from(theta),
-                KeptDirection::Grid(_) | KeptDirection::Snapped(_) => ALPHA,
+                Direction::Free(theta) | Direction::NearGrid(theta, _) => usize::from(theta),
+                Direction::Grid(_) | Direction::Snapped(_) => ALPHA,
             };
             let along_m = line.along(point);
             for (jacobian, row) in by_states.iter_mut().zip(&inverse) {

@@ -4,7 +4,7 @@ mod receiving;
 mod records;
 
 use slam_core::Pose;
-use slam_core::kept::{Kept, KeptDirection, KeptFrame, KeptWall};
+use slam_core::kept::{Direction, Kept, KeptFrame, KeptWall};
 
 /// A map of two walls whose numbers all tell which save it was.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +32,7 @@ impl Kept for Map {
     }
 
     fn wall(&self, index: usize) -> Option<KeptWall> {
-        let directions = [KeptDirection::Grid(3), KeptDirection::NearGrid(8, 1)];
+        let directions = [Direction::Grid(3), Direction::NearGrid(8, 1)];
         directions.get(index).map(|&direction| KeptWall {
             id: self.0.wrapping_add(index as u16),
             rho: 7,

@@ -19,10 +19,10 @@ pub fn add_states(ekf: &mut EkfView, verdict: Verdict, line: &LocalLine, deviati
             let off = wrap(ekf.mean(theta) - ManhattanFrame::of(ekf).beta(quarter));
             // Where that is numerically impossible it is a free wall.
             let tied = founding::tie(ekf, theta, off, deviation);
-            Some((rho, if tied { Direction::NearGrid(theta, quarter) } else { Direction::Free(theta) }))
+            Some((rho, if tied { Direction::NearGrid(theta as u16, quarter) } else { Direction::Free(theta as u16) }))
         }
-        Verdict::Free => add_line(ekf, line).map(|(rho, theta)| (rho, Direction::Free(theta))),
-        Verdict::Snapped => add_line(ekf, line).map(|(rho, theta)| (rho, Direction::Snapped(theta))),
+        Verdict::Free => add_line(ekf, line).map(|(rho, theta)| (rho, Direction::Free(theta as u16))),
+        Verdict::Snapped => add_line(ekf, line).map(|(rho, theta)| (rho, Direction::Snapped(theta as u16))),
     }
 }
 

@@ -59,7 +59,7 @@ pub fn first_met(
     for (index, wall) in walls.iter().enumerate() {
         let quarter = match wall.direction {
             Direction::Grid(quarter) => Some(quarter),
-            Direction::Snapped(theta) => Some(grid.quarter(ekf.mean(theta))),
+            Direction::Snapped(theta) => Some(grid.quarter(ekf.mean(usize::from(theta)))),
             Direction::Free(_) | Direction::NearGrid(..) => None,
         };
         let facing = match quarter {

@@ -90,6 +90,7 @@ fn assert_birth(random: &mut Random, verdict: Verdict) {
     match (verdict, direction) {
         (Verdict::OnGrid(quarter), Direction::Grid(got)) => assert_eq!(quarter, got),
         (Verdict::Free, Direction::Free(theta)) | (Verdict::Snapped, Direction::Snapped(theta)) => {
+            let theta = usize::from(theta);
             assert!((f64::from(ekf.mean(theta)) - expected[1]).sin().abs() < 5e-6);
             assert!(ekf.mean(theta).abs() <= core::f32::consts::PI);
             indices.push((theta, 1));

@@ -27,7 +27,7 @@ fn home(directions_deg: &[f32]) -> (Filter, Map<8>) {
         let mut jacobian = Jacobian::new();
         jacobian.push((THETA, 1.0)).unwrap();
         let theta = ekf.augment(direction_deg * DEGREE, &jacobian, 0.09 * DEGREE * DEGREE).unwrap();
-        map.add(rho, Direction::Free(theta), (-0.6, 0.6), 30, 0.0);
+        map.add(rho, Direction::Free(theta as u16), (-0.6, 0.6), 30, 0.0);
     }
     (ekf, map)
 }
@@ -122,6 +122,7 @@ fn built_walls_keep_a_deviation_of_their_own() {
     let grid = ManhattanFrame::of(&ekf);
     for (wall, direction) in map.walls().iter().zip(directions).take(3) {
         let Direction::NearGrid(theta, quarter) = wall.direction else { panic!("{direction}: {:?}", wall.direction) };
+        let theta = usize::from(theta);
         // Tied to half a degree, not to the spot: each stays nearer to where it was seen than the grid is.
         let (own, of_grid) =
             (wrap(ekf.mean(theta) - direction * DEGREE), wrap(grid.beta(quarter) - direction * DEGREE));
@@ -144,6 +145,7 @@ fn walls_of_an_exact_home_give_up_their_directions() {
     // Readings tell each direction to a milliradian.
     for i in 0..map.walls().len() {
         let Direction::NearGrid(theta, _) = map.walls()[i].direction else { panic!("{i}") };
+        let theta = usize::from(theta);
         let mut jacobian = Jacobian::new();
         let _ = jacobian.push((theta, 1.0));
         ekf.update(0.0, &jacobian, 1e-7).unwrap();

@@ -42,8 +42,8 @@ impl Kind {
 
     fn direction(self) -> Direction {
         match self {
-            Self::Free => Direction::Free(THETA_I),
-            Self::Snapped { .. } => Direction::Snapped(THETA_I),
+            Self::Free => Direction::Free(THETA_I as u16),
+            Self::Snapped { .. } => Direction::Snapped(THETA_I as u16),
             Self::Grid(quarter) => Direction::Grid(quarter),
         }
     }

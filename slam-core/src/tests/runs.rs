@@ -157,9 +157,9 @@ fn observe(
         let (origin, phi) = beam([s[X], s[Y], s[THETA]], mount);
         let beta = match wall.direction {
             Direction::Grid(quarter) => s[ALPHA] + core::f64::consts::FRAC_PI_2 * f64::from(quarter),
-            Direction::Free(theta) | Direction::NearGrid(theta, _) => s[theta],
+            Direction::Free(theta) | Direction::NearGrid(theta, _) => s[usize::from(theta)],
             Direction::Snapped(theta) => {
-                let quarters = ((s[theta] - s[ALPHA]) / core::f64::consts::FRAC_PI_2).round();
+                let quarters = ((s[usize::from(theta)] - s[ALPHA]) / core::f64::consts::FRAC_PI_2).round();
                 s[ALPHA] + quarters * core::f64::consts::FRAC_PI_2
             }
         };
@@ -176,7 +176,7 @@ fn observe(
                 (h[X], h[Y]) = (-cos * h[wall.rho()], -sin * h[wall.rho()]);
                 ALPHA
             }
-            (Direction::Free(theta), _) => theta,
+            (Direction::Free(theta), _) => usize::from(theta),
             _ => ALPHA,
         };
         // No reading tells when everything is turned about the origin.

@@ -53,7 +53,7 @@ fn filter() -> RobotSlam {
     let rho = slam.ekf.augment(2.0, &seen, 2e-4).expect("there is room");
     let theta = slam.ekf.augment(0.1, &[(THETA, 1.0)].into_iter().collect(), 3e-4).expect("there is room");
     slam.ekf.correlate(rho, theta, 1e-4);
-    slam.map.add(rho, Direction::Free(theta), (1.0, 2.5), 6, 20.0);
+    slam.map.add(rho, Direction::Free(theta as u16), (1.0, 2.5), 6, 20.0);
     slam
 }
 
@@ -162,6 +162,7 @@ fn walls_keep_their_names_and_those_born_since_lie_to_the_robot_as_before() {
         let (pose, wall) = (slam.filter_pose(), slam.map.walls().iter().find(|other| other.id == wall.id).copied());
         let wall = wall.expect("it is kept");
         let Direction::Free(theta) = wall.direction else { panic!("it is free") };
+        let theta = usize::from(theta);
         let (rho_m, beta_rad) = (slam.ekf.mean(wall.rho()), slam.ekf.mean(theta));
         let (s, c) = beta_rad.sin_cos();
         let along_m = pose.y_m * c - pose.x_m * s;

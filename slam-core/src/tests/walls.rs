@@ -42,7 +42,7 @@ fn map(random: &mut Random, ekf: &mut Filter) -> Map<CAPACITY> {
             0 => Direction::Grid(random.below(4) as u8),
             kind => {
                 let theta = add(random.uniform(-3.1, 3.1), random);
-                if kind == 1 { Direction::Free(theta) } else { Direction::Snapped(theta) }
+                if kind == 1 { Direction::Free(theta as u16) } else { Direction::Snapped(theta as u16) }
             }
         };
         let lo = random.uniform(-3.0, 2.0) as f32;
@@ -82,6 +82,7 @@ fn signature(map: &Map<CAPACITY>, ekf: &Filter) -> Vec<(u16, [u32; 6])> {
             let line = wall.line(ekf, &grid);
             let theta = match wall.direction {
                 Direction::Free(theta) | Direction::Snapped(theta) | Direction::NearGrid(theta, _) => {
+                    let theta = usize::from(theta);
                     ekf.covariance(theta, wall.rho())
                 }
                 Direction::Grid(quarter) => f32::from(quarter),
@@ -181,7 +182,7 @@ fn two_free_walls(ekf: &mut Filter, rho_m: f32, theta_rad: f32) -> Map<CAPACITY>
     for (rho_m, theta_rad) in [(2.0, 0.0), (rho_m, theta_rad)] {
         let rho = ekf.augment(rho_m, &Jacobian::new(), 0.5e-2).unwrap();
         let theta = ekf.augment(theta_rad, &Jacobian::new(), 1.5e-4).unwrap();
-        map.add(rho, Direction::Free(theta), (-1.0, 1.0), 20, 0.0);
+        map.add(rho, Direction::Free(theta as u16), (-1.0, 1.0), 20, 0.0);
     }
     map
 }
@@ -218,7 +219,7 @@ fn a_wall_near_the_grid_that_would_hide_the_newborn_is_found_again() {
         for rho_m in [2.0, 2.0 + apart_m] {
             let rho = ekf.augment(rho_m, &Jacobian::new(), 0.5 * (apart_m / 3.5) * (apart_m / 3.5)).unwrap();
             let theta = ekf.augment(0.0, &Jacobian::new(), 1e-4).unwrap();
-            map.add(rho, Direction::NearGrid(theta, 0), (-1.0, 1.0), 50, 0.0);
+            map.add(rho, Direction::NearGrid(theta as u16, 0), (-1.0, 1.0), 50, 0.0);
         }
         map.merge(&mut ekf, 1, newborn)
     };

@@ -59,10 +59,12 @@ fn founder(walls: &[Wall], ekf: &EkfView, deviation: f32) -> Option<usize> {
     for (i, wall) in walls.iter().enumerate() {
         total_m += wall.length_m();
         let Direction::Free(theta) = wall.direction else { continue };
+        let theta = usize::from(theta);
         let mut support_m = wall.length_m();
         let mut others = 0;
         for (j, other) in walls.iter().enumerate() {
             let Direction::Free(other_theta) = other.direction else { continue };
+            let other_theta = usize::from(other_theta);
             if i == j {
                 continue;
             }
@@ -83,7 +85,8 @@ fn founder(walls: &[Wall], ekf: &EkfView, deviation: f32) -> Option<usize> {
 
 /// Takes a free wall into the grid where the odds are for it.
 fn take_in(map: &mut MapView, ekf: &mut EkfView, policy: WallPolicy, index: usize) {
-    let Some(Direction::Free(theta)) = map.walls().get(index).map(|w| w.direction) else { return };
+    let Some(Direction::Free(state)) = map.walls().get(index).map(|w| w.direction) else { return };
+    let theta = usize::from(state);
     let grid = ManhattanFrame::of(ekf);
     let quarter = grid.quarter(ekf.mean(theta));
     let off = wrap(ekf.mean(theta) - grid.beta(quarter));
@@ -97,8 +100,8 @@ fn take_in(map: &mut MapView, ekf: &mut EkfView, policy: WallPolicy, index: usiz
     if tie(ekf, theta, off, deviation) {
         map.tie(index, map.squareness);
         match policy {
-            WallPolicy::Snapped { .. } => map.set_direction(index, Direction::Snapped(theta)),
-            _ if deviation > 0.0 => map.set_direction(index, Direction::NearGrid(theta, quarter)),
+            WallPolicy::Snapped { .. } => map.set_direction(index, Direction::Snapped(state)),
+            _ if deviation > 0.0 => map.set_direction(index, Direction::NearGrid(state, quarter)),
             _ => {
                 map.set_direction(index, Direction::Grid(quarter));
                 map.remove_state(ekf, theta);

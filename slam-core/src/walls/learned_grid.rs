@@ -29,6 +29,7 @@ const SIGMAS: f32 = 3.0;
 /// State, quarter turns, deviation (radians) and its variance (rad^2) of a near-grid wall; none for other walls.
 fn deviation_of(wall: &Wall, ekf: &EkfView) -> Option<(usize, u8, f32, f32)> {
     let Direction::NearGrid(theta, quarter) = wall.direction else { return None };
+    let theta = usize::from(theta);
     let off_rad = wrap(ekf.mean(theta) - ManhattanFrame::of(ekf).beta(quarter));
     Some((theta, quarter, off_rad, relative_variance(ekf, theta, ALPHA)))
 }

@@ -174,7 +174,7 @@ fn apart((wall, line): (&Wall, &Line), (other, other_line): (&Wall, &Line), alon
 
 fn direction_state(wall: &Wall) -> usize {
     match wall.direction {
-        Direction::Free(theta) | Direction::NearGrid(theta, _) => theta,
+        Direction::Free(theta) | Direction::NearGrid(theta, _) => usize::from(theta),
         Direction::Snapped(_) | Direction::Grid(_) => ALPHA,
     }
 }

@@ -45,23 +45,24 @@ pub enum WallKind {
 }
 
 /// Where a wall's direction comes from.
+/// Indices of states have two bytes, since there are many walls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// The state with this index.
-    Free(usize),
+    Free(u16),
     /// The grid direction nearest to the state with this index (Rousse & Qiu eq. 4).
-    Snapped(usize),
+    Snapped(u16),
     /// alpha plus this many quarter turns, counter-clockwise, 0 to 3.
     Grid(u8),
     /// The state with this index, which was tied to alpha plus that many quarter turns.
-    NearGrid(usize, u8),
+    NearGrid(u16, u8),
 }
 
 impl Direction {
     /// The index of its own state, if it has one.
     pub fn state(self) -> Option<usize> {
         match self {
-            Self::Free(theta) | Self::Snapped(theta) | Self::NearGrid(theta, _) => Some(theta),
+            Self::Free(theta) | Self::Snapped(theta) | Self::NearGrid(theta, _) => Some(usize::from(theta)),
             Self::Grid(_) => None,
         }
     }
@@ -132,9 +133,9 @@ impl Wall {
         let on_grid = |quarter| Line { rho_m, beta_rad: grid.beta(quarter), normal: grid.normal(quarter) };
         match self.direction {
             Direction::Grid(quarter) => on_grid(quarter),
-            Direction::Snapped(theta) => on_grid(grid.quarter(ekf.mean(theta))),
+            Direction::Snapped(theta) => on_grid(grid.quarter(ekf.mean(usize::from(theta)))),
             Direction::Free(theta) | Direction::NearGrid(theta, _) => {
-                let beta_rad = ekf.mean(theta);
+                let beta_rad = ekf.mean(usize::from(theta));
                 let (s, c) = sin_cos(beta_rad);
                 Line { rho_m, beta_rad, normal: [c, s] }
             }
@@ -166,9 +167,9 @@ impl Wall {
             self.set_rho(to);
         }
         if let Direction::Free(theta) | Direction::Snapped(theta) | Direction::NearGrid(theta, _) = &mut self.direction
-            && *theta == from
+            && usize::from(*theta) == from
         {
-            *theta = to;
+            *theta = to as u16;
         }
     }
 }
