@@ -7,6 +7,7 @@ use crate::geometry::pose::Pose;
 use crate::jolts::Jolts;
 use crate::jolts::recent::Moment;
 use crate::jolts::search::Scene;
+use crate::rig::DriveModel;
 use crate::sample::RangeInput;
 use crate::slam::Slam;
 
@@ -45,6 +46,9 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
 
     /// Where the readings tell that the robot does not move with its wheels, or does so again, it is where that leads.
     pub(crate) fn recover_from_hold(&mut self) {
+        if !self.config.motion.find_holds || !matches!(self.rig.drive, DriveModel::Wheels { .. }) {
+            return;
+        }
         let Some(found) = self.holds.judge(layout::pose(&self.ekf)) else { return };
         // Half of what is in doubt was driven, give or take the other half.
         let sigma = found.in_doubt.map(|value| 0.5 * value);

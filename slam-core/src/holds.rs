@@ -55,18 +55,25 @@ const ENDS: f32 = 3.0;
 /// Path after which all is forgotten, metres: sums of single precision are good to a tenth of a millimetre until then.
 const LONG_M: f32 = 1000.0;
 
-/// A wall that a sensor met.
+/// What a sensor met.
 #[derive(Clone, Copy, Debug)]
 struct Met {
-    /// Its identifier.
-    wall: u16,
-    /// Where, metres, and its unit normal, in the frame of the wheels.
-    hit_m: [f32; 2],
-    normal: [f32; 2],
-    /// The range there, metres.
+    /// The range then and its standard deviation, metres.
     range_m: f32,
+    sigma_m: f32,
+    /// The wall that it is of; none for a surface that is not in the map.
+    wall: Option<MetWall>,
     /// How far beams had moved, metres, and for how long, seconds.
     at: (f32, f32),
+}
+
+/// A wall that a sensor met.
+#[derive(Clone, Copy, Debug)]
+struct MetWall {
+    id: u16,
+    /// Its unit normal in the frame of the wheels, and its distance from their start along it, metres.
+    normal: [f32; 2],
+    rho_m: f32,
 }
 
 /// What a sensor has said of a hold, as log odds: by the walls that it met before, and by its last reading.
@@ -148,9 +155,15 @@ impl<const S: usize> Holds<S> {
         let mount = sensor.state.mount_then(&sensor.limits.model, timing, ekf);
         let beam = mount.beam([self.wheels.x_m, self.wheels.y_m], sin_cos(self.wheels.theta_rad));
         let gain = sensor.state.gain(ekf);
+        let range_m = reading.range_m / gain;
+        let wall = match outcome {
+            Outcome::Updated { wall, innovation_m, .. } => Some((*wall, *innovation_m)),
+            _ => None,
+        };
         if let Some(met) = &witness.met {
             let (moved_m, for_s) = (self.at.0 - met.at.0, self.at.1 - met.at.1);
-            if matches!(outcome, Outcome::Updated { wall, .. } if *wall != met.wall) {
+            let is_other = met.wall.is_some_and(|met| wall.is_some_and(|(id, _)| id != met.id));
+            if is_other {
                 witness.now = 0.0;
             } else if moved_m > REACH_M {
                 *witness = Witness::NONE;
@@ -158,18 +171,25 @@ impl<const S: usize> Holds<S> {
                 return;
             } else {
                 let span_m = sensor.limits.max_m - sensor.limits.min_m;
-                witness.now = met.log_odds(&beam, reading.range_m / gain, reading.sigma_m(), moved_m, span_m);
+                witness.now = met.log_odds(&beam, range_m, reading.sigma_m(), moved_m, span_m);
             }
         }
-        let Outcome::Updated { wall, innovation_m, .. } = outcome else { return };
-        let Some(wall) = map.walls().iter().find(|other| other.id == *wall) else { return };
-        let [x, y] = wall.line(ekf, &ManhattanFrame::of(ekf)).normal;
-        let (s, c) = sin_cos(wrap(self.wheels.theta_rad - ekf.mean(layout::THETA)));
-        // Where the filter expected the wall, which is better known than by one reading.
-        let range_m = (reading.range_m - innovation_m) / gain;
-        let normal = [c * x - s * y, s * x + c * y];
-        let met = Met { wall: wall.id, hit_m: beam.at(range_m), normal, range_m, at: self.at };
-        *witness = Witness { met: Some(met), before: witness.says(), now: 0.0 };
+        let before = witness.says();
+        let mut met = Met { range_m, sigma_m: reading.sigma_m(), wall: None, at: self.at };
+        if let Some((id, innovation_m)) = wall {
+            let Some(wall) = map.walls().iter().find(|other| other.id == id) else { return };
+            let [x, y] = wall.line(ekf, &ManhattanFrame::of(ekf)).normal;
+            let (s, c) = sin_cos(wrap(self.wheels.theta_rad - ekf.mean(layout::THETA)));
+            let normal = [c * x - s * y, s * x + c * y];
+            // Where the filter expected the wall, which is better known than by one reading.
+            (met.range_m, met.sigma_m) = ((reading.range_m - innovation_m) / gain, WALLS_M);
+            let [hit_x, hit_y] = beam.at(met.range_m);
+            met.wall = Some(MetWall { id, normal, rho_m: hit_x * normal[0] + hit_y * normal[1] });
+        } else if witness.met.is_some_and(|met| met.wall.is_some()) {
+            // The wall is waited for.
+            return;
+        }
+        *witness = Witness { met: Some(met), before, now: 0.0 };
     }
 
     /// Judges by all readings so far, with the pose after the last of them.
@@ -223,19 +243,24 @@ impl Witness {
 impl Met {
     /// Log odds of a robot that did not move against one that moved as its wheels say, by a range since.
     fn log_odds(&self, beam: &Beam, range_m: f32, sigma_m: f32, moved_m: f32, span_m: f32) -> f32 {
-        let rho_m = self.hit_m[0] * self.normal[0] + self.hit_m[1] * self.normal[1];
-        let line = Line { rho_m, beta_rad: 0.0, normal: self.normal };
+        let (off_m, noise_m2) =
+            (range_m - self.range_m, self.sigma_m * self.sigma_m + sigma_m * sigma_m + SURFACE_M * SURFACE_M);
+        let (least, most) = CHANGES;
+        let likelihood = |off_m, variance_m2, other| (1.0 - other) * density(off_m, variance_m2) + other / span_m;
+        let stays = likelihood(off_m, noise_m2, least);
+        let Some(wall) = &self.wall else {
+            // What is not known to lie across the way may lie along it: its range may stay, but not change.
+            let moves = likelihood(off_m, noise_m2 + moved_m * moved_m, least);
+            return libm::logf(stays / moves).min(0.0);
+        };
+        let line = Line { rho_m: wall.rho_m, beta_rad: 0.0, normal: wall.normal };
         if beam.cos_incidence(&line) < LEAST_COS {
             return 0.0;
         }
-        let noise_m2 = WALLS_M * WALLS_M + sigma_m * sigma_m + SURFACE_M * SURFACE_M;
         let change_m = beam.predict(&line).range_m - self.range_m;
         let wheels_m = WHEELS * change_m;
-        let (least, most) = CHANGES;
         let changes = (moved_m / CHANGE_M).clamp(least, most);
-        let likelihood = |off_m, variance_m2, other| (1.0 - other) * density(off_m, variance_m2) + other / span_m;
-        let stays = likelihood(range_m - self.range_m, noise_m2, least);
-        let moves = likelihood(range_m - self.range_m - change_m, noise_m2 + wheels_m * wheels_m, changes);
+        let moves = likelihood(off_m - change_m, noise_m2 + wheels_m * wheels_m, changes);
         libm::logf(stays / ((1.0 - STAYS) * moves + STAYS * stays))
     }
 }

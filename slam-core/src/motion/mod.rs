@@ -22,11 +22,20 @@ pub struct MotionSettings {
     /// Odometry has no sign and says forwards where the robot drove backwards: the ranges of sensors that report metres tell.
     /// Off for odometry that may have one, since people who walk ahead of a robot look like a robot that drives backwards.
     pub find_sign: bool,
+    /// The readings tell when something holds the robot while its wheels turn. With wheels alone: where a pose is logged, what
+    /// turned is not known.
+    pub find_holds: bool,
 }
 
 impl MotionSettings {
-    pub(crate) const IDLE: Self =
-        Self { calibrate_scales: false, calibrate_track: false, slip: false, mean_travel: false, find_sign: false };
+    pub(crate) const IDLE: Self = Self {
+        calibrate_scales: false,
+        calibrate_track: false,
+        slip: false,
+        mean_travel: false,
+        find_sign: false,
+        find_holds: false,
+    };
 
     /// For floors and odometry as they are.
     pub fn real_rooms() -> Self {
@@ -36,6 +45,6 @@ impl MotionSettings {
 
 impl Default for MotionSettings {
     fn default() -> Self {
-        Self { calibrate_scales: true, calibrate_track: true, ..Self::IDLE }
+        Self { calibrate_scales: true, calibrate_track: true, find_holds: true, ..Self::IDLE }
     }
 }

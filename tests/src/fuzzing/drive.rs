@@ -160,6 +160,7 @@ fn config(source: &mut Source, rig: &Rig<SENSORS>) -> Config {
     config.sensing.calibrate_latency = coin();
     config.sensing.stamps = coin();
     config.motion.find_sign = coin();
+    config.motion.find_holds = coin();
     config.sensing.repeats = coin();
     config.sensing.learn_noise = coin();
     config
