@@ -11,7 +11,7 @@ const FREE_S: f64 = HOLD_S + HELD_S + 10.0;
 
 fn home(name: &str, is_held: bool) -> Plan {
     let mut plan = plan_file::load(name).unwrap_or_else(|error| panic!("{error}"));
-    plan.mishaps.holds.extend(is_held.then_some(Hold { at_s: HOLD_S, held_s: HELD_S }));
+    plan.mishaps.holds.extend(is_held.then_some(Hold { at_s: HOLD_S, held_s: HELD_S, is_jammed: false }));
     plan
 }
 
