@@ -152,23 +152,25 @@ impl<const S: usize> Holds<S> {
         outcome: &Outcome,
     ) {
         let Some(witness) = self.witnesses.get_mut(sensor.index) else { return };
-        let mount = sensor.state.mount_then(&sensor.limits.model, timing, ekf);
-        let beam = mount.beam([self.wheels.x_m, self.wheels.y_m], sin_cos(self.wheels.theta_rad));
-        let gain = sensor.state.gain(ekf);
-        let range_m = reading.range_m / gain;
         let wall = match outcome {
             Outcome::Updated { wall, innovation_m, .. } => Some((*wall, *innovation_m)),
             _ => None,
         };
+        let is_other = |met: &Met| met.wall.is_some_and(|met| wall.is_some_and(|(id, _)| id != met.id));
+        let is_too_soon = |met: &Met| self.at.0 - met.at.0 < LOOK.0 || self.at.1 - met.at.1 < LOOK.1;
+        if witness.met.as_ref().is_some_and(|met| !is_other(met) && is_too_soon(met)) {
+            return;
+        }
+        let mount = sensor.state.mount_then(&sensor.limits.model, timing, ekf);
+        let beam = mount.beam([self.wheels.x_m, self.wheels.y_m], sin_cos(self.wheels.theta_rad));
+        let gain = sensor.state.gain(ekf);
+        let range_m = reading.range_m / gain;
         if let Some(met) = &witness.met {
-            let (moved_m, for_s) = (self.at.0 - met.at.0, self.at.1 - met.at.1);
-            let is_other = met.wall.is_some_and(|met| wall.is_some_and(|(id, _)| id != met.id));
-            if is_other {
+            let moved_m = self.at.0 - met.at.0;
+            if is_other(met) {
                 witness.now = 0.0;
             } else if moved_m > REACH_M {
                 *witness = Witness::NONE;
-            } else if moved_m < LOOK.0 || for_s < LOOK.1 {
-                return;
             } else {
                 let span_m = sensor.limits.max_m - sensor.limits.min_m;
                 witness.now = met.log_odds(&beam, range_m, reading.sigma_m(), moved_m, span_m);
