@@ -107,8 +107,9 @@ pub struct Correction {
 #[derive(Clone, Debug)]
 pub struct Holds<const S: usize> {
     witnesses: [Witness; S],
-    /// The pose by the wheels alone.
+    /// The pose by the wheels alone, and the sine and cosine of its heading.
     wheels: Pose,
+    heading: (f32, f32),
     /// How far beams moved by them, metres, and for how long, seconds.
     at: (f32, f32),
     moment: Option<Moment>,
@@ -117,8 +118,14 @@ pub struct Holds<const S: usize> {
 
 impl<const S: usize> Holds<S> {
     /// A robot that moves as its wheels do.
-    pub const NONE: Self =
-        Self { witnesses: [Witness::NONE; S], wheels: Pose::ORIGIN, at: (0.0, 0.0), moment: None, is_held: false };
+    pub const NONE: Self = Self {
+        witnesses: [Witness::NONE; S],
+        wheels: Pose::ORIGIN,
+        heading: (0.0, 1.0),
+        at: (0.0, 0.0),
+        moment: None,
+        is_held: false,
+    };
 
     /// Whether the robot stays where it is, whatever its wheels do.
     pub fn is_held(&self) -> bool {
@@ -135,6 +142,7 @@ impl<const S: usize> Holds<S> {
         let moved_m = libm::hypotf(motion.x_m, motion.y_m) + MIDDLE_M * motion.theta_rad.abs();
         if moved_m > 0.0 {
             self.wheels = self.wheels.compose(motion);
+            self.heading = sin_cos(self.wheels.theta_rad);
             self.at = (self.at.0 + moved_m, self.at.1 + dt_s);
         }
         if self.at.0 > LONG_M {
@@ -162,7 +170,7 @@ impl<const S: usize> Holds<S> {
             return;
         }
         let mount = sensor.state.mount_then(&sensor.limits.model, timing, ekf);
-        let beam = mount.beam([self.wheels.x_m, self.wheels.y_m], sin_cos(self.wheels.theta_rad));
+        let beam = mount.beam([self.wheels.x_m, self.wheels.y_m], self.heading);
         let gain = sensor.state.gain(ekf);
         let range_m = reading.range_m / gain;
         if let Some(met) = &witness.met {

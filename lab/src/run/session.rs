@@ -83,7 +83,7 @@ impl Session {
         self.life.searches()
     }
 
-    /// Where the last search found that the robot may be, see [`Life::places`].
+    /// Where the last search found that the robot may be, likeliest first; empty while it is located.
     pub fn places(&self) -> Vec<Place> {
         self.life.places(&self.slam)
     }
