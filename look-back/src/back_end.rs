@@ -5,7 +5,6 @@ use slam_core::{NotTaken, Slam, StepReport};
 use crate::diary::Diary;
 use crate::gains::Gains;
 use crate::look_back::{LookBack, Progress};
-use crate::record::last_motion;
 
 /// A look back begins after so many keyframes since the one before began: eight metres, about as long as one takes.
 const EVERY: u32 = 32;
@@ -67,8 +66,7 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
         report: &StepReport<S>,
     ) {
         if self.epoch == Some(slam.epoch()) {
-            self.diary.record(slam, report, self.look_back.is_done() && self.is_working);
-            self.look_back.moved(&last_motion(slam));
+            self.diary.record(slam, report);
         } else {
             self.begin_anew(slam);
         }

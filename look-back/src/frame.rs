@@ -48,35 +48,6 @@ impl Frame {
     }
 }
 
-/// A pose that goes on, step by step.
-#[derive(Clone, Copy, Debug)]
-pub struct Moving {
-    /// Where it is.
-    pub pose: Pose,
-    /// Sine of its heading; of the cosine what it lacks to one, so that at the origin every byte is zero.
-    sin: f32,
-    less: f32,
-}
-
-impl Moving {
-    /// Not gone yet.
-    pub const ORIGIN: Self = Self { pose: Pose::ORIGIN, sin: 0.0, less: 0.0 };
-
-    /// Goes by so much in its own frame, metres and radians.
-    pub fn go_on(&mut self, by_m: [f32; 2], turn_rad: f32) {
-        let [x_m, y_m] = self.point(by_m);
-        self.pose = Pose::new(x_m, y_m, self.pose.theta_rad + turn_rad);
-        let (sin, cos) = sin_cos(self.pose.theta_rad);
-        (self.sin, self.less) = (sin, 1.0 - cos);
-    }
-
-    /// A point in its frame, in the frame that it is given in, metres.
-    pub fn point(&self, [x, y]: [f32; 2]) -> [f32; 2] {
-        let (s, c) = (self.sin, 1.0 - self.less);
-        [self.pose.x_m + c * x - s * y, self.pose.y_m + s * x + c * y]
-    }
-}
-
 /// The product of two directions.
 pub fn dot(a: [f32; 2], b: [f32; 2]) -> f32 {
     a[0] * b[0] + a[1] * b[1]

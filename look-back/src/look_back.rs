@@ -61,24 +61,14 @@ enum Last {
 #[derive(Clone, Debug)]
 enum Stage {
     Idle,
-    Place {
-        wall: usize,
-    },
+    Place { wall: usize },
     Solve,
-    Survey {
-        cursor: Cursor,
-    },
+    Survey { cursor: Cursor },
     Merge,
     Label,
-    Invert {
-        row: usize,
-    },
-    Square {
-        row: usize,
-    },
+    Invert { row: usize },
+    Square { row: usize },
     CatchUp,
-    /// At the last keyframe, which is still being written.
-    Arrive,
     Ended(Progress),
 }
 
@@ -150,10 +140,6 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K,
     /// Goes on for about `budget` multiply-adds, at least by one slice.
     pub fn work<const G: usize>(&mut self, diary: &mut Diary<K, G, W>, budget: u32) -> Progress {
         let mut spent = 0u32;
-        if matches!(self.stage, Stage::Arrive) && !self.present.is_at_last(diary) {
-            self.stage = Stage::CatchUp;
-        }
-        let began_arriving = matches!(self.stage, Stage::Arrive);
         loop {
             match self.stage {
                 Stage::Idle => return Progress::Nothing,
@@ -168,9 +154,7 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K,
             spent = spent.saturating_add(cost);
             self.effort.cost += u64::from(cost);
             self.effort.costliest = self.effort.costliest.max(cost);
-            // The last keyframe is taken in between two steps, whatever that takes: with the next step it is another one.
-            let is_arriving = matches!(self.stage, Stage::Arrive);
-            if is_arriving != began_arriving || (spent >= budget && !is_arriving) {
+            if spent >= budget {
                 return Progress::Working;
             }
         }
@@ -225,27 +209,14 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K,
                 (at * self.solver.system.len().saturating_sub(at)) as u32
             }
             Stage::CatchUp => {
-                if !self.present.go_on(diary, &mut self.solver) {
-                    self.stage = Stage::Arrive;
+                let is_open = !self.present.go_on(diary, &mut self.solver);
+                if is_open {
+                    self.stage = Stage::Ended(Progress::Done);
                 }
-                self.cost_of_group()
+                (self.solver.system.len() * self.solver.system.len()) as u32
             }
-            Stage::Arrive => self.arrive(diary),
             Stage::Idle | Stage::Ended(_) => 0,
         }
-    }
-
-    /// Takes in the next group of the last keyframe.
-    fn arrive<const G: usize>(&mut self, diary: &Diary<K, G, W>) -> u32 {
-        if !self.present.take_next(diary, &mut self.solver) {
-            self.stage = Stage::Ended(Progress::Done);
-        }
-        self.cost_of_group()
-    }
-
-    /// Multiply-adds to take a group in.
-    fn cost_of_group(&self) -> u32 {
-        (self.solver.system.len() * self.solver.system.len()) as u32
     }
 
     fn begin_solving<const G: usize>(&mut self, diary: &mut Diary<K, G, W>, steps: u32) -> u32 {

@@ -3,7 +3,7 @@
 use heapless::Vec;
 use slam_core::angle::wrap;
 use slam_core::hand_over::{ALPHA, DISTANCE, GAINS, HandOver, POSE, TURN, VEER};
-use slam_core::{Calibration, Increment, NotTaken, PlacedWall, Pose, Slam};
+use slam_core::{Calibration, NotTaken, PlacedWall, Pose, Slam};
 
 use crate::diary::{Diary, Keyframe};
 use crate::frame::Frame;
@@ -29,14 +29,11 @@ pub struct Present {
     group: usize,
     /// Groups of that keyframe that are.
     taken: usize,
-    /// The motion since it was where the robot is.
-    since: Keyframe,
 }
 
 impl Present {
     /// At no keyframe; every byte is zero.
-    pub const NONE: Self =
-        Self { pose: Pose::ORIGIN, key: 0, gone: None, group: 0, taken: 0, since: Keyframe::at(0, Pose::ORIGIN) };
+    pub const NONE: Self = Self { pose: Pose::ORIGIN, key: 0, gone: None, group: 0, taken: 0 };
 
     /// At the last keyframe that was placed.
     pub fn begin<const K: usize, const G: usize, const W: usize, const B: usize, const P: usize>(
@@ -52,42 +49,29 @@ impl Present {
             gone: None,
             group: diary.keyframes.iter().take(key).map(|key| usize::from(key.groups)).sum(),
             taken: 0,
-            since: Keyframe::at(0, Pose::ORIGIN),
         };
     }
 
-    /// The same; false at the last keyframe, which is still being written.
+    /// Takes in the next group, or the stretch to the next keyframe; false at the last one, which is still being written.
     pub fn go_on<const K: usize, const G: usize, const W: usize, const B: usize, const P: usize>(
         &mut self,
         diary: &Diary<K, G, W>,
         solver: &mut Solver<K, W, B, P>,
     ) -> bool {
-        !self.is_at_last(diary) && self.take_next(diary, solver)
+        self.key + 1 < diary.keyframes.len() && self.take_next(diary, solver)
     }
 
-    /// Whether there is nothing left to take in but the last keyframe, which is still being written.
-    pub fn is_at_last<const K: usize, const G: usize, const W: usize>(&self, diary: &Diary<K, G, W>) -> bool {
-        self.key + 1 >= diary.keyframes.len()
-    }
-
-    /// The robot moved on by so much, as the odometry sensed it, and begins a keyframe there.
-    pub fn moved(&mut self, moved: &Increment) {
-        self.since.travel(moved);
-    }
-
-    /// Goes along with that, and takes in what was seen from there.
+    /// The same to the end.
     fn finish<const K: usize, const G: usize, const W: usize, const B: usize, const P: usize>(
         &mut self,
         diary: &Diary<K, G, W>,
         solver: &mut Solver<K, W, B, P>,
     ) {
-        let since = core::mem::replace(&mut self.since, Keyframe::at(0, Pose::ORIGIN));
-        self.travel(diary, solver, &since);
         while self.take_next(diary, solver) {}
     }
 
-    /// Takes in the next group, or the next stretch; false past the last one, where the robot is.
-    pub fn take_next<const K: usize, const G: usize, const W: usize, const B: usize, const P: usize>(
+    /// False past the last stretch.
+    fn take_next<const K: usize, const G: usize, const W: usize, const B: usize, const P: usize>(
         &mut self,
         diary: &Diary<K, G, W>,
         solver: &mut Solver<K, W, B, P>,
@@ -157,13 +141,6 @@ fn calibration<const K: usize, const G: usize, const W: usize, const B: usize, c
 }
 
 impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K, W, B, P> {
-    /// The robot moved on by so much since the look back was done.
-    pub(crate) fn moved(&mut self, moved: &Increment) {
-        if self.is_done() {
-            self.present.moved(moved);
-        }
-    }
-
     /// Hands what was found over to a filter whose last step is written down. Once for each look back that is done.
     ///
     /// # Errors

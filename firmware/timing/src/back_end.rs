@@ -24,7 +24,7 @@ static ESTIMATOR: ConstStaticCell<RobotSlam> = ConstStaticCell::new(RobotSlam::I
 static BACK_END: ConstStaticCell<HalfBackEnd> = ConstStaticCell::new(HalfBackEnd::IDLE);
 
 /// Steps up the stairs and back.
-const STEPS: u32 = 8_000;
+const STEPS: u32 = 6_000;
 /// What the map holds.
 const WALLS: usize = 64;
 
@@ -36,7 +36,7 @@ fn main() -> ! {
     let (mut home, mut is_up) = (Drive::new(), true);
     // Writing down eight hits where nothing has to make room: times, and all of their cost; and the costliest where something has.
     let (mut times, mut cost) = (0, 0);
-    let (mut costliest, mut hand_over, mut work) = (0, 0, 0);
+    let (mut costliest, mut hand_over) = (0, 0);
     for _ in 0..STEPS {
         let report = slam.step(&home.next(false));
         let before = back_end.diary().losses();
@@ -50,24 +50,16 @@ fn main() -> ! {
         if let (Some(_), taken) = bench.measure(|| back_end.hand_over(slam)) {
             hand_over = hand_over.max(taken);
         }
-        let ((), worked) = bench.measure(|| back_end.work(STEP_US));
-        work = work.max(worked);
+        back_end.work(STEP_US);
         if is_up && slam.walls().count() == WALLS {
             is_up = false;
             home.turn_back();
         }
     }
-    assert!(times > 600, "{} steps with eight hits", times);
-    assert!(
-        slam.counters().taken_over > 2,
-        "taken over {}, not {:?}",
-        slam.counters().taken_over,
-        slam.counters().not_taken
-    );
+    assert!(slam.counters().taken_over > 2 && times > STEPS / 10, "{} steps with eight hits", times);
     bench.print("diary_step", cost / times);
     bench.print("diary_thin", costliest);
     bench.print("hand_over", hand_over);
-    bench.print("back_end_work", work);
     exit(debug::EXIT_SUCCESS)
 }
 
