@@ -7,10 +7,8 @@
 #[path = "cases/home.rs"]
 mod home;
 
-use core::panic::PanicInfo;
-use cortex_m_semihosting::{debug, hprintln};
 use home::{Drive, rig};
-use instruction_count::Bench;
+use instruction_count::{Bench, finish};
 use look_back::{BackEnd, ROBOT_KEYFRAMES, ROBOT_WALLS, STEP_US, border_len, packed_len};
 use slam_core::{Config, Outcome, RobotSlam, StepReport};
 use static_cell::ConstStaticCell;
@@ -60,21 +58,9 @@ fn main() -> ! {
     bench.print("diary_step", cost / times);
     bench.print("diary_thin", costliest);
     bench.print("hand_over", hand_over);
-    exit(debug::EXIT_SUCCESS)
+    finish()
 }
 
 fn hits(report: &StepReport<8>) -> usize {
     report.readings.iter().filter(|reading| !matches!(reading.outcome, Outcome::Missing | Outcome::Refused(_))).count()
-}
-
-#[panic_handler]
-fn panic(info: &PanicInfo) -> ! {
-    hprintln!("{}", info);
-    exit(debug::EXIT_FAILURE)
-}
-
-fn exit(status: debug::ExitStatus) -> ! {
-    loop {
-        debug::exit(status);
-    }
 }

@@ -7,10 +7,8 @@
 #[path = "cases/floor_home.rs"]
 mod floor_home;
 
-use core::panic::PanicInfo;
-use cortex_m_semihosting::{debug, hprintln};
 use floor_home::FloorHome;
-use instruction_count::Bench;
+use instruction_count::{Bench, finish};
 use robot::{FloorConfig, FloorJob, FloorState, WheelSpeeds};
 use static_cell::StaticCell;
 
@@ -40,17 +38,5 @@ fn main() -> ! {
     assert!(progress.state == FloorState::Done && progress.share() > 0.9, "{progress:?}");
     bench.print("floor_job_average", (sum / u64::from(steps.max(1))) as u32);
     bench.print("floor_job_worst", worst);
-    exit(debug::EXIT_SUCCESS)
-}
-
-#[panic_handler]
-fn panic(info: &PanicInfo) -> ! {
-    hprintln!("{}", info);
-    exit(debug::EXIT_FAILURE)
-}
-
-fn exit(status: debug::ExitStatus) -> ! {
-    loop {
-        debug::exit(status);
-    }
+    finish()
 }

@@ -1,9 +1,10 @@
-//! Counts instructions in the emulator and cycles on a board.
+//! Counts instructions in the emulator and cycles on a board, and ends the program that does so.
 #![no_std]
 #![forbid(unsafe_code)]
 
+use core::panic::PanicInfo;
 use cortex_m::peripheral::{DWT, Peripherals};
-use cortex_m_semihosting::hprintln;
+use cortex_m_semihosting::{debug, hprintln};
 use stm32_metapac::TIM2;
 
 /// The emulator's Cortex-M4 calls itself r0p0; every STM32F405 is an r0p1.
@@ -75,5 +76,22 @@ impl Bench {
             Counter::Cycles => "cycles",
         };
         hprintln!("timing {} {} {}", name, count, unit);
+    }
+}
+
+/// Ends the program, which has printed all of its counts.
+pub fn finish() -> ! {
+    exit(debug::EXIT_SUCCESS)
+}
+
+#[panic_handler]
+fn panic(info: &PanicInfo) -> ! {
+    hprintln!("{}", info);
+    exit(debug::EXIT_FAILURE)
+}
+
+fn exit(status: debug::ExitStatus) -> ! {
+    loop {
+        debug::exit(status);
     }
 }

@@ -4,9 +4,7 @@
 #![no_main]
 #![forbid(unsafe_code)]
 
-use core::panic::PanicInfo;
-use cortex_m_semihosting::{debug, hprintln};
-use instruction_count::Bench;
+use instruction_count::{Bench, finish};
 use look_back::{Hit, Progress, ROBOT_GROUPS, ROBOT_KEYFRAMES, RobotDiary, RobotLookBack};
 use slam_core::angle::sin_cos;
 use slam_core::{DriveModel, Increment, Pose};
@@ -51,7 +49,7 @@ fn main() -> ! {
     }
     bench.print("look_back_full", all);
     bench.print("look_back_slice", longest);
-    exit(debug::EXIT_SUCCESS)
+    finish()
 }
 
 /// Up and down the stairs until keyframes and groups are full; the odometry and the filter are a little off.
@@ -98,17 +96,5 @@ fn see(diary: &mut RobotDiary, pose: &Pose, wall: i32) {
         let end_m = [c * x + s * y, c * y - s * x];
         let wall = u16::try_from(wall).ok();
         diary.hit(&Hit { from_m: [0.0; 2], end_m, sigma_m: 0.02, alike: 1.0, sensor: 0, wall });
-    }
-}
-
-#[panic_handler]
-fn panic(info: &PanicInfo) -> ! {
-    hprintln!("{}", info);
-    exit(debug::EXIT_FAILURE)
-}
-
-fn exit(status: debug::ExitStatus) -> ! {
-    loop {
-        debug::exit(status);
     }
 }

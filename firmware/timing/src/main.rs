@@ -5,23 +5,10 @@
 
 mod cases;
 
-use core::panic::PanicInfo;
-use cortex_m_semihosting::{debug, hprintln};
+use instruction_count::{Bench, finish};
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    cases::run(&instruction_count::Bench::start());
-    exit(debug::EXIT_SUCCESS)
-}
-
-#[panic_handler]
-fn panic(info: &PanicInfo) -> ! {
-    hprintln!("{}", info);
-    exit(debug::EXIT_FAILURE)
-}
-
-fn exit(status: debug::ExitStatus) -> ! {
-    loop {
-        debug::exit(status);
-    }
+    cases::run(&Bench::start());
+    finish()
 }

@@ -7,10 +7,8 @@
 #[path = "cases/home.rs"]
 mod home;
 
-use core::panic::PanicInfo;
-use cortex_m_semihosting::{debug, hprintln};
 use home::{Drive, rig};
-use instruction_count::Bench;
+use instruction_count::{Bench, finish};
 use kept_map::{Record, Writer};
 use relocate::{HYPOTHESES, Locator, State, Step};
 use slam_core::{Config, RobotSlam};
@@ -65,17 +63,5 @@ fn main() -> ! {
     assert!(locator.verdict().is_some(), "no search ended");
     bench.print("search_full", full);
     bench.print("search_slice", slice);
-    exit(debug::EXIT_SUCCESS)
-}
-
-#[panic_handler]
-fn panic(info: &PanicInfo) -> ! {
-    hprintln!("{}", info);
-    exit(debug::EXIT_FAILURE)
-}
-
-fn exit(status: debug::ExitStatus) -> ! {
-    loop {
-        debug::exit(status);
-    }
+    finish()
 }
