@@ -16,6 +16,8 @@ pub mod pilot;
 pub mod rig;
 pub mod traits;
 pub mod wheel_control;
+#[cfg(test)]
+mod wild;
 
 pub use condition::{Condition, NoSupply, PowerSupply, StallWatch};
 pub use contact::{ContactPins, Contacts};

@@ -1,6 +1,7 @@
 //! The pilot by itself, without a home around it.
 
 use super::*;
+use crate::wild::Wild;
 
 fn senses(time_us: u64, pose: Pose, ranges_m: [Option<f32>; 8], contacts: Contacts) -> Senses<8> {
     Senses { time_us, pose, ranges_m, contacts, condition: Condition::default() }
@@ -55,25 +56,10 @@ fn it_never_drives_on_towards_something_just_ahead() {
 #[test]
 fn whatever_it_is_told_the_speeds_are_finite_and_limited() {
     let mut pilot = pilot();
-    let mut bits = 1_u32;
-    let mut random = move || {
-        bits ^= bits << 13;
-        bits ^= bits >> 17;
-        bits ^= bits << 5;
-        bits
-    };
+    let mut wild = Wild::new();
     for _ in 0..20_000 {
-        let mut value = || match random() % 8 {
-            0 => f32::NAN,
-            1 => f32::INFINITY,
-            2 => f32::from_bits(random()),
-            3 => -1.0,
-            _ => (random() % 1000) as f32 * 0.005,
-        };
-        let pose = Pose { x_m: value(), y_m: value(), theta_rad: value() };
-        let ranges_m = [(); 8].map(|()| Some(value()));
-        let contacts = Contacts { bump_left: random() % 9 == 0, bump_right: random() % 9 == 0, ..Contacts::default() };
-        let speeds = pilot.step(&senses(u64::from(random()), pose, ranges_m, contacts));
+        let (pose, ranges_m, contacts) = (wild.pose(), wild.ranges(), wild.contacts());
+        let speeds = pilot.step(&senses(u64::from(wild.bits()), pose, ranges_m, contacts));
         for speed_mps in [speeds.left_mps, speeds.right_mps] {
             assert!(speed_mps.abs() <= 0.25 + 0.5 * 0.235 * 0.8 + 1e-6, "{speeds:?}");
         }
