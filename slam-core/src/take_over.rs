@@ -226,6 +226,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         }
         self.first.begin_anew(layout::pose(&self.ekf), self.map.grid(&self.ekf));
         self.map.redraw(&self.ekf, path_m);
+        self.holds.forget();
     }
 
     /// Sets the means and allots the walls' states; what each state is of the unknowns.

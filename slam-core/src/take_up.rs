@@ -86,6 +86,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.first.grid = frame.founded_rad.map(|alpha_rad| ManhattanFrame { alpha_rad, sin_cos: sin_cos(alpha_rad) });
         self.shortfall = Shortfall::NONE;
         self.candidates.clear();
+        self.holds.forget();
         Ok(())
     }
 
