@@ -16,7 +16,6 @@ use crate::measurement::sensor::Sensor;
 use crate::report::Outcome;
 use crate::sensing::latency::Timing;
 use crate::sensing::range::{Reading, SURFACE_M};
-use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::map::MapView;
 
 /// How far a beam's middle moves, metres, and for how long, seconds, until a reading is told from the one before: several
@@ -188,9 +187,8 @@ impl<const S: usize> Holds<S> {
         let mut met = Met { range_m, sigma_m: reading.sigma_m(), wall: None, at: self.at };
         if let Some((id, innovation_m)) = wall {
             let Some(wall) = map.walls().iter().find(|other| other.id == id) else { return };
-            let [x, y] = wall.line(ekf, &ManhattanFrame::of(ekf)).normal;
-            let (s, c) = sin_cos(wrap(self.wheels.theta_rad - ekf.mean(layout::THETA)));
-            let normal = [c * x - s * y, s * x + c * y];
+            let (s, c) = sin_cos(wrap(wall.beta_rad(ekf) + self.wheels.theta_rad - ekf.mean(layout::THETA)));
+            let normal = [c, s];
             // Where the filter expected the wall, which is better known than by one reading.
             (met.range_m, met.sigma_m) = ((reading.range_m - innovation_m) / gain, WALLS_M);
             let [hit_x, hit_y] = beam.at(met.range_m);

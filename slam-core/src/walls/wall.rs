@@ -142,6 +142,16 @@ impl Wall {
         }
     }
 
+    /// The direction of its normal at the filter's present estimate, radians: what [`Wall::line`] has, without a sine.
+    pub fn beta_rad(&self, ekf: &EkfView) -> f32 {
+        let grid = ManhattanFrame::of(ekf);
+        match self.direction {
+            Direction::Grid(quarter) => grid.beta(quarter),
+            Direction::Snapped(theta) => grid.beta(grid.quarter(ekf.mean(usize::from(theta)))),
+            Direction::Free(theta) | Direction::NearGrid(theta, _) => ekf.mean(usize::from(theta)),
+        }
+    }
+
     /// States that it has.
     pub fn states(&self) -> usize {
         1 + usize::from(self.direction.state().is_some())
