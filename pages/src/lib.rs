@@ -15,7 +15,7 @@ pub const HEADER: &str = include_str!("header.html");
 pub const SECTIONS: &str = include_str!("views.html");
 
 /// The view modules, in the order in which they build on each other.
-pub const VIEWS: [&str; 19] = [
+pub const VIEWS: [&str; 20] = [
     include_str!("js/errors.js"),
     include_str!("js/format.js"),
     include_str!("js/theme.js"),
@@ -25,6 +25,7 @@ pub const VIEWS: [&str; 19] = [
     include_str!("js/clock.js"),
     include_str!("js/layers.js"),
     include_str!("js/view.js"),
+    include_str!("js/picture.js"),
     include_str!("js/apart.js"),
     include_str!("js/map.js"),
     include_str!("js/robot.js"),

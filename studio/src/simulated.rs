@@ -10,6 +10,7 @@ use lab::recording::{Recording, health};
 use lab::run::{Drive, Job, Session};
 use lab::show::report::growing::Growing;
 use lab::show::report::{self};
+use robot::AreaKind;
 use serde_json::{Value, json};
 use slam_core::Config;
 
@@ -107,14 +108,21 @@ impl Simulated {
         head
     }
 
-    /// What stands where now, in the plan's frame, metres: `faces` as x0, y0, x1, y1, `rounds` as x, y and radius; where the
-    /// floor is swept, how [`Simulated::floor`] lies: its lower corner, a cell's edge, and cells in a row.
+    /// What stands where now, in the plan's frame, metres: `faces` as x0, y0, x1, y1, `rounds` as x, y and radius, the corners of the
+    /// `areas` to stay out of and to clean; where the floor is swept, how [`Simulated::floor`] lies: its lower corner, a cell's edge,
+    /// and cells in a row.
     pub fn home(&self) -> Value {
         let faces = self.plan.faces.iter().map(|face| [face.from_m, face.to_m].concat());
         let rounds = self.plan.rounds.iter().map(|round| [round.centre_m[0], round.centre_m[1], round.radius_m]);
         let (corner_m, columns) = self.drive.floor().place();
         let floor = (self.job == Job::Clean).then(|| json!({ "corner": corner_m, "cell": CELL_M, "columns": columns }));
-        json!({ "faces": faces.collect::<Vec<_>>(), "rounds": rounds.collect::<Vec<_>>(), "floor": floor })
+        let areas = |kind| self.plan.bounds.areas(kind).collect::<Vec<_>>();
+        json!({
+            "faces": faces.collect::<Vec<_>>(),
+            "rounds": rounds.collect::<Vec<_>>(),
+            "areas": { "keep_out": areas(AreaKind::KeepOut), "clean": areas(AreaKind::Clean) },
+            "floor": floor,
+        })
     }
 
     /// When each cell of the floor was swept first and again, see [`hal_sim::floor::FloorRaster::swept_s`].

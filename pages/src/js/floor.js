@@ -61,8 +61,9 @@ const squareMetres = (value) => {
 const percent = (share) => `${fixed(100 * share, 1)}\u00a0%`;
 
 // The floor from above with the plan, the largest hole and the robot; `run` is in the map frame.
-class FloorView {
+class FloorView extends Picture {
   constructor(canvas, floor, run, clock) {
+    super();
     Object.assign(this, { canvas, floor, run, clock });
     this.image = document.createElement("canvas");
     this.image.width = floor.columns;
@@ -94,15 +95,6 @@ class FloorView {
     this.draw();
   }
 
-  draw() {
-    if (!this.theme || this.pending) return;
-    this.pending = true;
-    requestAnimationFrame(() => {
-      this.pending = false;
-      this.paint();
-    });
-  }
-
   paint() {
     const { context, width, height } = prepare(this.canvas);
     const { x0, x1, y0, y1 } = this.bounds;
@@ -112,7 +104,7 @@ class FloorView {
     this.scale = scale;
     context.clearRect(0, 0, width, height);
     this.paintCells(context);
-    this.paintAreas(context);
+    paintAreas(context, this.floor, (x, y) => this.toScreen(...this.place(x, y)), this.theme);
     this.paintPlan(context);
     if (this.floor.isOver) this.paintHole(context, width);
     this.paintRobot(context);
@@ -158,38 +150,6 @@ class FloorView {
       context.lineTo(...this.toScreen(...this.place(...this.fromStart(x1, y1))));
     }
     context.stroke();
-  }
-
-  // Areas to stay out of are hatched, areas to clean outlined.
-  paintAreas(context) {
-    const { floor, theme } = this;
-    const outline = (corners) => {
-      context.beginPath();
-      for (const corner of corners) context.lineTo(...this.toScreen(...this.place(...corner)));
-      context.closePath();
-    };
-    context.lineWidth = 1.5;
-    context.strokeStyle = theme.soft;
-    for (const corners of floor.keep_out ?? []) {
-      outline(corners);
-      context.stroke();
-      context.save();
-      context.clip();
-      context.beginPath();
-      const { width, height } = this.canvas;
-      for (let x = -height; x < width; x += 10) {
-        context.moveTo(x, 0);
-        context.lineTo(x + height, height);
-      }
-      context.stroke();
-      context.restore();
-    }
-    context.setLineDash([6, 4]);
-    for (const corners of floor.clean ?? []) {
-      outline(corners);
-      context.stroke();
-    }
-    context.setLineDash([]);
   }
 
   // A frame around the largest piece that was missed, and its size.

@@ -1,7 +1,8 @@
 // The map: plan, walls, hits, paths, the robot and its beams at the current moment.
 
-class MapView {
+class MapView extends Picture {
   constructor(canvas, run, hits, clock) {
+    super();
     Object.assign(this, { canvas, run, hits, clock });
     this.shown = Object.fromEntries(LAYERS.map((layer) => [layer.id, true]));
     this.colouring = "outcome";
@@ -73,15 +74,6 @@ class MapView {
   redrawHits() {
     this.hitsDrawn = Infinity;
     this.draw();
-  }
-
-  draw() {
-    if (!this.theme || this.pending) return;
-    this.pending = true;
-    requestAnimationFrame(() => {
-      this.pending = false;
-      this.paint();
-    });
   }
 
   paint() {

@@ -11,12 +11,16 @@ class LiveMap extends MapView {
   places = [];
   // The floor of a robot that sweeps it.
   floor = null;
+  // Areas to stay out of and to clean: their corners, and what leads from these to the map on the screen.
+  areas = {};
+  toShown = (x, y) => [x, y];
   // The look back.
   back = null;
 
   paintGrid(surface) {
     super.paintGrid(surface);
     if (this.floor && this.shown.floor) this.floor.paint(this);
+    paintAreas(this.context, this.areas, (x, y) => this.view.toScreen(...this.toShown(x, y)), this.theme);
   }
 
   paint() {

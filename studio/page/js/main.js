@@ -77,6 +77,7 @@ class Studio {
     this.map.ghost = [];
     this.map.places = [];
     this.map.floor = null;
+    this.map.areas = {};
     this.lookBack.reset();
     document.getElementById("eyebrow").textContent = eyebrow;
     document.getElementById("title").textContent = head.title;

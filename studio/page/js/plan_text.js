@@ -2,7 +2,7 @@
 
 const THING_KEYS = {
   box: ["min_m", "max_m"], wall: ["from_m", "to_m"], round: ["centre_m"], person: ["path_m"], door: ["from_m", "to_m"],
-  rug: ["min_m", "max_m"], cliff: ["min_m", "max_m"],
+  rug: ["min_m", "max_m"], cliff: ["min_m", "max_m"], keep_out: ["points_m"], clean: ["points_m"],
 };
 
 // Metres to the nearest five centimetres.
@@ -69,8 +69,15 @@ function withThing(text, kind, a, b) {
     person: [`path_m = [${pointText(a)}, ${pointText(b)}]`],
     door: [`from_m = ${pointText(a)}`, `to_m = ${pointText(b)}`],
     rug: [`min_m = ${pointText(low)}`, `max_m = ${pointText(high)}`, "turn_deg = 9.0"],
+    keep_out: areaLines(low, high),
+    clean: areaLines(low, high),
   }[kind];
   return `${text.trimEnd()}\n\n[[${kind}]]\n${lines.join("\n")}\n`;
+}
+
+// A rectangle as an area's corners.
+function areaLines([x0, y0], [x1, y1]) {
+  return [`points_m = [${[[x0, y0], [x1, y0], [x1, y1], [x0, y1]].map(pointText).join(", ")}]`];
 }
 
 // The thing nearest to a place, within `reach` metres; null: none.
@@ -86,6 +93,9 @@ function thingNear(text, [x, y], reach) {
   return best;
 }
 
+// An area is taken hold of by its edge: what stands in it can be, too.
+const isArea = (kind) => kind === "keep_out" || kind === "clean";
+
 function thingDistance({ kind, points }, x, y) {
   if (points.length === 1) return Math.hypot(points[0][0] - x, points[0][1] - y) - 0.1;
   if (["box", "rug", "cliff"].includes(kind)) {
@@ -93,6 +103,7 @@ function thingDistance({ kind, points }, x, y) {
     return Math.hypot(Math.max(x0 - x, 0, x - x1), Math.max(y0 - y, 0, y - y1));
   }
   let least = Infinity;
+  if (isArea(kind)) points = [...points, points[0]];
   for (let i = 1; i < points.length; i++) least = Math.min(least, segmentDistance(x, y, points[i - 1], points[i]));
   return least;
 }

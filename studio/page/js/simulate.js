@@ -124,8 +124,10 @@ class Simulate {
     const { map } = this.studio;
     this.home = JSON.parse(this.program.home());
     this.showHome([], []);
+    map.areas = this.home.areas;
+    map.toShown = (x, y) => this.toShown(x, y);
     if (!this.home.floor) return;
-    map.floor ??= new LiveFloor(() => this.program.floor(), (x, y) => this.toShown(x, y));
+    map.floor ??= new LiveFloor(() => this.program.floor(), map.toShown);
     map.floor.lie(this.home.floor);
   }
 

@@ -9,9 +9,14 @@ const TOOLS = [
   { id: "door", label: "Door", note: "Drag a door leaf across its frame; it stays closed." },
   { id: "person", label: "Person", note: "Drag the path that somebody walks to and fro." },
   { id: "rug", label: "Rug", note: "Drag a rug: its edge turns the robot, and no encoder tells." },
-  { id: "move", label: "Move thing", note: "Drag a wall, box, leg, door or person." },
+  { id: "keep_out", label: "Keep out", note: "Drag an area that a robot which cleans stays out of." },
+  { id: "clean", label: "Clean here", note: "Drag an area to clean; nothing outside such areas is cleaned then." },
+  { id: "move", label: "Move thing", note: "Drag a wall, box, leg, door or person, or the edge of an area." },
   { id: "erase", label: "Erase", note: "Click what is to go." },
 ];
+
+// Things that are drawn from corner to corner.
+const RECTANGLES = ["box", "rug", "keep_out", "clean"];
 
 // A press is on what lies within so many pixels.
 const GRIP_PX = 12;
@@ -76,7 +81,7 @@ class Tools {
   end(at) {
     const [x0, y0] = this.begun.at;
     const [x1, y1] = at.map(snapped);
-    if (this.tool === "box" || this.tool === "rug") return [x1, y1];
+    if (RECTANGLES.includes(this.tool)) return [x1, y1];
     if (Math.abs(y1 - y0) < 0.1 * Math.abs(x1 - x0)) return [x1, y0];
     if (Math.abs(x1 - x0) < 0.1 * Math.abs(y1 - y0)) return [x0, y1];
     return [x1, y1];
@@ -86,7 +91,7 @@ class Tools {
     if (this.tool === "move") return this.moveTo(at);
     const [x0, y0] = this.begun.at;
     const [x1, y1] = this.end(at);
-    const corners = this.tool === "box" || this.tool === "rug" ? [[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]] : [[x0, y0], [x1, y1]];
+    const corners = RECTANGLES.includes(this.tool) ? [[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]] : [[x0, y0], [x1, y1]];
     const shown = corners.map(([x, y]) => this.simulate.toShown(x, y));
     this.map.sketch = shown.slice(1).map((end, i) => [...shown[i], ...end]);
     this.map.draw();

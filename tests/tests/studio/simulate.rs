@@ -125,6 +125,36 @@ fn a_scene_is_shared_as_a_link_and_a_bad_link_is_said() {
 
 #[test]
 #[ignore = "needs the built page: cargo xtask test studio"]
+fn an_area_to_stay_out_of_is_drawn_and_stays_unswept() {
+    let Some((mut page, address)) = open("keep-out", "", [1280, 900]) else { return };
+    page.run(
+        "const job = document.getElementById('job'); job.value = 'clean';
+         document.getElementById('plan').value = 'room';
+         document.getElementById('plan').dispatchEvent(new Event('change'));
+         document.querySelector(\"[data-tool='keep_out']\").click(); document.getElementById('map').scrollIntoView();",
+    );
+    let share =
+        "return Number(document.getElementById('status').textContent.match(/([0-9.]+) % of the floor/)?.[1] ?? -1);";
+    let corners = [[0.55, 0.3], [0.6, 0.4], [0.68, 0.52]].map(|place| on_map(&mut page, place));
+    page.drag(&corners);
+    let text = page.run("return document.getElementById('plan-text').value;");
+    assert!(text.as_str().unwrap().contains("[[keep_out]]\npoints_m = [["), "{text}");
+    assert_eq!(page.run("return document.getElementById('problem').textContent;"), json!(""));
+    page.run("document.querySelector(\"[data-speed='100']\").click();");
+    page.until("document.getElementById('status').textContent.includes('it is back where it started')");
+    picture(&mut page, "keep-out");
+    let swept = page.run(share).as_f64().expect("a share");
+    assert!(swept > 90.0, "what is out of bounds does not count as floor: {swept} %");
+    // It is taken hold of by its edge.
+    page.run("document.querySelector(\"[data-tool='erase']\").click();");
+    let edge = on_map(&mut page, [0.6, 0.3]);
+    page.drag(&[edge, edge]);
+    assert!(!page.run("return document.getElementById('plan-text').value;").as_str().unwrap().contains("[[keep_out]]"));
+    assert_sound(&mut page, &address);
+}
+
+#[test]
+#[ignore = "needs the built page: cargo xtask test studio"]
 fn a_floor_is_swept_and_shown_as_it_was_at_each_moment() {
     let Some((mut page, address)) = open("clean", "", [1280, 900]) else { return };
     page.run(
