@@ -8,6 +8,7 @@ use slam_core::{Calibration, DriveModel, Increment, Pose};
 use crate::frame::relative;
 use crate::gains::Gains;
 use crate::group::Group;
+use crate::keyframe::Keyframe;
 use crate::names::{NAMES, Name};
 use crate::rows::Odometry;
 use crate::thin;
@@ -48,29 +49,6 @@ pub struct Hit {
     pub sensor: u8,
     /// Identifier of the wall that the filter used it for.
     pub wall: Option<u16>,
-}
-
-/// A pose that is placed, and the odometry from it to the next.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Keyframe {
-    /// Which one of the drive's it is.
-    pub serial: u32,
-    /// In the map.
-    pub pose: Pose,
-    /// The next one in its frame, as the odometry sensed it; of the last one, the robot.
-    pub motion: Pose,
-    /// Length of that path, metres.
-    pub path_m: f32,
-    /// All turning on it, radians, either way.
-    pub turning_rad: f32,
-    /// Groups seen from it; they follow each other in the diary.
-    pub groups: u16,
-}
-
-impl Keyframe {
-    fn at(serial: u32, pose: Pose) -> Self {
-        Self { serial, pose, motion: Pose::ORIGIN, path_m: 0.0, turning_rad: 0.0, groups: 0 }
-    }
 }
 
 /// What a full diary lost.
@@ -306,7 +284,13 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
 
     /// Makes two keyframes one; false where there are not enough.
     fn thin(&mut self) -> bool {
-        let is_done = thin::thin(&mut self.keyframes, &mut self.groups, &self.gains, self.placed);
+        let is_done = thin::thin(
+            &mut self.keyframes,
+            &mut self.groups,
+            &self.gains,
+            (&self.calibration, &self.odometry),
+            self.placed,
+        );
         if is_done {
             self.revision = self.revision.wrapping_add(1);
             self.losses.thinned = self.losses.thinned.saturating_add(1);

@@ -5,9 +5,10 @@ use slam_core::angle::wrap;
 use slam_core::hand_over::{ALPHA, DISTANCE, GAINS, HandOver, POSE, TURN, VEER};
 use slam_core::{Calibration, NotTaken, PlacedWall, Pose, Slam};
 
-use crate::diary::{Diary, Keyframe};
+use crate::diary::Diary;
 use crate::frame::Frame;
 use crate::group::Group;
+use crate::keyframe::Keyframe;
 use crate::look_back::LookBack;
 use crate::names::{NAMES, Name};
 use crate::rows;
@@ -121,7 +122,7 @@ impl Present {
         key: &Keyframe,
     ) -> Pose {
         let calibration = calibration(diary, solver);
-        let variances = diary.odometry.variances(key.path_m, key.turning_rad);
+        let variances = diary.odometry.variances(key);
         let (by, noise) = stretch(key, &self.pose, &calibration, variances);
         solver.system.move_on(&by, noise);
         let gone = calibrated(key, &calibration);

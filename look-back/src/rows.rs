@@ -3,10 +3,10 @@
 use slam_core::angle::wrap;
 use slam_core::{BUILT_TOLERANCE, Calibration, DriveModel, Pose, SLIP_M2_PER_RAD, SLIP_RUNS};
 
-use crate::diary::Keyframe;
 use crate::frame::Frame;
 use crate::gains::Gains;
 use crate::group::Group;
+use crate::keyframe::Keyframe;
 use crate::wall::Wall;
 
 /// Residuals of so many sigmas count half (Cauchy).
@@ -59,8 +59,9 @@ impl Odometry {
         Self { drive: *drive }
     }
 
-    /// Variance of each axis of the position, m^2, and of the heading, rad^2, after so much path and turning.
-    pub fn variances(&self, path_m: f32, turning_rad: f32) -> [f32; 2] {
+    /// Variance of each axis of the position, m^2, and of the heading, rad^2, after a keyframe's motion.
+    pub fn variances(&self, key: &Keyframe) -> [f32; 2] {
+        let Keyframe { path_m, turning_rad, .. } = *key;
         let [position_m2, heading_rad2] = match self.drive {
             DriveModel::Wheels { track_m, noise_m2_per_m, .. } => {
                 let wheel_m2 = noise_m2_per_m * (path_m + 0.5 * track_m * turning_rad);
@@ -72,7 +73,7 @@ impl Odometry {
             ],
         };
         // A tenth of a millimetre and of a milliradian: what stands still does so.
-        [position_m2 + 1e-8, heading_rad2 + 1e-8]
+        [position_m2 + key.swing_m2() + 1e-8, heading_rad2 + key.unknown_rad2() + 1e-8]
     }
 
     /// What is known of the calibration beforehand. Wheels that are larger drive farther and turn more: what is known of the
@@ -105,16 +106,16 @@ impl Odometry {
     /// draw the scale down.
     pub fn rows(&self, key: &Keyframe, next: &Pose, calibration: &Calibration) -> [Row; 3] {
         let Calibration { distance, turn, veer_rad_per_m } = *calibration;
-        let [position_m2, heading_rad2] = self.variances(key.path_m, key.turning_rad);
+        let [position_m2, heading_rad2] = self.variances(key);
         let frame = Frame::of(&key.pose);
         let [forward, left] = frame.turn_back([next.x_m - key.pose.x_m, next.y_m - key.pose.y_m]);
         let [c, s] = frame.turn([1.0 / distance, 0.0]);
         let row = |residual, weight, here, next, border| Row { residual, weight, here, next, border };
         let by_scale = |moved: f32| [(DISTANCE, -moved / (distance * distance)), NONE, NONE];
         let weight = 1.0 / position_m2;
-        let turned = wrap(next.theta_rad - key.pose.theta_rad);
-        let heading = wrap(turned / turn - veer_rad_per_m * key.path_m - key.motion.theta_rad);
-        let by_turn = [(TURN, -turned / (turn * turn)), (VEER, -key.path_m), NONE];
+        let sensed_rad = key.motion.theta_rad + veer_rad_per_m * key.path_m;
+        let heading = wrap(next.theta_rad - key.pose.theta_rad - turn * sensed_rad) / turn;
+        let by_turn = [(TURN, -(sensed_rad + heading) / turn), (VEER, -key.path_m), NONE];
         [
             row(forward / distance - key.motion.x_m, weight, [-c, -s, left / distance], [c, s, 0.0], by_scale(forward)),
             row(left / distance - key.motion.y_m, weight, [s, -c, -forward / distance], [-s, c, 0.0], by_scale(left)),

@@ -3,9 +3,10 @@
 use slam_core::Pose;
 use slam_core::angle::wrap;
 
-use crate::diary::{Diary, Keyframe};
+use crate::diary::Diary;
 use crate::frame::{Frame, relative};
 use crate::group::Group;
+use crate::keyframe::Keyframe;
 use crate::rows::{self, ALPHA, DISTANCE, GAINS, LAST_POSE, TURN, VEER, WALLS};
 use crate::system::{Link, System};
 use crate::wall::Wall;

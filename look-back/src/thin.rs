@@ -1,11 +1,13 @@
 //! Two neighbouring keyframes made one.
 
 use heapless::Vec;
+use slam_core::Calibration;
 
-use crate::diary::Keyframe;
 use crate::frame::{Frame, relative};
 use crate::gains::Gains;
 use crate::group::Group;
+use crate::keyframe::Keyframe;
+use crate::rows::Odometry;
 
 /// So much turning makes the odometry as unsure as a metre of path, radians.
 const RAD_PER_M: f32 = 0.8;
@@ -17,6 +19,7 @@ pub fn thin<const K: usize, const G: usize>(
     keyframes: &mut Vec<Keyframe, K>,
     groups: &mut Vec<Group, G>,
     gains: &Gains,
+    (calibration, odometry): (&Calibration, &Odometry),
     placed: u32,
 ) -> bool {
     let span = |key: &Keyframe| key.path_m + key.turning_rad / RAD_PER_M;
@@ -33,14 +36,9 @@ pub fn thin<const K: usize, const G: usize>(
     let seen = groups.get_mut(before..before + both).unwrap_or_default();
     let gone = join(seen, first.groups.into(), gains, &Frame::of(&apart));
     groups.retain(|group| group.hits > 0);
-    let one = Keyframe {
-        serial: first.serial,
-        pose: first.pose,
-        motion: first.motion.compose(&second.motion),
-        path_m: first.path_m + second.path_m,
-        turning_rad: first.turning_rad + second.turning_rad,
-        groups: first.groups + second.groups - gone,
-    };
+    let groups = first.groups + second.groups - gone;
+    let [_, heading_rad2] = odometry.variances(&first);
+    let one = Keyframe { groups, ..first.over(&second, calibration, heading_rad2) };
     if let Some(key) = keyframes.get_mut(at) {
         *key = one;
     }

@@ -1,6 +1,7 @@
 mod drive;
 mod drives;
 mod groups;
+mod motions;
 mod presents;
 mod random;
 mod sizes;
