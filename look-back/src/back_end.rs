@@ -65,8 +65,11 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
         slam: &Slam<S, WALLS, O, ROWS>,
         report: &StepReport<S>,
     ) {
-        if self.epoch == Some(slam.epoch()) {
+        let before = self.epoch.replace(slam.epoch());
+        if before == self.epoch {
             self.diary.record(slam, report);
+        } else if slam.is_elsewhere() && before.map(|epoch| epoch.wrapping_add(1)) == self.epoch {
+            self.diary.go_on_elsewhere(&slam.filter_pose());
         } else {
             self.begin_anew(slam);
         }
@@ -137,7 +140,6 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
         self.begun_at = 0;
         let gains = if slam.config().sensing.calibrate_gains { Gains::of_rig(slam.rig()) } else { Gains::KNOWN };
         self.diary.begin(&slam.rig().drive, gains, slam.filter_pose());
-        self.epoch = Some(slam.epoch());
     }
 
     /// Begins a look back where there is enough new to look at.

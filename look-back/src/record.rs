@@ -1,7 +1,7 @@
 //! The estimator's side: what one step of the filter writes down.
 
 use slam_core::{
-    BUILT_RELIEF_M, Increment, Outcome, RangeModel, RangeSensor, ReadingReport, SURFACE_M, Slam, StepReport,
+    BUILT_RELIEF_M, Increment, Outcome, Pose, RangeModel, RangeSensor, ReadingReport, SURFACE_M, Slam, StepReport,
 };
 
 use crate::diary::{Diary, Hit};
@@ -31,6 +31,29 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
             if let Some(hit) = hit(&robot, slam.gain(number), number as u8, sensor, reading) {
                 self.hit_turned(&hit, turn);
             }
+        }
+    }
+}
+
+/// Whoever moved the robot, or held it while its wheels turned, is found out within such a path, metres.
+const FOUND_OUT_M: f32 = 0.5;
+
+impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
+    /// The robot was found elsewhere in the same map: how it came there the odometry did not sense, nor what it did before that was
+    /// found out. `filter` is the filter's pose there.
+    pub(crate) fn go_on_elsewhere(&mut self, filter: &Pose) {
+        self.begin_keyframe(filter);
+        self.revision = self.revision.wrapping_add(1);
+        let Self { keyframes, calibration, .. } = self;
+        let Some((here, before)) = keyframes.split_last_mut() else { return };
+        let (mut next, mut path_m) = (here.pose, 0.0);
+        for key in before.iter_mut().rev() {
+            if path_m > FOUND_OUT_M {
+                break;
+            }
+            path_m += key.path_m;
+            key.part_from(&next, calibration);
+            next = key.pose;
         }
     }
 }

@@ -62,7 +62,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.ekf.predict([pose.x_m, pose.y_m, pose.theta_rad], &UNMOVED, covariance);
         self.first.follow(pose, self.map.grid(&self.ekf));
         self.candidates.clear();
-        self.map.begin_epoch();
+        self.map.begin_epoch_elsewhere();
     }
 
     /// Moves the pose, and makes it less certain by a 1-sigma vector, both metres, in the frame of dead reckoning.

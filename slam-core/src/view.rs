@@ -102,6 +102,11 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.map.epoch()
     }
 
+    /// Whether the map is that of the epoch before this one, and the robot was found elsewhere in it.
+    pub fn is_elsewhere(&self) -> bool {
+        self.map.is_elsewhere()
+    }
+
     /// The estimated pose in the filter's frame, which the map frame and the anchor do not move.
     pub fn filter_pose(&self) -> Pose {
         layout::pose(&self.ekf)

@@ -29,7 +29,7 @@ pub struct Robot {
     pub random: Random,
     /// x, y, theta in the room.
     pub truth: [f64; 3],
-    reckoned: Pose,
+    pub reckoned: Pose,
     /// Where it started, in the room.
     start: [f64; 3],
     pub laps: u16,
@@ -82,6 +82,15 @@ impl Robot {
                 diary.hit(&Hit { from_m: [0.0; 2], end_m, sigma_m, alike: 1.0, sensor: sensor as u8, wall });
             }
         }
+    }
+
+    /// Moves the robot in its own frame; the filter finds it there, but for an error.
+    pub fn kick(&mut self, by: [f64; 3], error: [f64; 3]) {
+        let ([x, y, theta], [dx, dy, turn]) = (self.truth, by);
+        let (s, c) = theta.sin_cos();
+        self.truth = [x + c * dx - s * dy, y + s * dx + c * dy, wrapped(theta + turn)];
+        let [dx, dy, turn] = [0, 1, 2].map(|i| (by[i] + error[i]) as f32);
+        self.reckoned = self.reckoned.compose(&Pose::new(dx, dy, turn));
     }
 
     /// Begins a keyframe here; the true pose in the map.

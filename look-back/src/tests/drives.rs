@@ -60,6 +60,22 @@ fn slices_of_any_size_give_the_same_bits() {
     assert!(u64::from(sliced.1.costliest) < sliced.1.cost / 50, "{:?}", sliced.1);
 }
 
+/// A robot that was kicked is elsewhere, which the filter knows roughly.
+#[test]
+fn a_drive_goes_on_where_the_robot_is_found_elsewhere() {
+    for seed in 1..=4 {
+        let (mut robot, mut diary) = (Robot::new(seed), SmallDiary::new(&DRIVE, Pose::ORIGIN));
+        robot.drive(&mut diary, 300);
+        robot.kick([0.2, -0.15, 0.3], [0.05, 0.05, -0.06]);
+        diary.go_on_elsewhere(&robot.reckoned);
+        robot.drive(&mut diary, 300);
+        assert_eq!(finish(&mut Small::new(), &mut diary, u32::MAX), Progress::Done);
+        let (pose_m, wall_m, walls) = errors(&robot, &diary);
+        assert!(pose_m < 0.03 && wall_m < 0.03, "seed {seed}: {pose_m} {wall_m}");
+        assert_eq!(walls, 4, "seed {seed}");
+    }
+}
+
 #[test]
 fn hours_fit_and_are_no_worse_than_minutes() {
     let (mut robot, mut diary) = (Robot::new(3), SmallDiary::new(&DRIVE, Pose::ORIGIN));

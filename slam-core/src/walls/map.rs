@@ -49,6 +49,8 @@ pub struct MapInner<V: ?Sized> {
     next_id: u16,
     /// Changes with whatever makes poses and walls of the filter's frame others than they were.
     epoch: u32,
+    /// The last epoch that began as the robot was found elsewhere in the same map.
+    elsewhere: u32,
     /// The grid was founded.
     pub has_grid: bool,
     /// How closely the home's walls stand on its grid, where that is learned.
@@ -73,6 +75,7 @@ impl<const W: usize> Map<W> {
     pub const EMPTY: Self = Self {
         next_id: 0,
         epoch: 0,
+        elsewhere: 0,
         has_grid: false,
         squareness: Squareness::UNKNOWN,
         frame: MapFrame::Start,
@@ -123,6 +126,17 @@ impl MapView {
     pub fn drop_anchor(&mut self, ekf: &mut EkfView, noise: [f32; 3]) {
         self.anchor = Some(self.anchor.unwrap_or(Anchor::START).drop_at(ekf, noise));
         self.begin_epoch();
+    }
+
+    /// The robot was found elsewhere in the same map, which begins an epoch.
+    pub fn begin_epoch_elsewhere(&mut self) {
+        self.begin_epoch();
+        self.elsewhere = self.epoch;
+    }
+
+    /// Whether the map is that of the epoch before this one, in which the robot is elsewhere.
+    pub fn is_elsewhere(&self) -> bool {
+        self.elsewhere == self.epoch
     }
 
     /// Poses and walls are others than they were.
