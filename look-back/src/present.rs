@@ -153,6 +153,17 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K,
         epoch: u32,
     ) -> Result<(), NotTaken> {
         self.present.finish(diary, &mut self.solver);
+        self.give(diary, slam, epoch)
+    }
+
+    /// The same when the present is reached. What it lists is on the stack only while it runs, not beside what that took.
+    #[inline(never)]
+    fn give<const G: usize, const S: usize, const WALLS: usize, const O: usize, const ROWS: usize>(
+        &self,
+        diary: &mut Diary<K, G, W>,
+        slam: &mut Slam<S, WALLS, O, ROWS>,
+        epoch: u32,
+    ) -> Result<(), NotTaken> {
         let solver = &self.solver;
         let walls: Vec<PlacedWall, W> = gathered(solver.walls().filter_map(|index| placed(diary, solver, index)));
         let place = |wall: usize| solver.walls().position(|index| index == wall);

@@ -5,13 +5,15 @@
 //! for independent of the rest from then on; walls that were born since, as they lie to the robot; readings that wait to become
 //! walls, which are in the frame of dead reckoning.
 
+mod links;
+
 use heapless::Vec;
 
 use crate::filter::ekf::{EkfView, Jacobian};
 use crate::filter::layout::{self, ALPHA, THETA, X, Y};
 use crate::geometry::angle::{sin_cos, wrap};
 use crate::geometry::pose::Pose;
-use crate::hand_over::{self, HandOver, PlacedWall, Terms};
+use crate::hand_over::{self, HandOver, PlacedWall};
 use crate::motion::drive::DriveStates;
 use crate::report::NotTaken;
 use crate::rig::DriveModel;
@@ -19,6 +21,7 @@ use crate::slam::Slam;
 use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::map::MapView;
 use crate::walls::wall::{Direction, Wall, WallPolicy};
+use links::{Link, MOST_LINKS, MOST_WALLS, NONE, link};
 
 /// A wall met within this length of path is in view, metres: about the range of the sensors.
 const IN_VIEW_M: f32 = 3.0;
@@ -36,25 +39,8 @@ const LESS_SURE: f32 = 2.0;
 const FLUSH_M: f32 = 0.005;
 const STRAIGHT_RAD: f32 = 0.01;
 
-/// Walls that a hand-over has room for.
-const MOST_WALLS: usize = 64;
-/// States that depend on it: pose, grid, the drive's calibration, gains, two a wall.
-const MOST_LINKS: usize = hand_over::WALLS + 2 * MOST_WALLS;
 /// Walls born since that are kept.
 const MOST_NEWBORN: usize = 8;
-
-/// A state of the filter and what it is of the hand-over's unknowns.
-#[derive(Clone, Copy)]
-struct Link {
-    state: usize,
-    terms: Terms<2>,
-}
-
-const NONE: (usize, f32) = (0, 0.0);
-
-fn link(state: usize, terms: Terms<2>) -> Link {
-    Link { state, terms }
-}
 
 /// A line as it lies to a pose: distance along its normal, metres, and the normal's direction, radians.
 fn seen_from(pose: &Pose, rho_m: f32, beta_rad: f32) -> (f32, f32) {
@@ -219,7 +205,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         for last in (base..self.ekf.len()).rev() {
             self.ekf.remove(last);
         }
-        let links = self.means(found, &newborn);
+        let mut links = Vec::new();
+        self.means(found, &newborn, &mut links);
         self.ekf.relate(&links, found);
         for born in &newborn {
             self.map.put(&mut self.ekf, born);
@@ -229,9 +216,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.holds.forget();
     }
 
-    /// Sets the means and allots the walls' states; what each state is of the unknowns.
-    fn means(&mut self, found: &HandOver, newborn: &[Newborn]) -> Vec<Link, MOST_LINKS> {
-        let mut links: Vec<Link, MOST_LINKS> = Vec::new();
+    /// Sets the means and allots the walls' states; writes down what each state is of the unknowns.
+    fn means(&mut self, found: &HandOver, newborn: &[Newborn], links: &mut Vec<Link, MOST_LINKS>) {
         let mut add = |link| {
             let _ = links.push(link);
         };
@@ -258,7 +244,6 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let deviation = self.map.deviation(self.config.walls.policy);
         let policy = self.config.walls.policy;
         self.map.allot(&mut self.ekf, found, policy, deviation, &mut add);
-        links
     }
 }
 
@@ -289,22 +274,6 @@ fn calibration(
         }
     };
     states.in_order().into_iter().zip(rows).filter_map(|(state, (mean, terms))| Some((state?, mean, terms)))
-}
-
-impl EkfView {
-    /// Gives the linked states the hand-over's covariance. The others keep theirs with one another and have none with these.
-    fn relate(&mut self, links: &[Link], found: &HandOver) {
-        for other in (0..self.len()).filter(|other| links.iter().all(|link| link.state != *other)) {
-            for link in links {
-                self.set_covariance(link.state, other, 0.0);
-            }
-        }
-        for (i, a) in links.iter().enumerate() {
-            for b in links.iter().take(i + 1) {
-                self.set_covariance(a.state, b.state, found.of_sums(&a.terms, &b.terms));
-            }
-        }
-    }
 }
 
 impl MapView {

@@ -48,9 +48,14 @@ pub fn duty() -> Duty {
     if ENABLED.lock(Cell::get) { DUTY.lock(Cell::get) } else { Duty::default() }
 }
 
-/// Takes what was written to the serial line.
-pub fn take_said() -> Vec<u8, 2048> {
-    SAID.lock(RefCell::take)
+/// Hands on what was written to the serial line since the last call. It stays where it is meanwhile: this runs above all tasks, and a
+/// copy on the stack would count for the robot's.
+pub fn hand_on_said(to: impl FnOnce(&[u8])) {
+    SAID.lock(|said| {
+        let mut said = said.borrow_mut();
+        to(&said);
+        said.clear();
+    });
 }
 
 /// Puts bytes onto the serial line; those that find no room are lost.

@@ -20,7 +20,7 @@ impl Link {
 
     /// Says what the tasks said and what the motors are given, then waits for the next moment: microseconds since the start.
     pub fn exchange(&mut self) -> u64 {
-        self.transport.write(&devices::take_said());
+        devices::hand_on_said(|said| self.transport.write(said));
         let duty = devices::duty();
         self.send(&Frame::Motors(Motors { time_us: self.at_us, left: duty.left, right: duty.right }));
         loop {
