@@ -3,6 +3,7 @@
 //! | part | what it is |
 //! |---|---|
 //! | [`Writer`], [`Record`] | the record as words to write, and as bytes that were read and checked |
+//! | [`Areas`] | what a user drew into it |
 //! | [`Store`] | slots of NOR flash: the newest whole record counts, and a power cut leaves the old one or the new one |
 //! | [`rig_hash`] | what says that a record was made by a robot like this one |
 //!
@@ -13,14 +14,18 @@
 #[cfg(test)]
 extern crate std;
 
+mod areas;
 mod receiving;
 mod record;
+mod refused;
 mod rig_hash;
 mod store;
 #[cfg(test)]
 mod tests;
 
+pub use areas::{Areas, BadArea, Corner};
 pub use receiving::{ReceiveError, Receiving};
-pub use record::{Record, Refused, VERSION, Writer};
+pub use record::{Record, VERSION, Writer};
+pub use refused::Refused;
 pub use rig_hash::rig_hash;
 pub use store::{SaveError, Saved, Saving, Store};

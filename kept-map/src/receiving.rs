@@ -3,12 +3,12 @@
 
 use embedded_storage::nor_flash::NorFlash;
 
-use crate::record::{CRC, HEAD_SIZES, Refused, len_of_head};
-use crate::store::{SaveError, Saved, Saving, Store, continued};
+use crate::record::{CRC, HEAD_SIZES, len_of_head};
+use crate::refused::Refused;
+use crate::store::{RIG, SaveError, Saved, Saving, Store, continued};
 
-/// The words of a record that are its save's number and its rig's hash.
+/// The word of a record that is its save's number.
 const SEQUENCE: usize = 4;
-const RIG: usize = 5;
 
 /// A record on its way in.
 #[derive(Debug)]

@@ -15,16 +15,19 @@
 //! | 8 a wall | identifier and state of rho; kind, quarter and state of the direction; lo; hi; updates; score, halvings, drawn; line as it was drawn: rho, beta |
 //! | 1 a state but for the pose's | means |
 //! | n (n + 1) / 2 | covariance of those n, upper triangle by rows |
+//! | 1 an area and 2 a corner of it | [areas](crate::Areas), in version 2 alone: without any, a record is one of version 1 |
 //! | 1 | CRC-32 (ISO-HDLC) of all words before |
-
-use core::fmt;
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 use slam_core::Pose;
 use slam_core::kept::{Direction, Kept, KeptFrame, KeptWall, POSE_STATES};
 
-/// Number of the format; another number is another format.
-pub const VERSION: u32 = 1;
+use crate::areas::{self, Areas, Corner};
+use crate::refused::Refused;
+
+/// Number of the format; another number is another format. A record without areas is one of the version before.
+pub const VERSION: u32 = 2;
+const WITHOUT_AREAS: u32 = 1;
 
 const MAGIC: [u32; 2] = [u32::from_le_bytes(*b"wall"), u32::from_le_bytes(*b"map\0")];
 
@@ -37,42 +40,14 @@ pub(crate) const CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO
 /// Most states and walls of a record: those of any estimator are fewer.
 const MOST: usize = 4096;
 
-/// Why bytes are not a record that this robot can use.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Refused {
-    /// They do not begin as a record does.
-    Foreign,
-    /// Its format has another version, this one.
-    Version(u32),
-    /// It ends early, or its CRC is not that of its content.
-    Corrupt,
-    /// A robot with another rig made it.
-    OtherRig,
-}
-
-impl fmt::Display for Refused {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Foreign => write!(f, "is no kept map; a run or replay writes one as map.bin"),
-            Self::Version(version) => {
-                write!(f, "is a kept map of version {version}; this program reads version {VERSION}")
-            }
-            Self::Corrupt => {
-                write!(f, "is a damaged kept map: it is cut short, or its check sum is not that of its content")
-            }
-            Self::OtherRig => {
-                write!(f, "is the map of a robot with another rig; it must be one that was made with the same rig file")
-            }
-        }
-    }
-}
-
 /// Sizes of a record.
 #[derive(Clone, Copy, Debug)]
 struct Layout {
     walls: usize,
     /// States but for the pose's.
     states: usize,
+    /// Words of the areas.
+    areas: usize,
 }
 
 impl Layout {
@@ -84,9 +59,14 @@ impl Layout {
         self.means() + self.states
     }
 
+    /// Place of the areas, and end of what every record has.
+    fn areas(self) -> usize {
+        self.covariance() + self.states * (self.states + 1) / 2
+    }
+
     /// Words of the record, with the CRC.
     fn len(self) -> usize {
-        self.covariance() + self.states * (self.states + 1) / 2 + 1
+        self.areas() + self.areas + 1
     }
 
     /// Place of an entry of the covariance, i <= j, both without the pose.
@@ -100,6 +80,7 @@ pub struct Writer<'k, K> {
     kept: &'k K,
     frame: KeptFrame,
     layout: Layout,
+    areas: &'k [u32],
     sequence: u32,
     rig: u32,
 }
@@ -108,9 +89,15 @@ impl<'k, K: Kept> Writer<'k, K> {
     /// The record of a map as the save of this number, made by the robot with this [`rig_hash`](crate::rig_hash).
     pub fn new(kept: &'k K, sequence: u32, rig: u32) -> Self {
         let frame = kept.frame();
-        let layout =
-            Layout { walls: usize::from(frame.walls), states: usize::from(frame.states).saturating_sub(POSE_STATES) };
-        Self { kept, frame, layout, sequence, rig }
+        let states = usize::from(frame.states).saturating_sub(POSE_STATES);
+        let layout = Layout { walls: usize::from(frame.walls), states, areas: 0 };
+        Self { kept, frame, layout, areas: &[], sequence, rig }
+    }
+
+    /// The same with these areas in the map.
+    pub fn with_areas(self, areas: &'k Areas) -> Self {
+        let words = areas.words();
+        Self { layout: Layout { areas: words.len(), ..self.layout }, areas: words, ..self }
     }
 
     /// Words of the record without the CRC that ends it.
@@ -136,6 +123,9 @@ impl<'k, K: Kept> Writer<'k, K> {
         if place < self.layout.covariance() {
             return self.kept.mean(POSE_STATES + place - self.layout.means()).to_bits();
         }
+        if let Some(area) = place.checked_sub(self.layout.areas()) {
+            return self.areas.get(area).copied().unwrap_or_default();
+        }
         let (mut row, mut left) = (0, place - self.layout.covariance());
         while left >= states - row {
             left -= states - row;
@@ -154,7 +144,7 @@ impl<'k, K: Kept> Writer<'k, K> {
         [
             MAGIC[0],
             MAGIC[1],
-            VERSION,
+            if self.areas.is_empty() { WITHOUT_AREAS } else { VERSION },
             self.layout.len() as u32,
             self.sequence,
             self.rig,
@@ -264,6 +254,17 @@ impl<'a> Record<'a> {
         self.layout.len()
     }
 
+    /// The areas in the map.
+    pub fn areas(&self) -> Areas {
+        Areas::of_words((0..self.layout.areas).map(|place| self.word(self.layout.areas() + place)))
+    }
+
+    /// The corners of its areas, of one after those of the other.
+    pub fn corners(self) -> impl Iterator<Item = Corner> {
+        let Layout { areas: count, .. } = self.layout;
+        areas::corners(move |place| (place < count).then(|| self.word(self.layout.areas() + place)))
+    }
+
     fn word(&self, place: usize) -> u32 {
         word(self.bytes, place).unwrap_or_default()
     }
@@ -283,16 +284,18 @@ fn layout_of(word: impl Fn(usize) -> Option<u32>) -> Result<Layout, Refused> {
         return Err(Refused::Foreign);
     }
     let head = |place| word(place).ok_or(Refused::Corrupt);
-    match head(2)? {
-        VERSION => {}
+    let most_areas = match head(2)? {
+        WITHOUT_AREAS => 0,
+        VERSION => areas::MOST,
         other => return Err(Refused::Version(other)),
-    }
+    };
     let (states, walls) = ((head(6)? & 0xFFFF) as usize, (head(7)? & 0xFFFF) as usize);
     if !(POSE_STATES + 1..=MOST).contains(&states) || walls > MOST {
         return Err(Refused::Corrupt);
     }
-    let layout = Layout { walls, states: states - POSE_STATES };
-    if head(3)? as usize == layout.len() { Ok(layout) } else { Err(Refused::Corrupt) }
+    let layout = Layout { walls, states: states - POSE_STATES, areas: 0 };
+    let areas = (head(3)? as usize).checked_sub(layout.len()).filter(|areas| *areas <= most_areas);
+    Ok(Layout { areas: areas.ok_or(Refused::Corrupt)?, ..layout })
 }
 
 /// Words of the head that tell the record's sizes.
@@ -301,6 +304,11 @@ pub(crate) const HEAD_SIZES: usize = 8;
 /// Words of the record that begins with these, with the CRC.
 pub(crate) fn len_of_head(head: &[u32; HEAD_SIZES]) -> Result<usize, Refused> {
     layout_of(|place| head.get(place).copied()).map(Layout::len)
+}
+
+/// Place and number of words of the areas in the record that begins with these.
+pub(crate) fn areas_of_head(head: &[u32; HEAD_SIZES]) -> Result<(usize, usize), Refused> {
+    layout_of(|place| head.get(place).copied()).map(|layout| (layout.areas(), layout.areas))
 }
 
 /// Checks a record that is read word by word; its sequence number where it is whole.

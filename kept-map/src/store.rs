@@ -6,7 +6,11 @@
 use embedded_storage::nor_flash::NorFlash;
 use slam_core::kept::Kept;
 
-use crate::record::{CRC, Writer, check};
+use crate::areas::Areas;
+use crate::record::{CRC, HEAD_SIZES, Writer, areas_of_head, check};
+
+/// The word of a record that is its rig's hash.
+pub(crate) const RIG: usize = 5;
 
 /// Longest write unit of a flash, bytes.
 const MOST_UNIT: usize = 16;
@@ -43,6 +47,8 @@ pub struct Saving {
     slot: u32,
     sequence: u32,
     rig: u32,
+    /// The record whose areas it takes along.
+    before: Option<Saved>,
     written: usize,
     /// Where in the flash the next unit goes.
     at: u32,
@@ -106,7 +112,8 @@ impl<F: NorFlash> Store<F> {
         let from = slot * self.slot_bytes;
         self.flash.erase(from, from + self.slot_bytes).map_err(SaveError::Flash)?;
         let digest = CRC.digest().finalize();
-        Ok(Saving { slot, sequence, rig, written: 0, at: from, digest, unit: [0; MOST_UNIT], filled: 0 })
+        let before = newest;
+        Ok(Saving { slot, sequence, rig, before, written: 0, at: from, digest, unit: [0; MOST_UNIT], filled: 0 })
     }
 
     /// Writes at most so many words more; true when the record is whole.
@@ -114,7 +121,8 @@ impl<F: NorFlash> Store<F> {
     /// # Errors
     /// The record is longer than a slot, or the flash refused. The slot holds no record then.
     pub fn go_on(&mut self, saving: &mut Saving, kept: &impl Kept, words: usize) -> Result<bool, SaveError<F::Error>> {
-        let writer = Writer::new(kept, saving.sequence, saving.rig);
+        let areas = self.areas(saving);
+        let writer = Writer::new(kept, saving.sequence, saving.rig).with_areas(&areas);
         if !self.fits(writer.len() + 1) {
             return Err(SaveError::TooLong);
         }
@@ -127,6 +135,18 @@ impl<F: NorFlash> Store<F> {
             self.write(saving, word).map_err(SaveError::Flash)?;
         }
         Ok(false)
+    }
+
+    /// The areas that are kept with the map, whatever becomes of its walls.
+    fn areas(&mut self, saving: &Saving) -> Areas {
+        let Some(Saved { slot, .. }) = saving.before else { return Areas::NONE };
+        let mut head = [0; HEAD_SIZES];
+        for (place, entry) in head.iter_mut().enumerate() {
+            *entry = self.word(slot, place).unwrap_or_default();
+        }
+        let is_own = head.get(RIG) == Some(&saving.rig);
+        let (from, count) = areas_of_head(&head).ok().filter(|_| is_own).unwrap_or_default();
+        Areas::of_words((from..from + count).map_while(|place| self.word(slot, place)))
     }
 
     /// Whether a record of so many words has room in a slot.

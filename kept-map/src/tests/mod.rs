@@ -1,3 +1,4 @@
+mod areas;
 mod nor;
 mod power_cuts;
 mod receiving;

@@ -103,6 +103,7 @@ impl Drive {
         }
         if self.bounded_in != Some(session.frames()) {
             self.bounded_in = Some(session.frames());
+            session.draw_areas(&self.bounds);
             let bounds = if session.is_located() { &self.bounds } else { &Bounds::NONE };
             self.robot.bounds = bounds.seen_from(&session.slam().start_pose().inverse());
         }

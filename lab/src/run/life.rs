@@ -4,8 +4,9 @@
 //! itself; then it takes that up. What the robot does with its flash is done here with a record in memory.
 
 use hal_sim::pose::Pose2;
-use kept_map::{Record, Writer, rig_hash};
+use kept_map::{Areas, Record, Writer, rig_hash};
 use relocate::{Event, Hypothesis, Locator, State, Step, path_on_grid};
+use robot::{AreaKind, Bounds};
 use slam_core::kept::Kept;
 use slam_core::{HostSlam, Outcome, Rig, StepReport};
 
@@ -53,6 +54,8 @@ pub struct Life {
     lost: usize,
     /// Maps that the estimator itself began anew.
     restarts: u32,
+    /// Areas that the user drew, in the frame of the start.
+    bounds: Bounds,
 }
 
 impl Life {
@@ -70,7 +73,13 @@ impl Life {
             places: Vec::new(),
             lost: 0,
             restarts: 0,
+            bounds: Bounds::NONE,
         }
+    }
+
+    /// These areas, in the frame of the start, are kept with the map from now on.
+    pub fn draw_areas(&mut self, bounds: &Bounds) {
+        self.bounds = bounds.clone();
     }
 
     /// The robot begins somewhere in this map, a record of this sequence number, or elsewhere.
@@ -123,8 +132,27 @@ impl Life {
 
     fn record_of(&self, slam: &HostSlam) -> Option<Vec<u8>> {
         let mut bytes = Vec::new();
-        Writer::new(slam, self.sequence + 1, self.rig).bytes(|piece| bytes.extend_from_slice(piece));
+        let areas = self.areas(slam);
+        let writer = Writer::new(slam, self.sequence + 1, self.rig).with_areas(&areas);
+        writer.bytes(|piece| bytes.extend_from_slice(piece));
         (slam.frame().walls > 0).then_some(bytes)
+    }
+
+    /// The areas that the map is kept with, in its frame: those of the map before where none were drawn.
+    fn areas(&self, slam: &HostSlam) -> Areas {
+        let kept = self.kept.as_deref().and_then(|kept| Record::whole(kept).ok());
+        if let Some(kept) = kept.filter(|_| self.bounds.is_empty()) {
+            return kept.areas();
+        }
+        let in_map = self.bounds.seen_from(&slam.start_pose().inverse());
+        let mut areas = Areas::NONE;
+        for (number, kind) in (0..).zip(AreaKind::ALL) {
+            for corners in in_map.areas(kind) {
+                // A map has room for as many as a plan may have.
+                let _ = areas.add(number, corners);
+            }
+        }
+        areas
     }
 
     /// Takes in what the wheel-drop switches say.

@@ -9,8 +9,7 @@ use std::path::Path;
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
 use input_file::FileError;
-use kept_map::{Record, SaveError, Store};
-use slam_core::kept::Kept;
+use kept_map::{ReceiveError, Record, Refused, SaveError, Saved, Store};
 
 /// Bytes of a slot: more than the record of the largest map on the desk.
 const SLOT_BYTES: u32 = 512 * 1024;
@@ -37,21 +36,32 @@ pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
     }
 }
 
-/// Saves a map of the robot with this [`rig_hash`](kept_map::rig_hash) into a file, which is made where it is not there.
+/// Saves a map, the bytes of a record of the robot with this [`rig_hash`](kept_map::rig_hash), into a file, which is made where it is
+/// not there. The record gets a number of the file's own.
 ///
 /// # Errors
 /// What the system says. What was saved before is as it was then.
-pub fn save(path: &Path, kept: &impl Kept, rig: u32) -> Result<(), FileError> {
+pub fn save(path: &Path, map: &[u8], rig: u32) -> Result<(), FileError> {
     let failed = |cause: &io::Error| FileError::system(path, "write", cause);
     let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path);
     let mut store = Store::new(MapFile(file.map_err(|cause| failed(&cause))?), SLOT_BYTES);
-    let saved = store.save(kept, rig).map_err(|error| match error {
-        SaveError::TooLong => {
+    let saved = put(&mut store, map, rig).map_err(|error| match error {
+        ReceiveError::Refused(refused) => FileError::new(path, format!("cannot have this map, which {refused}")),
+        ReceiveError::Save(SaveError::TooLong) => {
             FileError::new(path, format!("has room for a map of {SLOT_BYTES} bytes; this one is larger"))
         }
-        SaveError::Flash(Failed(cause)) => failed(&cause),
+        ReceiveError::Save(SaveError::Flash(Failed(cause))) => failed(&cause),
     });
     saved.and_then(|_| store.flash().0.sync_all().map_err(|cause| failed(&cause)))
+}
+
+fn put(store: &mut Store<MapFile>, map: &[u8], rig: u32) -> Result<Saved, ReceiveError<Failed>> {
+    let (words, _) = map.as_chunks::<4>();
+    let mut words = words.iter().map(|word| u32::from_le_bytes(*word));
+    let crc = words.next_back().ok_or(ReceiveError::Refused(Refused::Corrupt))?;
+    let mut receiving = store.receive(rig).map_err(ReceiveError::Save)?;
+    words.try_for_each(|word| store.take(&mut receiving, word))?;
+    store.seal(receiving, crc)
 }
 
 /// A file as NOR flash: cells past its end are erased ones.

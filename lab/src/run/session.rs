@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use kept_map::{Record, rig_hash};
 use look_back::RobotBackEnd;
+use robot::Bounds;
 use slam_core::{Config, DriveModel, HostSlam, Outcome, Parameter, RigError, Sample, StepReport, Unfit};
 
 use super::life::{Life, Place, Searched};
@@ -66,6 +67,11 @@ impl Session {
     /// The record that the robot would keep, as a `map.bin`; none where there is no map.
     pub fn map(&self) -> Option<Vec<u8>> {
         self.life.record(&self.slam)
+    }
+
+    /// These areas, in the frame of the drive's start, are kept with the map.
+    pub fn draw_areas(&mut self, bounds: &Bounds) {
+        self.life.draw_areas(bounds);
     }
 
     /// Counts the frames that poses were given in: where it has changed, what was drawn before is in another one.
@@ -286,7 +292,8 @@ pub(super) fn renewed<'n>(names: &[&'n str], out: &Path, map: Option<&Path>) -> 
 pub(super) fn keep(folder: &Folder, session: &Session) -> Result<(), FileError> {
     let Some(map) = session.map() else { return Ok(()) };
     let Ok(record) = Record::whole(&map) else { return Ok(()) };
-    map_file::save(&folder.file(MAP), &record, rig_hash(session.slam.rig()))
+    let map = map.get(..4 * record.words()).unwrap_or_default();
+    map_file::save(&folder.file(MAP), map, rig_hash(session.slam.rig()))
 }
 
 /// The file of the kept map.

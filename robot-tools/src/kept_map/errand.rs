@@ -153,10 +153,13 @@ mod tests {
 
     /// A record as a simulated drive makes it.
     fn record() -> Vec<u8> {
+        record_of(&hal_sim::plan_file::load("room").unwrap())
+    }
+
+    fn record_of(plan: &hal_sim::Plan) -> Vec<u8> {
         let (robot, _) = lab::input::built_in_robot().unwrap();
-        let plan = hal_sim::plan_file::load("room").unwrap();
         let config = slam_core::Config::for_rig(&robot.rig);
-        let mut drive = lab::run::Drive::new(&plan, &robot, hal_sim::SimOptions::default(), 1).unwrap();
+        let mut drive = lab::run::Drive::new(plan, &robot, hal_sim::SimOptions::default(), 1).unwrap();
         let mut session = lab::run::Session::new(&robot, config, "room").unwrap();
         for _ in 0..500 {
             drive.step(&mut session);
@@ -222,6 +225,22 @@ mod tests {
         assert_eq!(run(Errand::Get, &mut robot, 3), Ok(Done::Got(map)));
         assert_eq!(run(Errand::Forget, &mut robot, 100), Ok(Done::Forgotten));
         assert!(robot.kept.is_empty());
+    }
+
+    #[test]
+    fn the_map_of_a_home_has_its_areas_where_they_are_in_the_map() {
+        let mut plan = hal_sim::plan_file::load("room").unwrap();
+        let corners = [[3.0, 1.0], [4.0, 1.0], [4.0, 2.0]];
+        plan.bounds.add(robot::AreaKind::KeepOut, &corners).unwrap();
+        let map = record_of(&plan);
+        let kept: Vec<kept_map::Corner> = Record::parse(&map).unwrap().corners().collect();
+        assert_eq!(kept.len(), corners.len());
+        let from_start = plan.start.to_pose().inverse();
+        for (kept, corner) in kept.iter().zip(corners) {
+            let [x_m, y_m] = from_start.transform(corner);
+            assert_eq!(robot::AreaKind::ALL.get(usize::from(kept.kind)), Some(&robot::AreaKind::KeepOut));
+            assert!((kept.at_m[0] - x_m).hypot(kept.at_m[1] - y_m) < 0.05, "{kept:?}, not {x_m} {y_m}");
+        }
     }
 
     #[test]
