@@ -2,16 +2,18 @@
 //!
 //! [`traits`] says what a board offers: a bank of range sensors, two wheel encoders, two motors, a bumper and a cliff
 //! sensor. [`h_bridge`] drives motors through `embedded-hal` outputs, [`wheel_control`] holds a wheel speed, [`contact`]
-//! stops the wheels without waiting for anyone, [`condition`] knows battery, charger and stalled wheels, and [`pilot`] decides where to go. [`rig`] is the robot as built.
+//! stops the wheels without waiting for anyone, [`condition`] knows battery, charger and stalled wheels, [`pilot`] and [`floor`] decide where to go, one of them at a time ([`job`]). [`rig`] is the robot as built.
 //!
 //! One rule: nothing here knows the true pose or the true walls. Lengths are metres, angles radians, times seconds
 //! unless a name says otherwise; the robot's frame has its origin at the wheel axle's centre, x forward, y left.
 #![no_std]
 
+mod cleaning;
 pub mod condition;
 pub mod contact;
 pub mod floor;
 pub mod h_bridge;
+pub mod job;
 pub mod pilot;
 pub mod rig;
 pub mod traits;
@@ -25,6 +27,7 @@ pub use floor::{
     AreaKind, Bounds, FLOOR_RECORD_BYTES, FloorConfig, FloorJob, FloorProgress, FloorRecordError, FloorState,
 };
 pub use h_bridge::{HBridge, HBridgeError, MotorPair};
+pub use job::{AreaCorner, Job, MapWall, Whereabouts};
 pub use pilot::{Activity, Pilot, PilotConfig, Senses};
 pub use traits::{DriveMotors, Duty, MetricSensor, RangeSensorBank, WheelCounter, WheelEncoders, WheelSpeeds};
 pub use wheel_control::{WheelControl, WheelControlConfig};

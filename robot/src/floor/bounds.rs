@@ -33,6 +33,11 @@ pub enum AreaKind {
     Clean,
 }
 
+impl AreaKind {
+    /// Every one; its place here is its number in a kept map.
+    pub const ALL: [Self; 2] = [Self::KeepOut, Self::Clean];
+}
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Area {
     kind: AreaKind,
@@ -67,6 +72,20 @@ impl Bounds {
         }
         self.corners.extend_from_slice(corners).map_err(|_| BadArea)?;
         self.areas.push(Area { kind, end: end as u8 }).map_err(|_| BadArea)
+    }
+
+    /// Adds a corner to the last area, or the first one of another area. Until an area has three it has no inside.
+    ///
+    /// # Errors
+    /// There is no room for it.
+    pub fn add_corner(&mut self, kind: AreaKind, is_first: bool, at_m: [f32; 2]) -> Result<(), BadArea> {
+        if is_first {
+            self.areas.push(Area { kind, end: self.corners.len() as u8 }).map_err(|_| BadArea)?;
+        }
+        let area = self.areas.last_mut().ok_or(BadArea)?;
+        self.corners.push(at_m).map_err(|_| BadArea)?;
+        area.end += 1;
+        Ok(())
     }
 
     /// The same areas in the frame whose origin is this pose.
@@ -204,6 +223,19 @@ mod tests {
         assert!(bounds.is_to_clean([0.5, 0.5]) && !bounds.is_to_clean([3.0, 3.0]));
         let turned = bounds.seen_from(&Pose::new(0.0, 0.0, core::f32::consts::FRAC_PI_2));
         assert!(turned.is_out([1.5, -1.5]) && !turned.is_out([1.5, 1.5]));
+    }
+
+    #[test]
+    fn areas_come_corner_by_corner() {
+        let (mut whole, mut told) = (Bounds::default(), Bounds::default());
+        for (kind, corners) in [(AreaKind::KeepOut, &SQUARE[..]), (AreaKind::Clean, &SQUARE[1..])] {
+            whole.add(kind, corners).unwrap();
+            for (index, at_m) in corners.iter().enumerate() {
+                told.add_corner(kind, index == 0, *at_m).unwrap();
+            }
+        }
+        assert_eq!(told, whole);
+        assert_eq!(Bounds::default().add_corner(AreaKind::Clean, false, [0.0; 2]), Err(BadArea));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use slam_core::Pose;
 
 /// Which way the job's frame is turned against the map's.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Frame {
     /// Direction of the job's x axis in the map frame, radians; none until the walls' grid is known.
     grid_rad: Option<f32>,
@@ -16,7 +16,7 @@ impl Frame {
     }
 
     /// The frame turned like this against the map's.
-    pub(super) fn with_grid(grid_rad: Option<f32>) -> Self {
+    pub(super) const fn with_grid(grid_rad: Option<f32>) -> Self {
         Self { grid_rad }
     }
 

@@ -2,6 +2,8 @@
 
 use slam_core::angle::wrap;
 
+use crate::pilot::steer::limited;
+
 /// What the body is and how near it may come.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hug {
@@ -114,7 +116,7 @@ impl Hug {
         if pressed_m > 0.0 {
             turn -= 10.0 * pressed_m;
         }
-        turn = turn.clamp(-self.turn_radps, self.turn_radps);
+        turn = limited(turn, self.turn_radps);
         let mut forward_mps = self.speed_mps * (1.0 - 0.6 * turn.abs() / self.turn_radps);
         forward_mps = forward_mps.min(3.0 * (ahead_m - self.gap_m + 0.004));
         if ahead_m < self.gap_m + 0.003 {

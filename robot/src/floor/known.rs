@@ -27,23 +27,26 @@ impl<const S: usize> FloorJob<S> {
         home: Pose,
         path: impl Iterator<Item = [f32; 2]>,
     ) {
-        self.home = Some(home);
+        self.go_home_to(home);
+        walls.for_each(|ends_m| self.know_wall(ends_m));
         let back = self.frame.origin().inverse();
-        let mut known: Option<Known> = None;
-        for ends in walls {
-            let [from_m, to_m] = ends.map(|end_m| back.transform(end_m));
-            self.draw_wall(from_m, to_m, &mut known);
-        }
         for at_m in path {
             let [x_m, y_m] = back.transform(at_m);
             let new = self.sheet.sweep(&Pose { x_m, y_m, theta_rad: 0.0 });
             self.tally.add(new);
         }
-        self.known = known;
     }
 
-    /// Draws a wall as if two beams had ended on each of its cells, and makes the box larger by it.
-    fn draw_wall(&mut self, from_m: [f32; 2], to_m: [f32; 2], known: &mut Option<Known>) {
+    /// Home is there, in the map frame, metres.
+    pub fn go_home_to(&mut self, home: Pose) {
+        self.home = Some(home);
+    }
+
+    /// One more wall of the kept map, by its ends in the map frame, metres: it stands there as if two beams had ended on each of its
+    /// cells, and there is floor between it and the others.
+    pub fn know_wall(&mut self, ends_m: [[f32; 2]; 2]) {
+        let back = self.frame.origin().inverse();
+        let [from_m, to_m] = ends_m.map(|end_m| back.transform(end_m));
         let length_m = libm::hypotf(to_m[0] - from_m[0], to_m[1] - from_m[1]);
         let count = ((length_m / (0.5 * self.sheet.picture.cell_m)) as u16 + 1).min(4 * CELLS as u16);
         for index in 0..=count {
@@ -52,8 +55,8 @@ impl<const S: usize> FloorJob<S> {
             let cell = self.sheet.picture.cell_at(x_m, y_m);
             self.sheet.picture.see_hit(cell);
             self.sheet.picture.see_hit(cell);
-            let Known { low, high, .. } = known.unwrap_or(Known { low: cell, high: cell, next: 0 });
-            *known = Some(Known {
+            let Known { low, high, .. } = self.known.unwrap_or(Known { low: cell, high: cell, next: 0 });
+            self.known = Some(Known {
                 low: Cell { col: low.col.min(cell.col), row: low.row.min(cell.row) },
                 high: Cell { col: high.col.max(cell.col), row: high.row.max(cell.row) },
                 next: 0,

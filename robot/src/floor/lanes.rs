@@ -7,6 +7,7 @@ use super::near::free_ahead_m;
 use super::sheet::Axis;
 use super::{FloorJob, Phase};
 use crate::pilot::memory::Cell;
+use crate::pilot::steer::limited;
 
 /// A lane: a straight line along an axis of the job's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,7 +81,7 @@ impl<const S: usize> FloorJob<S> {
         let off_rad = wrap(lane.heading_rad() - pose.theta_rad);
         let is_begun = self.path_m - self.begun_m > 0.02;
         if off_rad.abs() > if is_begun { 0.5 } else { 0.08 } {
-            return (0.0, (3.0 * off_rad).clamp(-drive.turn_radps, drive.turn_radps));
+            return (0.0, limited(3.0 * off_rad, drive.turn_radps));
         }
         // Left of the lane is positive.
         let left = match lane.axis {
@@ -88,7 +89,7 @@ impl<const S: usize> FloorJob<S> {
             Axis::Y => -f32::from(lane.sign),
         };
         let off_m = (left * (across_m - lane.across_m)).clamp(-0.06, 0.06);
-        let turn_radps = (3.5 * off_rad - 14.0 * off_m).clamp(-drive.turn_radps, drive.turn_radps);
+        let turn_radps = limited(3.5 * off_rad - 14.0 * off_m, drive.turn_radps);
         let free_m = free_ahead_m(self.near.seen_from(pose, now_us), drive.radius_m + 0.004);
         let forward_mps = self.config.open_mps.min(2.0 * (free_m - 0.01)) * (1.0 - off_rad.abs() / 0.6).max(0.0);
         let [along, _] = self.sheet.place(lane.axis, [pose.x_m, pose.y_m]);

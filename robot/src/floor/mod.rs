@@ -5,6 +5,7 @@
 //! of the home in cells of 16 cm, which quarters of these were swept, and the points near it of the last seconds.
 
 mod bounds;
+mod config;
 mod contact;
 mod dock;
 mod edges;
@@ -31,6 +32,7 @@ use crate::pilot::beam::{Beam, Passed, draw_beam};
 use crate::pilot::{PilotConfig, Senses};
 use crate::traits::WheelSpeeds;
 pub use bounds::{AREAS, AreaKind, BadArea, Bounds, CORNERS};
+pub use config::FloorConfig;
 use dock::Stage;
 use errand::Errand;
 use frame::Frame;
@@ -44,37 +46,6 @@ use sheet::{Axis, QUARTER_M, Sheet};
 use traction::Traction;
 use trail::Trail;
 use wave::{Aim, Route, Target, Wave};
-
-/// How the floor is swept.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FloorConfig {
-    /// Size of the robot and manner of driving.
-    pub drive: PilotConfig,
-    /// Speed along lanes and on the way to them, m/s.
-    pub open_mps: f32,
-    /// Gap between body and wall when it goes along one, metres.
-    pub gap_m: f32,
-    /// Age of a reading when it is used, seconds.
-    pub reading_age_s: f32,
-    /// Voltage of the battery below which the robot goes home, volts.
-    pub low_v: f32,
-    /// Voltage of the battery above which it leaves the dock, volts.
-    pub full_v: f32,
-}
-
-impl Default for FloorConfig {
-    fn default() -> Self {
-        Self {
-            drive: PilotConfig { turn_radps: 1.2, ..PilotConfig::default() },
-            open_mps: 0.3,
-            gap_m: 0.015,
-            reading_age_s: 0.038,
-            // Three lithium cells: at 3.5 V a tenth of their charge is left, at 4.1 V they take up little more.
-            low_v: 10.5,
-            full_v: 12.3,
-        }
-    }
-}
 
 /// Without new floor for so long a path an edge is done, metres.
 const BARREN_M: f32 = 1.0;
@@ -156,57 +127,75 @@ pub struct FloorJob<const S: usize> {
 }
 
 impl<const S: usize> FloorJob<S> {
+    /// One that knows nothing, not even the robot: to be begun.
+    pub(crate) const BLANK: Self = Self {
+        config: FloorConfig::DEFAULT,
+        frame: Frame::with_grid(None),
+        sheet: Sheet::new(),
+        near: Near::new(),
+        beams: [Beam::NONE; S],
+        before_m: [f32::INFINITY; S],
+        wave: Wave::new(),
+        route: Route::new(),
+        phase: Phase::Seek { to_m: None },
+        resume: Phase::Seek { to_m: None },
+        since_us: 0,
+        last: None,
+        home: None,
+        has_dock: false,
+        errand: Errand::Sweep,
+        battery_v: f32::NAN,
+        traction: Traction::new(),
+        holds: 0,
+        trail: Trail::new(),
+        path_m: 0.0,
+        begun_m: 0.0,
+        credit_m: 0.0,
+        beside_m: 0.0,
+        gained: 0,
+        target: None,
+        axis: Axis::X,
+        moved: ([0.0; 2], 0),
+        struck_m: [f32::INFINITY; 2],
+        strikes: 0,
+        turn_sign: 1.0,
+        given_up: heapless::Vec::new(),
+        retries: 0,
+        pockets: 0,
+        squeezes: 0,
+        blocked: 0,
+        steps: 0,
+        tally: Tally::new(),
+        marked: 0,
+        is_elsewhere: false,
+        known: None,
+    };
+
     /// A job about to begin where the robot is: that is home.
     pub fn new(config: FloorConfig, rig: &Rig<S>) -> Self {
+        let mut job = Self::BLANK;
+        job.prepare(config, Beam::of_rig(rig));
+        job
+    }
+
+    /// Begins anew where the robot is: that is home now. The memory is written where it lies; no second one is needed for it.
+    pub fn begin_anew(&mut self) {
+        let (config, beams) = (self.config, self.beams);
+        *self = Self::BLANK;
+        self.prepare(config, beams);
+    }
+
+    /// A blank job becomes that of a robot with these beams.
+    pub(crate) fn prepare(&mut self, config: FloorConfig, beams: [Beam; S]) {
         let drive = PilotConfig { cell_m: 2.0 * QUARTER_M, ..config.drive };
-        Self {
-            config: FloorConfig { drive, ..config },
-            frame: Frame::default(),
-            sheet: Sheet::new(),
-            near: Near::new(),
-            beams: Beam::of_rig(rig),
-            before_m: [f32::INFINITY; S],
-            wave: Wave::new(),
-            route: Route::new(),
-            phase: Phase::Seek { to_m: None },
-            resume: Phase::Seek { to_m: None },
-            since_us: 0,
-            last: None,
-            home: None,
-            has_dock: false,
-            errand: Errand::Sweep,
-            battery_v: f32::NAN,
-            traction: Traction::new(),
-            holds: 0,
-            trail: Trail::new(),
-            path_m: 0.0,
-            begun_m: 0.0,
-            credit_m: 0.0,
-            beside_m: 0.0,
-            gained: 0,
-            target: None,
-            axis: Axis::X,
-            moved: ([0.0; 2], 0),
-            struck_m: [f32::INFINITY; 2],
-            strikes: 0,
-            turn_sign: 1.0,
-            given_up: heapless::Vec::new(),
-            retries: 0,
-            pockets: 0,
-            squeezes: 0,
-            blocked: 0,
-            steps: 0,
-            tally: Tally::default(),
-            marked: 0,
-            is_elsewhere: false,
-            known: None,
-        }
+        self.config = FloorConfig { drive, ..config };
+        self.beams = beams;
     }
 
     /// The direction of the walls' grid in the map frame (radians) is known: lanes run along it from now on.
     pub fn align(&mut self, grid_rad: f32) {
         if let Some(turned_rad) = self.frame.align(grid_rad) {
-            self.sheet = Sheet::new();
+            self.sheet.clear();
             self.near.turn(turned_rad);
             self.last = None;
             self.route.clear();

@@ -22,11 +22,16 @@ const SLACK_M: f32 = 0.035;
 const BESIDE_M: f32 = 0.012;
 
 /// A point, in the frame of the floor job.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Point {
     at_m: [f32; 2],
     /// Until when it is kept, in [`Tick`]s.
     until: Tick,
+}
+
+impl Point {
+    /// One that is over.
+    const NONE: Self = Self { at_m: [0.0; 2], until: 0 };
 }
 
 /// Sixteenths of a second, about: as 32 bits they last for eight years.
@@ -43,8 +48,8 @@ pub(super) struct Near {
 }
 
 impl Near {
-    pub(super) fn new() -> Self {
-        Self { points: [Point::default(); POINTS] }
+    pub(super) const fn new() -> Self {
+        Self { points: [Point::NONE; POINTS] }
     }
 
     /// Something is here (metres, frame of the job) until then at least.
@@ -121,7 +126,7 @@ impl Near {
 
     /// Nothing is known any more.
     pub(super) fn clear(&mut self) {
-        self.points = [Point::default(); POINTS];
+        self.points.fill(Point::NONE);
     }
 
     /// The frame turned by so much (radians): all points are elsewhere in it now.

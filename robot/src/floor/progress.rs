@@ -125,7 +125,7 @@ impl FloorProgress {
 const COUNTED: usize = 20;
 
 /// Counts floor and time, a little each step.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Tally {
     /// Quarters swept.
     swept: u32,
@@ -144,6 +144,11 @@ pub(super) struct Tally {
 const LONGEST_US: u64 = 1_000_000;
 
 impl Tally {
+    pub(super) const fn new() -> Self {
+        let seconds_in = [0; FloorState::ALL.len()];
+        Self { swept: 0, left: 0, counted: 0, next: 0, seconds_in, begun_us: 0, last_us: None }
+    }
+
     pub(super) fn add(&mut self, new_quarters: u16) {
         self.swept = self.swept.saturating_add(new_quarters.into());
     }
@@ -217,7 +222,7 @@ mod tests {
 
     #[test]
     fn time_goes_to_the_state_of_the_moment_and_a_pause_of_the_clock_to_none() {
-        let (mut tally, sheet) = (Tally::default(), Sheet::new());
+        let (mut tally, sheet) = (Tally::new(), Sheet::new());
         (0..=100).for_each(|step| tally.step(&sheet, FloorState::Lane, step * 40_000));
         tally.step(&sheet, FloorState::Edge, 3_600_000_000);
         let progress = tally.progress(FloorState::Edge);

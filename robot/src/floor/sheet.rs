@@ -65,8 +65,14 @@ pub(super) struct Sheet {
 }
 
 impl Sheet {
-    pub(super) fn new() -> Self {
+    pub(super) const fn new() -> Self {
         Self { picture: Memory::new(2.0 * QUARTER_M), swept: Swept::new() }
+    }
+
+    /// The same, where it lies.
+    pub(super) fn clear(&mut self) {
+        self.picture.clear(2.0 * QUARTER_M);
+        self.swept.clear();
     }
 
     /// Moves the picture when the robot comes near its edge.

@@ -37,8 +37,14 @@ pub(super) struct Swept {
 
 impl Swept {
     /// Nothing yet.
-    pub(super) fn new() -> Self {
+    pub(super) const fn new() -> Self {
         Self { cells: [[0; CELLS / 2]; CELLS], origin: [0; 2] }
+    }
+
+    /// The same, where it lies.
+    pub(super) fn clear(&mut self) {
+        self.cells.as_flattened_mut().fill(0);
+        self.origin = [0; 2];
     }
 
     fn stored_at(&self, cell: Cell) -> Option<[usize; 2]> {

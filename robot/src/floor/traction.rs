@@ -28,7 +28,7 @@ pub(super) struct Traction<const S: usize> {
 }
 
 impl<const S: usize> Traction<S> {
-    pub(super) fn new() -> Self {
+    pub(super) const fn new() -> Self {
         Self { mean_m: [f32::NAN; S], anchor_m: [f32::NAN; S], path_m: 0.0, is_through: false }
     }
 

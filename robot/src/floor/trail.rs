@@ -16,7 +16,7 @@ pub(super) struct Trail {
 }
 
 impl Trail {
-    pub(super) fn new() -> Self {
+    pub(super) const fn new() -> Self {
         Self { points: heapless::Deque::new(), since_m: f32::INFINITY }
     }
 

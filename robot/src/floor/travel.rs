@@ -7,8 +7,10 @@ use super::dock::Stage;
 use super::errand::Errand;
 use super::near::free_ahead_m;
 use super::swept::CELLS;
-use super::wave::{Aim, Slice, Target, unpacked};
+use super::wave::{Aim, Slice, Target};
 use super::{FloorJob, Phase};
+use crate::pilot::memory::Cell;
+use crate::pilot::steer::limited;
 
 /// A target whose way was blocked more often is given up.
 const MAX_BLOCKED: u8 = 4;
@@ -121,11 +123,9 @@ impl<const S: usize> FloorJob<S> {
         } else if self.retries == 0 && !self.given_up.is_empty() {
             self.retries = 1;
             self.sheet.picture.forget_visits();
-            for index in 0..self.given_up.len() {
-                let [x_m, y_m] = self.given_up[index];
+            while let Some([x_m, y_m]) = self.given_up.pop() {
                 self.sheet.swept.set(self.sheet.picture.cell_at(x_m, y_m), false);
             }
-            self.given_up.clear();
             self.plan(Aim::Floor, now_us);
         } else {
             self.errand = Errand::Finish;
@@ -136,15 +136,15 @@ impl<const S: usize> FloorJob<S> {
     pub(super) fn transit(&mut self, target: Target, aim: Aim, pose: &Pose, now_us: u64) -> (f32, f32) {
         let here_m = [pose.x_m, pose.y_m];
         // On to the farthest of the next cells that a straight line leads to.
-        let is_straight = |cell: &[u8; 2]| self.sheet.is_passable(here_m, self.sheet.picture.centre_m(unpacked(*cell)));
-        let skip =
-            (0..self.route.len().min(6)).rev().find(|&ahead| is_straight(&self.route[self.route.len() - 1 - ahead]));
+        let is_straight =
+            |cell: &[u8; 2]| self.sheet.is_passable(here_m, self.sheet.picture.centre_m(Cell::unpacked(*cell)));
+        let skip = (0..6).rev().find(|ahead| self.route.iter().rev().nth(*ahead).is_some_and(is_straight));
         self.route.truncate(self.route.len() - skip.unwrap_or(0));
         let Some(next) = self.route.last() else {
             self.arrive(target, pose, now_us);
             return (0.0, 0.0);
         };
-        let to_m = self.sheet.picture.centre_m(unpacked(*next));
+        let to_m = self.sheet.picture.centre_m(Cell::unpacked(*next));
         if libm::hypotf(to_m[0] - here_m[0], to_m[1] - here_m[1]) < 0.06 {
             self.route.pop();
         }
@@ -169,7 +169,7 @@ impl<const S: usize> FloorJob<S> {
         let aligned = (1.0 - off_rad.abs() / 0.6).max(0.0);
         let free_m = free_ahead_m(self.near.seen_from(pose, now_us), drive.radius_m + 0.004);
         let forward_mps = (self.config.open_mps * aligned).min(2.0 * (free_m - 0.01)).max(0.0);
-        (forward_mps, (3.0 * off_rad).clamp(-drive.turn_radps, drive.turn_radps))
+        (forward_mps, limited(3.0 * off_rad, drive.turn_radps))
     }
 
     pub(super) fn arrive(&mut self, target: Target, pose: &Pose, now_us: u64) {

@@ -86,17 +86,9 @@ pub(super) struct Wave {
     pub reached: u16,
 }
 
-fn packed(cell: Cell) -> [u8; 2] {
-    [cell.col as u8, cell.row as u8]
-}
-
-pub(super) fn unpacked([col, row]: [u8; 2]) -> Cell {
-    Cell { col: col.into(), row: row.into() }
-}
-
 impl Wave {
-    pub(super) fn new() -> Self {
-        Self { front: Deque::new(), start: Cell::default(), open: None, escape: 0, row: 0, reached: 0 }
+    pub(super) const fn new() -> Self {
+        Self { front: Deque::new(), start: Cell { col: 0, row: 0 }, open: None, escape: 0, row: 0, reached: 0 }
     }
 
     /// Begins a search where the robot is; `escape` cells from there the way may be narrow.
@@ -120,7 +112,7 @@ impl Wave {
         }
         if self.row == CELLS as i16 && sheet.picture.is_inside(self.start) {
             sheet.picture.set_step_label(self.start, 0);
-            let _ = self.front.push_back((packed(self.start), 0));
+            let _ = self.front.push_back((self.start.packed(), 0));
         }
         false
     }
@@ -131,7 +123,7 @@ impl Wave {
             return Slice::More;
         }
         for _ in 0..SLICE {
-            let Some((cell, steps)) = self.front.pop_front().map(|(cell, steps)| (unpacked(cell), steps)) else {
+            let Some((cell, steps)) = self.front.pop_front().map(|(cell, steps)| (Cell::unpacked(cell), steps)) else {
                 return self.open.map_or(Slice::Nothing, |(cell, _)| Slice::Found(Target::Open(cell)));
             };
             self.reached = self.reached.saturating_add(1);
@@ -152,7 +144,7 @@ impl Wave {
                 if sheet.picture.is_inside(next) && sheet.picture.step_label(next).is_none() && self.is_way(sheet, next)
                 {
                     sheet.picture.set_step_label(next, (label + 1) % 3);
-                    let _ = self.front.push_back((packed(next), steps.saturating_add(1)));
+                    let _ = self.front.push_back((next.packed(), steps.saturating_add(1)));
                 }
             }
         }
@@ -175,7 +167,7 @@ impl Wave {
             if route.is_full() {
                 route.remove(0);
             }
-            let _ = route.push(packed(cell));
+            let _ = route.push(cell.packed());
             let Some(label) = sheet.picture.step_label(cell) else { break };
             let before = (label + 2) % 3;
             let mut neighbours = NEIGHBOURS.iter().map(|&(cols, rows)| cell.offset(cols, rows));

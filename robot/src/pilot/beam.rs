@@ -22,9 +22,13 @@ pub(crate) struct Beam {
 }
 
 impl Beam {
+    /// Of no sensor.
+    pub(crate) const NONE: Self =
+        Self { mount_m: [0.0; 2], direction: [0.0; 2], min_m: 0.0, max_m: 0.0, range_m: 0.0, age: u8::MAX };
+
     /// The beams of a rig, none of them read yet.
     pub(crate) fn of_rig<const S: usize>(rig: &Rig<S>) -> [Beam; S] {
-        let mut beams = [Beam { age: u8::MAX, ..Beam::default() }; S];
+        let mut beams = [Self::NONE; S];
         for (beam, sensor) in beams.iter_mut().zip(&rig.sensors) {
             let (s, c) = slam_core::angle::sin_cos(sensor.mount.bearing_rad);
             beam.mount_m = [sensor.mount.x_m, sensor.mount.y_m];

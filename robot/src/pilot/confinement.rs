@@ -7,13 +7,15 @@ use slam_core::Pose;
 const ATTEMPTS: u8 = 20;
 
 /// Attempts in vain, and where.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Confinement {
     place_m: [f32; 2],
     attempts: u8,
 }
 
 impl Confinement {
+    pub(super) const NONE: Self = Self { place_m: [0.0; 2], attempts: 0 };
+
     /// An attempt ended here; true where the robot did not get away by as much as its radius in twenty of them.
     pub(super) fn attempt(&mut self, pose: &Pose, radius_m: f32) -> bool {
         let [dx, dy] = [pose.x_m - self.place_m[0], pose.y_m - self.place_m[1]];

@@ -14,6 +14,16 @@ impl Cell {
         Cell { col: self.col + cols, row: self.row + rows }
     }
 
+    /// Its column and row, where it lies inside.
+    pub(crate) fn packed(self) -> [u8; 2] {
+        [self.col as u8, self.row as u8]
+    }
+
+    /// The cell in this column and row.
+    pub(crate) fn unpacked([col, row]: [u8; 2]) -> Self {
+        Self { col: col.into(), row: row.into() }
+    }
+
     /// Distance in king's moves.
     pub(crate) fn moves_to(self, other: Cell) -> i16 {
         (self.col - other.col).abs().max((self.row - other.row).abs())
@@ -67,9 +77,17 @@ pub(crate) fn incoming<const N: usize>(moved: i16) -> core::ops::Range<i16> {
 
 impl<const N: usize> Memory<N> {
     /// Nothing known; the start in the middle.
-    pub(crate) fn new(cell_m: f32) -> Self {
-        let half = (N / 2) as i32;
-        Self { cells: [[0; N]; N], corner: [-half, -half], origin: [0; 2], cell_m }
+    pub(crate) const fn new(cell_m: f32) -> Self {
+        Self { cells: [[0; N]; N], corner: Self::CORNER, origin: [0; 2], cell_m }
+    }
+
+    /// Where its lower corner is at first: the start is in the middle.
+    const CORNER: [i32; 2] = [-((N / 2) as i32); 2];
+
+    /// The same, where it lies: a new one beside it would need as much memory again.
+    pub(crate) fn clear(&mut self, cell_m: f32) {
+        self.cells.as_flattened_mut().fill(0);
+        (self.corner, self.origin, self.cell_m) = (Self::CORNER, [0; 2], cell_m);
     }
 
     pub(crate) fn cell_at(&self, x_m: f32, y_m: f32) -> Cell {

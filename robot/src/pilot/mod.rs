@@ -9,11 +9,12 @@
 //! clear it again.
 
 pub(crate) mod beam;
+mod config;
 mod confinement;
 pub(crate) mod memory;
 mod patience;
 pub(crate) mod search;
-mod steer;
+pub(crate) mod steer;
 
 use slam_core::{Pose, Rig};
 
@@ -21,43 +22,11 @@ use crate::condition::Condition;
 use crate::contact::Contacts;
 use crate::traits::WheelSpeeds;
 use beam::{Beam, Passed, draw_beam};
+pub use config::PilotConfig;
 use confinement::Confinement;
 use memory::{Cell, Memory};
 use patience::Patience;
-use search::{Route, Squeeze};
-
-/// Size of the robot and manner of driving.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PilotConfig {
-    /// Cruising speed, m/s.
-    pub speed_mps: f32,
-    /// Fastest turn, rad/s. A Sharp reading is some 40 ms old: at 0.8 rad/s its beam has turned by 2 degrees since.
-    pub turn_radps: f32,
-    /// Radius of the body, metres.
-    pub radius_m: f32,
-    /// Distance between the wheels, metres.
-    pub track_m: f32,
-    /// Distance that the robot's centre keeps from walls beside it, metres: beyond the sensors' minimum range.
-    pub standoff_m: f32,
-    /// Edge of a cell of the picture, metres.
-    pub cell_m: f32,
-    /// Readings beyond this range are too noisy to place a wall, metres.
-    pub trusted_m: f32,
-}
-
-impl Default for PilotConfig {
-    fn default() -> Self {
-        Self {
-            speed_mps: 0.25,
-            turn_radps: 0.8,
-            radius_m: 0.17,
-            track_m: 0.235,
-            standoff_m: 0.33,
-            cell_m: 0.15,
-            trusted_m: 1.1,
-        }
-    }
-}
+use search::{Front, Route, Squeeze};
 
 /// What the pilot decides by, at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,6 +97,7 @@ const TRAIL: i16 = 2;
 pub struct Pilot<const S: usize, const N: usize = 80> {
     config: PilotConfig,
     memory: Memory<N>,
+    front: Front,
     beams: [Beam; S],
     route: Option<Route>,
     next_route_us: u64,
@@ -146,24 +116,36 @@ pub struct Pilot<const S: usize, const N: usize = 80> {
 }
 
 impl<const S: usize, const N: usize> Pilot<S, N> {
+    /// One that knows nothing, not even the robot: to be begun.
+    pub(crate) const BLANK: Self = Self {
+        config: PilotConfig::DEFAULT,
+        memory: Memory::new(PilotConfig::DEFAULT.cell_m),
+        front: Front::new(),
+        beams: [Beam::NONE; S],
+        route: None,
+        next_route_us: 0,
+        activity: Activity::Wandering,
+        since_us: 0,
+        turn_sign: 1.0,
+        patience: Patience::new(),
+        confinement: Confinement::NONE,
+        steps: 0,
+        moving_us: 0,
+        rounds: 0,
+        given_up: 0,
+    };
+
     /// A pilot that knows nothing of the home.
     pub fn new(config: PilotConfig, rig: &Rig<S>) -> Self {
-        Self {
-            config,
-            memory: Memory::new(config.cell_m),
-            beams: Beam::of_rig(rig),
-            route: None,
-            next_route_us: 0,
-            activity: Activity::default(),
-            since_us: 0,
-            turn_sign: 1.0,
-            patience: Patience::new(),
-            confinement: Confinement::default(),
-            steps: 0,
-            moving_us: 0,
-            rounds: 0,
-            given_up: 0,
-        }
+        let mut pilot = Self::BLANK;
+        pilot.prepare(config, rig);
+        pilot
+    }
+
+    /// A blank pilot becomes that of this robot.
+    pub(crate) fn prepare(&mut self, config: PilotConfig, rig: &Rig<S>) {
+        (self.config, self.beams) = (config, Beam::of_rig(rig));
+        self.memory.clear(config.cell_m);
     }
 
     /// The wheel speeds until the next step. A pose that is not finite stops the robot.
@@ -182,7 +164,7 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
 
     /// Forgets its picture of the home: poses are in another frame from now on.
     pub fn forget(&mut self) {
-        self.memory = Memory::new(self.config.cell_m);
+        self.memory.clear(self.config.cell_m);
         self.route = None;
         self.next_route_us = 0;
     }
@@ -323,9 +305,9 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
         let eighths = libm::roundf(pose.theta_rad * (4.0 / core::f32::consts::PI)) as i32;
         let octant = (eighths & 7) as usize;
         let before = self.route;
-        let memory = &mut self.memory;
-        self.route = search::find_route(memory, start, octant, Squeeze::Leave)
-            .or_else(|| search::find_route(memory, start, octant, Squeeze::Through));
+        let (memory, front) = (&mut self.memory, &mut self.front);
+        self.route = search::find_route(memory, front, start, octant, Squeeze::Leave)
+            .or_else(|| search::find_route(memory, front, start, octant, Squeeze::Through));
         if self.route.is_none() {
             if self.confinement.attempt(pose, self.config.radius_m) {
                 self.begin(Activity::Stuck, senses);
@@ -335,7 +317,7 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
             self.memory.forget_visits();
             self.memory.visit(start, TRAIL);
             self.patience.renew(senses.time_us);
-            self.route = search::find_route(&mut self.memory, start, octant, Squeeze::Leave);
+            self.route = search::find_route(&mut self.memory, &mut self.front, start, octant, Squeeze::Leave);
         }
         let activity = match self.route {
             None => Activity::Wandering,

@@ -25,7 +25,7 @@ pub(super) struct Patience {
 }
 
 impl Patience {
-    pub(super) fn new() -> Self {
+    pub(super) const fn new() -> Self {
         Self { best_steps: u16::MAX, progress_us: 0, switches: 0 }
     }
 

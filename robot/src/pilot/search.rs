@@ -25,6 +25,10 @@ pub(crate) enum Squeeze {
     Through,
 }
 
+/// The wave's front: columns and rows of cells, those that are as many steps from the start one after the other. The pilot keeps it, for
+/// the stack has no room.
+pub(crate) type Front = Deque<[u8; 2], FRONT>;
+
 /// Length of the path's first part that is handed out, in cells.
 pub(crate) const LOOK_AHEAD: usize = 4;
 
@@ -64,12 +68,16 @@ fn borders_on_unknown<const N: usize>(memory: &Memory<N>, cell: Cell) -> bool {
 /// unknown. `octant` is the robot's heading in eighths of a turn.
 pub(crate) fn find_route<const N: usize>(
     memory: &mut Memory<N>,
+    front: &mut Front,
     start: Cell,
     octant: usize,
     squeeze: Squeeze,
 ) -> Option<Route> {
+    if !memory.is_inside(start) {
+        return None;
+    }
     memory.clear_steps();
-    let mut front: Deque<(Cell, u16), FRONT> = Deque::new();
+    front.clear();
     let mut edge: Option<(Cell, u16)> = None;
     let escape = match squeeze {
         Squeeze::Through => 5,
@@ -77,8 +85,14 @@ pub(crate) fn find_route<const N: usize>(
         Squeeze::Leave => 2,
     };
     memory.set_step_label(start, 0);
-    let _ = front.push_back((start, 0));
-    while let Some((cell, steps)) = front.pop_front() {
+    let _ = front.push_back(start.packed());
+    // Cells of the front that are so many steps from the start.
+    let (mut steps, mut left) = (0_u16, 1);
+    while let Some(cell) = front.pop_front().map(Cell::unpacked) {
+        if left == 0 {
+            (steps, left) = (steps + 1, front.len() + 1);
+        }
+        left -= 1;
         if let Some((target, edge_steps)) = edge
             && steps > edge_steps + WALL_PREFERENCE
         {
@@ -98,7 +112,7 @@ pub(crate) fn find_route<const N: usize>(
             let near = next.moves_to(start) <= escape && memory.is_free(next);
             if memory.step_label(next).is_none() && (near || is_passable(memory, next)) {
                 memory.set_step_label(next, ((steps + 1) % 3) as u8);
-                let _ = front.push_back((next, steps + 1));
+                let _ = front.push_back(next.packed());
             }
         }
     }
@@ -167,7 +181,7 @@ mod tests {
             "#vvvvvvvv#.........#",
             "####################",
         ]);
-        let route = find_route(&mut memory, start, 0, Squeeze::Leave).unwrap();
+        let route = find_route(&mut memory, &mut Front::new(), start, 0, Squeeze::Leave).unwrap();
         assert!(route.wall && route.target.col > 11, "{route:?}");
         assert_eq!(route.count, LOOK_AHEAD);
         assert_eq!(route.first[0].moves_to(start), 1);
@@ -177,13 +191,13 @@ mod tests {
     #[test]
     fn everything_visited_leaves_nothing_to_do() {
         let (mut memory, start) = drawn(&["######", "#vvvv#", "#vvRv#", "#vvvv#", "######"]);
-        assert_eq!(find_route(&mut memory, start, 3, Squeeze::Leave), None);
+        assert_eq!(find_route(&mut memory, &mut Front::new(), start, 3, Squeeze::Leave), None);
     }
 
     #[test]
     fn the_edge_of_the_unknown_is_a_target_where_no_wall_is_in_sight() {
         let (mut memory, start) = drawn(&["vvvvvvv...", "vvvRvvv...", "vvvvvvv..."]);
-        let route = find_route(&mut memory, start, 0, Squeeze::Leave).unwrap();
+        let route = find_route(&mut memory, &mut Front::new(), start, 0, Squeeze::Leave).unwrap();
         assert!(!route.wall && route.target.col >= 9, "{route:?}");
     }
 }

@@ -44,3 +44,14 @@ pub(crate) fn towards(point_m: [f32; 2], pose: &Pose, beams: &[Beam], config: &P
     let turn_radps = (2.5 * error_rad + aside_radps).min(config.turn_radps).max(-config.turn_radps);
     (forward_mps, turn_radps)
 }
+
+/// What a value is within this limit to either side. Unlike `clamp` it never panics, whatever the limit is, and needs no text for that.
+pub(crate) fn limited(value: f32, limit: f32) -> f32 {
+    if value > limit {
+        limit
+    } else if value < -limit {
+        -limit
+    } else {
+        value
+    }
+}

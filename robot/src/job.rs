@@ -1,0 +1,214 @@
+//! What drives: the pilot, which explores, or the floor job, which cleans: one at a time, in one memory.
+
+use slam_core::{Pose, Rig, WallView};
+
+use crate::cleaning::Cleaning;
+use crate::floor::{AreaKind, FloorProgress};
+use crate::pilot::{Pilot, PilotConfig, Senses};
+use crate::traits::WheelSpeeds;
+
+/// What the robot knows of the map that its pose is in, at one time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Whereabouts {
+    /// With another number, nothing is any more where it was: another map is kept, or none is and the robot was carried.
+    pub world: u32,
+    /// The pose is in the frame of the kept map, or of the start where none is kept.
+    pub is_located: bool,
+    /// Direction of the walls' grid in the map frame, radians; none until it is known.
+    pub grid_rad: Option<f32>,
+    /// Where the map's first drive started, in the map frame.
+    pub start: Pose,
+    /// A wall of the map: one after the other from step to step.
+    pub wall: Option<MapWall>,
+    /// A corner of the areas in the kept map, likewise.
+    pub corner: Option<AreaCorner>,
+}
+
+/// A corner of an area to stay out of or to clean.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AreaCorner {
+    /// Its place among the corners of all areas.
+    pub index: u8,
+    /// Corners of all areas.
+    pub of: u8,
+    /// What its area is for.
+    pub kind: AreaKind,
+    /// It is the first one of its area.
+    pub is_first: bool,
+    /// Where it is in the map frame, metres.
+    pub at_m: [f32; 2],
+}
+
+/// A wall of the map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MapWall {
+    /// Its place in the map as it is now.
+    pub index: u8,
+    /// Walls in the map.
+    pub of: u8,
+    /// Its ends in the map frame, metres.
+    pub ends_m: [[f32; 2]; 2],
+}
+
+impl MapWall {
+    /// A wall of the map, number `index` of `of`.
+    pub fn of(wall: &WallView, index: u8, of: u8) -> Self {
+        let (s, c) = slam_core::angle::sin_cos(wall.beta_rad);
+        let end_m = |along_m: f32| [wall.rho_m * c - along_m * s, wall.rho_m * s + along_m * c];
+        Self { index, of, ends_m: [end_m(wall.lo_m), end_m(wall.hi_m)] }
+    }
+}
+
+/// The one that drives.
+#[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "one memory for both is what this is for")]
+enum Driver<const S: usize> {
+    Pilot(Pilot<S>),
+    Cleaning(Cleaning<S>),
+}
+
+/// What a robot with at most `S` range sensors is at: it explores, or it cleans.
+#[derive(Clone, Debug)]
+pub struct Job<const S: usize> {
+    driver: Driver<S>,
+    /// The world, and whether the robot was located in it, as of the last step.
+    known: Option<(u32, bool)>,
+}
+
+impl<const S: usize> Job<S> {
+    // Both are written from the program's constants to where the other one was: a second one on the stack would need as much memory
+    // again.
+    /// Exploring, without knowing the robot: [`Job::begin`] comes first.
+    pub const IDLE: Self = Self { driver: Driver::Pilot(Pilot::BLANK), known: None };
+    const CLEANING: Self = Self { driver: Driver::Cleaning(Cleaning::BLANK), known: None };
+
+    /// Begins to explore with a robot like this one.
+    pub fn begin(&mut self, rig: &Rig<S>) {
+        *self = Self::IDLE;
+        if let Driver::Pilot(pilot) = &mut self.driver {
+            pilot.prepare(PilotConfig::DEFAULT, rig);
+        }
+    }
+
+    /// Explores: on with it, or from here where it cleaned.
+    pub fn explore(&mut self, rig: &Rig<S>) {
+        if matches!(self.driver, Driver::Cleaning(_)) {
+            self.begin(rig);
+        }
+    }
+
+    /// Cleans: on with the floor that is left, or all of it anew from here, where that is wanted, it explored, or it was done.
+    pub fn clean(&mut self, rig: &Rig<S>, anew: bool) {
+        match &mut self.driver {
+            Driver::Cleaning(cleaning) if !(anew || cleaning.is_over()) => cleaning.resume(),
+            _ => {
+                *self = Self::CLEANING;
+                if let Driver::Cleaning(cleaning) = &mut self.driver {
+                    cleaning.begin(rig);
+                }
+            }
+        }
+    }
+
+    /// Stands until it is told to go on.
+    pub fn pause(&mut self) {
+        if let Driver::Cleaning(cleaning) = &mut self.driver {
+            cleaning.pause();
+        }
+    }
+
+    /// How far it is with the floor; none where it explores.
+    pub fn floor(&self) -> Option<FloorProgress> {
+        match &self.driver {
+            Driver::Pilot(_) => None,
+            Driver::Cleaning(cleaning) => Some(cleaning.progress()),
+        }
+    }
+
+    /// Whether there is nothing left to do.
+    pub fn is_over(&self) -> bool {
+        matches!(&self.driver, Driver::Cleaning(cleaning) if cleaning.is_over())
+    }
+
+    /// The wheel speeds until the next step.
+    pub fn step(&mut self, senses: &Senses<S>, whereabouts: &Whereabouts) -> WheelSpeeds {
+        let now = (whereabouts.world, whereabouts.is_located);
+        let is_elsewhere = self.known.replace(now).is_some_and(|before| before != now);
+        match &mut self.driver {
+            Driver::Pilot(pilot) => {
+                if is_elsewhere {
+                    pilot.forget();
+                }
+                pilot.step(senses)
+            }
+            Driver::Cleaning(cleaning) => cleaning.step(senses, whereabouts),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::condition::Condition;
+    use crate::contact::Contacts;
+    use crate::floor::{FloorJob, FloorState};
+    use crate::rig::default_rig;
+
+    const HERE: Whereabouts =
+        Whereabouts { world: 0, is_located: true, grid_rad: Some(0.0), start: Pose::ORIGIN, wall: None, corner: None };
+
+    /// A robot on open floor.
+    struct Robot {
+        job: Job<8>,
+        time_us: u64,
+    }
+
+    impl Robot {
+        fn new() -> Self {
+            let mut job = Job::IDLE;
+            job.begin(&default_rig());
+            Self { job, time_us: 0 }
+        }
+
+        fn step(&mut self, whereabouts: &Whereabouts) -> WheelSpeeds {
+            self.time_us += 40_000;
+            let senses = Senses {
+                time_us: self.time_us,
+                pose: Pose::ORIGIN,
+                ranges_m: [None; 8],
+                contacts: Contacts::default(),
+                condition: Condition::default(),
+            };
+            self.job.step(&senses, whereabouts)
+        }
+
+        fn state(&self) -> Option<FloorState> {
+            self.job.floor().map(|progress| progress.state)
+        }
+    }
+
+    #[test]
+    fn one_memory_is_no_larger_than_what_cleans() {
+        assert!(size_of::<Job<8>>() <= size_of::<FloorJob<8>>() + 512, "{}", size_of::<Job<8>>());
+    }
+
+    #[test]
+    fn it_explores_until_it_is_told_to_clean_and_goes_on_after_a_pause() {
+        let mut robot = Robot::new();
+        assert!(robot.step(&HERE).is_forward() && robot.state().is_none());
+        robot.job.clean(&default_rig(), false);
+        assert!(robot.step(&HERE).is_forward());
+        assert_eq!(robot.state(), Some(FloorState::Edge));
+        let swept_m2 = robot.job.floor().unwrap().swept_m2;
+        assert!(swept_m2 > 0.0);
+        robot.job.pause();
+        assert_eq!((robot.step(&HERE), robot.state()), (WheelSpeeds::STOP, Some(FloorState::Paused)));
+        robot.job.clean(&default_rig(), false);
+        robot.step(&HERE);
+        assert_eq!((robot.state(), robot.job.floor().unwrap().swept_m2), (Some(FloorState::Planning), swept_m2));
+        robot.job.clean(&default_rig(), true);
+        assert_eq!((robot.state(), robot.job.floor().unwrap().swept_m2), (Some(FloorState::Edge), 0.0));
+        robot.job.explore(&default_rig());
+        assert!(robot.state().is_none());
+    }
+}
