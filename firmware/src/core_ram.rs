@@ -5,7 +5,8 @@
     reason = "the linker must be told where a variable lies, and start-up zeroes it before Rust begins"
 )]
 
-use firmware::Pilot;
+use firmware::Job;
+use robot::rig::BuiltIn;
 use slam_core::RobotSlam;
 use static_cell::{ConstStaticCell, StaticCell};
 
@@ -14,10 +15,18 @@ use static_cell::{ConstStaticCell, StaticCell};
 #[unsafe(link_section = ".ccram")]
 pub static SLAM: ConstStaticCell<RobotSlam> = ConstStaticCell::new(RobotSlam::IDLE);
 
-/// The pilot.
+/// Pilot or floor job.
 // SAFETY: as above.
 #[unsafe(link_section = ".ccram")]
-pub static PILOT: StaticCell<Pilot> = StaticCell::new();
+static JOB: StaticCell<Job> = StaticCell::new();
+
+/// The job of a robot like this one. What start-up needs of the stack is free again when this returns.
+#[inline(never)]
+pub fn job(robot: BuiltIn) -> &'static mut Job {
+    let job = JOB.init_with(|| Job::IDLE);
+    job.begin(&robot.rig());
+    job
+}
 
 // Called by start-up before it zeroes the other bank.
 core::arch::global_asm!(

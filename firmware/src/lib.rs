@@ -4,9 +4,9 @@
 //! |---|---|---|
 //! | [`tasks::odometry`] | 50 Hz | reads the encoders |
 //! | [`tasks::sample`] | 25 Hz | reads the range sensors: counts ([`burst`]) or metres ([`metric`]) |
-//! | [`tasks::estimate`] | ranges | one step of slam-core; tells the pilot and the telemetry; writes the diary, takes over what was found; keeps the map, or finds itself in it ([`keeper`]) |
+//! | [`tasks::estimate`] | ranges | one step of slam-core; tells the job and the telemetry; writes the diary, takes over what was found; keeps the map, or finds itself in it ([`keeper`]) |
 //! | [`tasks::look_back`] | the step | looks back on the drive, below every other task |
-//! | [`tasks::drive`] | odometry | pilot, wheel-speed control, motors |
+//! | [`tasks::drive`] | odometry | pilot or floor job, wheel-speed control, motors |
 //! | [`tasks::guard`] | bumper and cliff inputs | stops the wheels at once, at interrupt level, waiting for nobody; and when drive is silent |
 //! | [`tasks::telemetry`], [`tasks::commands`] | frames, bytes | the serial line |
 //! | [`tasks::supervise`] | 2 Hz | feeds the watchdog when every task has reported |
@@ -30,5 +30,5 @@ pub use shared::Shared;
 
 /// Range sensors of the robot.
 pub const SENSORS: usize = wire::SENSORS;
-/// The pilot that fits the robot.
-pub type Pilot = robot::Pilot<SENSORS>;
+/// What the robot is at: it explores, or it cleans.
+pub type Job = robot::Job<SENSORS>;

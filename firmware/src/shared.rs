@@ -9,7 +9,7 @@ use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex as Raw;
 use embassy_sync::channel::Channel;
 use embassy_sync::signal::Signal;
 use embassy_time::Instant;
-use robot::{Contacts, Senses};
+use robot::{Contacts, Senses, Whereabouts};
 use slam_core::{RangeInput, Ticks};
 use wire::{Command, Frame, MapRequest};
 
@@ -31,6 +31,15 @@ pub struct Odometry {
     pub ticks: Ticks,
 }
 
+/// What the estimator makes of one sample.
+#[derive(Clone, Copy, Debug)]
+pub struct Told {
+    /// Pose, ranges and contacts.
+    pub senses: Senses<SENSORS>,
+    /// What is known of the map that the pose is in.
+    pub whereabouts: Whereabouts,
+}
+
 /// What the guard of bumper and cliff sensor knows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Touch {
@@ -49,7 +58,7 @@ pub struct Shared {
     /// The latest counts, for the estimator.
     pub latest_odometry: Mutex<Raw, Cell<Odometry>>,
     /// Estimate to drive: the latest only.
-    pub senses: Signal<Raw, Senses<SENSORS>>,
+    pub told: Signal<Raw, Told>,
     /// To telemetry. Full: the new one is dropped, `frames_dropped`.
     pub frames: Channel<Raw, Frame, 8>,
     /// Commands to drive. Full: the new one is dropped, `commands_dropped`.
@@ -85,7 +94,7 @@ impl Shared {
             ranges: Channel::new(),
             odometry: Signal::new(),
             latest_odometry: Mutex::new(Cell::new(origin)),
-            senses: Signal::new(),
+            told: Signal::new(),
             frames: Channel::new(),
             commands: Channel::new(),
             reset_map: Signal::new(),

@@ -11,10 +11,11 @@ use core::future::Future;
 use core::pin::pin;
 use core::task::{Context, Waker};
 use embassy_time::{Duration, Instant, MockDriver};
-use firmware::shared::Odometry;
-use firmware::{Pilot, SENSORS, Shared, tasks};
+use firmware::shared::{Odometry, Told};
+use firmware::{Job, SENSORS, Shared, tasks};
+use robot::rig::BuiltIn;
 use robot::{
-    ContactPins, Contacts, DriveMotors, Duty, NoSupply, PilotConfig, Senses, WheelControl, WheelControlConfig,
+    ContactPins, Contacts, DriveMotors, Duty, NoSupply, Senses, WheelControl, WheelControlConfig, Whereabouts,
 };
 use slam_core::{Pose, Ticks};
 use wire::Command;
@@ -40,15 +41,16 @@ fn odometry(shared: &Shared) {
 }
 
 /// The estimator's word of now: all is clear.
-fn senses() -> Senses<SENSORS> {
+fn told() -> Told {
     let time_us = Instant::now().as_micros();
-    Senses {
+    let senses = Senses {
         time_us,
         pose: Pose::default(),
         ranges_m: [Some(1.0); SENSORS],
         contacts: Contacts::default(),
         condition: robot::Condition::default(),
-    }
+    };
+    Told { senses, whereabouts: Whereabouts { is_located: true, ..Whereabouts::default() } }
 }
 
 #[test]
@@ -58,12 +60,13 @@ fn silence_stops_the_wheels() {
     let inputs =
         ContactPins { bump_left: Wire(&left), bump_right: Wire(&right), cliff: Wire(&cliff), lifted: Wire(&lifted) };
     let (mut enable, duty) = (Wire(&enabled), Cell::new(Duty::default()));
-    let mut pilot = Pilot::new(PilotConfig::default(), &robot::rig::default_rig());
+    let mut job = Job::IDLE;
+    job.begin(&BuiltIn::Sharp.rig());
     let mut motors = Motors(&duty);
     let control = WheelControl::new(WheelControlConfig::default());
     let mut supply = NoSupply;
     let mut guard = pin!(tasks::guard(inputs, &mut enable, &shared));
-    let mut drive = pin!(tasks::drive(&mut pilot, control, &mut motors, &mut supply, &shared));
+    let mut drive = pin!(tasks::drive(&mut job, BuiltIn::Sharp, control, &mut motors, &mut supply, &shared));
     let mut context = Context::from_waker(Waker::noop());
     let mut context_of_guard = Context::from_waker(Waker::noop());
     let mut poll_drive = || assert!(drive.as_mut().poll(&mut context).is_pending());
@@ -74,7 +77,7 @@ fn silence_stops_the_wheels() {
     assert!(!enabled.get(), "nobody drives yet");
     shared.commands.try_send(Command::Start).unwrap();
     for _ in 0..100 {
-        shared.senses.signal(senses());
+        shared.told.signal(told());
         odometry(&shared);
         poll_drive();
         poll_guard();
@@ -97,7 +100,7 @@ fn silence_stops_the_wheels() {
     assert_eq!(shared.faults.get().dead_man_stops, 1);
 
     // The estimator speaks again; then the drive task is silent.
-    shared.senses.signal(senses());
+    shared.told.signal(told());
     odometry(&shared);
     poll_drive();
     poll_guard();

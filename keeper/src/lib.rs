@@ -15,8 +15,9 @@
 mod transfer;
 
 use embedded_storage::nor_flash::NorFlash;
-use kept_map::{Record, Saved, Store, rig_hash};
+use kept_map::{Corner, Record, Saved, Store, rig_hash};
 use relocate::{Event, HYPOTHESES, Locator, State, Step};
+use robot::{AreaCorner, AreaKind};
 use slam_core::kept::Kept;
 use slam_core::{Outcome, Pose, Rig, RobotSlam, StepReport};
 use wire::{Place, PlaceState, SENSORS};
@@ -60,6 +61,7 @@ pub struct Keeper<F> {
     unsaved_m: f32,
     /// Maps that the estimator began anew.
     restarts: u32,
+    world: u32,
     tally: Place,
     incoming: Option<transfer::Incoming>,
 }
@@ -84,6 +86,7 @@ impl<F: MapFlash> Keeper<F> {
             last: Pose::ORIGIN,
             unsaved_m: 0.0,
             restarts: 0,
+            world: 0,
             tally: Place::default(),
             incoming: None,
         }
@@ -118,6 +121,27 @@ impl<F: MapFlash> Keeper<F> {
     pub fn began_anew(&mut self) {
         self.locator.restart(if self.saved.is_some() { State::Searching } else { State::Tracking });
         self.unsaved_m = 0.0;
+        self.world = self.world.wrapping_add(u32::from(self.saved.is_none()));
+    }
+
+    /// Whether the pose is in the frame of the kept map, or of the start where none is kept.
+    pub fn is_located(&self) -> bool {
+        self.locator.state().is_located() && !self.is_lifted
+    }
+
+    /// With another number, nothing is any more where it was: another map is kept, or none is and the robot was carried or began
+    /// anew.
+    pub fn world(&self) -> u32 {
+        self.world
+    }
+
+    /// A corner of the areas in the kept map, one after the other from step to step; none where there are none.
+    pub fn corner(&mut self, step: u32) -> Option<AreaCorner> {
+        let record = Record::whole(slot(self.store.flash(), self.saved?)?).ok()?;
+        let of = u8::try_from(record.corners().count()).ok()?;
+        let index = step.checked_rem(of.into())? as u8;
+        let Corner { kind, is_first, at_m } = record.corners().nth(index.into())?;
+        Some(AreaCorner { index, of, kind: *AreaKind::ALL.get(usize::from(kind))?, is_first, at_m })
     }
 
     /// The flash.
@@ -166,6 +190,7 @@ impl<F: MapFlash> Keeper<F> {
         } else {
             // What the wheels turned in the air is no motion.
             slam.restart_map();
+            self.world = self.world.wrapping_add(u32::from(self.saved.is_none()));
         }
         self.restarts = slam.counters().restarts;
     }

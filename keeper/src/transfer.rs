@@ -93,6 +93,7 @@ impl<F: MapFlash> Keeper<F> {
         slam.suits(&record.ok_or(MapRefusal::Damaged)?).map_err(|_| MapRefusal::Unsuitable)?;
         let saved = self.store.seal(receiving, crc).map_err(|error| refusal(&error))?;
         self.saved = Some(saved);
+        self.world = self.world.wrapping_add(1);
         self.lose(slam);
         Ok(MapAnswer::Kept { sequence: saved.sequence })
     }
@@ -105,6 +106,7 @@ impl<F: MapFlash> Keeper<F> {
             Ok(true) => None,
             Ok(false) => {
                 self.saved = None;
+                self.world = self.world.wrapping_add(1);
                 self.locator.restart(State::Tracking);
                 self.unsaved_m = 0.0;
                 slam.restart_map();

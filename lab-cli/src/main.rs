@@ -154,7 +154,10 @@ struct HilArgs {
     /// Floor plan: the name of a built-in one, or a file.
     #[arg(long, value_name = "NAME|FILE", default_value = "flat")]
     plan: String,
-    /// Length of the drive in minutes.
+    /// What the robot is told to do: `explore`, which maps the home, or `clean`, which sweeps its floor and comes back.
+    #[arg(long, value_name = "JOB", default_value = "explore", value_parser = job, conflicts_with = "outlive")]
+    job: Job,
+    /// Length of the drive in minutes; the longest, where the job has an end.
     #[arg(long, value_name = "M", default_value = "3", value_parser = minutes, allow_negative_numbers = true)]
     minutes: f64,
     /// Seed of everything random: the same seed gives the same drive, bit for bit.
@@ -256,7 +259,7 @@ fn replay(args: ReplayArgs) -> Result<(), Box<dyn Error>> {
 }
 
 fn hil(args: HilArgs) -> Result<(), Box<dyn Error>> {
-    let HilArgs { port, serial, timed, hand_overs, map, outlive, image, rig, plan, minutes, seed, out, .. } = args;
+    let HilArgs { port, serial, timed, hand_overs, map, outlive, image, rig, plan, job, minutes, seed, out, .. } = args;
     let target = match port {
         Some(device) => Target::Port { device },
         None if serial => Target::EmulatorSerial { image },
@@ -264,7 +267,7 @@ fn hil(args: HilArgs) -> Result<(), Box<dyn Error>> {
         None => Target::Emulator { image },
     };
     let bar = ProgressBar::new(1000).with_style(style("in the loop {wide_bar} {percent} %, {eta} to go"));
-    let hil = Hil { plan, minutes, seed, out, robot: rig, hand_overs, map, target };
+    let hil = Hil { plan, job, minutes, seed, out, robot: rig, hand_overs, map, target };
     if outlive {
         print(&hil.outlive()?.to_string());
         return Ok(());

@@ -12,9 +12,10 @@ use lab::recording::{CalibrationSnapshot, MapSnapshot, Pose2, Recording, Step};
 use lab::run::{begun, parameter_name};
 use lab::show::report::growing::Growing;
 use lab::show::report::{self};
+use robot::FloorState;
 use serde_json::{Value, json};
 use slam_core::{Config, RangeInput, ReadingReport, RobotSlam, WallView};
-use wire::{Command, DecodeError, Decoder, Estimate, Faults, Frame, Place, PlaceState, SENSORS, encode};
+use wire::{Command, DecodeError, Decoder, Estimate, Faults, Floor, Frame, Place, PlaceState, SENSORS, encode};
 
 use crate::errands::Errands;
 use crate::looking_back::LookingBack;
@@ -49,6 +50,7 @@ pub struct Watched {
     walls: BTreeMap<u8, wire::Wall>,
     faults: Option<Faults>,
     place: Option<Place>,
+    floor: Option<Floor>,
     contacts: wire::Contacts,
     recording: Recording,
     growing: Growing,
@@ -83,6 +85,7 @@ impl Watched {
             walls: BTreeMap::new(),
             faults: None,
             place: None,
+            floor: None,
             contacts: wire::Contacts::default(),
             recording,
             growing: Growing::default(),
@@ -121,7 +124,8 @@ impl Watched {
             Frame::Calibration(calibration) => self.calibration(&calibration),
             Frame::Faults(faults) => self.faults = Some(faults),
             Frame::Place(place) => self.place = Some(place),
-            Frame::LookBack(_) | Frame::Floor(_) | Frame::Motors(_) | Frame::Command(_) | Frame::MapRequest(_) => {}
+            Frame::Floor(floor) => self.floor = Some(floor),
+            Frame::LookBack(_) | Frame::Motors(_) | Frame::Command(_) | Frame::MapRequest(_) => {}
             Frame::MapAnswer(answer) => self.errands.map_answer(&answer),
         }
     }
@@ -262,6 +266,7 @@ impl Watched {
             "errands": self.errands.state(),
             "calibration": self.calibrated(),
             "place": self.place.as_ref().map(place_words),
+            "floor": self.floor.as_ref().map(floor_words),
             "full": self.recording.steps.len() >= LONGEST,
         })
     }
@@ -322,6 +327,8 @@ impl Watched {
 pub fn command(name: &str, [left, right]: [f32; 2]) -> Vec<u8> {
     let command = match name {
         "start" => Command::Start,
+        "clean" => Command::Clean { anew: false },
+        "clean-anew" => Command::Clean { anew: true },
         "reset" => Command::ResetMap,
         "spin" => Command::Spin { left: left.clamp(-1.0, 1.0), right: right.clamp(-1.0, 1.0) },
         // What is not known must not set anything in motion.
@@ -360,6 +367,13 @@ fn place_words(place: &Place) -> String {
         PlaceState::Tracking => format!("It knows where it is in {kept}."),
         PlaceState::Doubtful => format!("Its readings contradict {kept}."),
     }
+}
+
+/// What a robot says of the floor that it sweeps.
+fn floor_words(floor: &Floor) -> String {
+    let doing = floor.state().map_or("something that this page does not know", FloorState::name);
+    let (swept_m2, share, minutes) = (floor.swept_m2, 100.0 * floor.share(), f64::from(floor.seconds) / 60.0);
+    format!("The floor: {doing}; {swept_m2:.1} m² swept, {share:.0} % of what it saw, in {minutes:.1} minutes.")
 }
 
 fn step_of(estimate: &Estimate, t_s: f64) -> Step {

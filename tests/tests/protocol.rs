@@ -17,6 +17,7 @@ fn examples() -> Vec<(&'static str, Frame)> {
         ("`Stop`", Frame::Command(Command::Stop)),
         ("`ResetMap`", Frame::Command(Command::ResetMap)),
         ("`Spin`, left 0.5, right -0.5", Frame::Command(Command::Spin { left: 0.5, right: -0.5 })),
+        ("`Clean`, not anew", Frame::Command(Command::Clean { anew: false })),
         ("`Motors` at 1 s, left 0.25, right -0.25", Frame::Motors(motors)),
         (
             "`Sample` at 1 s, 300 and -300 ticks, ranges missing, 1000 counts, 0.5 m; no floor under the front",

@@ -329,7 +329,7 @@ pub struct Motors {
 pub enum Command {
     /// Drive and map.
     Start,
-    /// Stand still; the estimator goes on.
+    /// Stand still; the estimator goes on, and a floor that is being swept waits.
     Stop,
     /// Forget the map: where the robot stands is the new origin.
     ResetMap,
@@ -339,5 +339,10 @@ pub enum Command {
         left: f32,
         /// Right motor, -1 to 1.
         right: f32,
+    },
+    /// Sweep the floor.
+    Clean {
+        /// All of it, from where the robot stands, which is home then; else on with what it was stopped at, and anew where that is nothing.
+        anew: bool,
     },
 }

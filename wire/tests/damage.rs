@@ -112,11 +112,12 @@ fn kept_map() -> impl Strategy<Value = Frame> {
 }
 
 fn small() -> impl Strategy<Value = Frame> {
-    (any::<u64>(), any::<[f32; 2]>(), 0..5).prop_map(|(time_us, [left, right], which)| match which {
+    (any::<u64>(), any::<[f32; 2]>(), 0..6).prop_map(|(time_us, [left, right], which)| match which {
         0 => Frame::Motors(Motors { time_us, left, right }),
         1 => Frame::Command(Command::Spin { left, right }),
         2 => Frame::Command(Command::Start),
         3 => Frame::Command(Command::Stop),
+        4 => Frame::Command(Command::Clean { anew: time_us % 2 == 0 }),
         _ => Frame::Command(Command::ResetMap),
     })
 }

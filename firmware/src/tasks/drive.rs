@@ -1,19 +1,23 @@
-//! Pilot, wheel-speed control and motors.
+//! Pilot or floor job, wheel-speed control and motors.
 
-use crate::Pilot;
+use crate::Job;
 use crate::faults::Task;
 use crate::periodic::CONTROL_MS;
-use crate::shared::{Odometry, Shared, Touch};
+use crate::shared::{Odometry, Shared, Told, Touch};
 use core::cell::Cell;
 use core::sync::atomic::Ordering;
 use embassy_time::Instant;
-use robot::{Condition, DriveMotors, Duty, PowerSupply, Senses, WheelControl, WheelSpeeds};
-use wire::Command;
+use robot::rig::BuiltIn;
+use robot::{Condition, DriveMotors, Duty, FloorState, PowerSupply, Senses, WheelControl, WheelSpeeds};
+use wire::{Command, Frame};
 
 /// Longest time that a [`Command::Spin`] turns the wheels, in control periods: half a second.
 const SPIN_PERIODS: u32 = 500 / CONTROL_MS as u32;
 
-/// The pilot's decision stands for this long after the senses that it was made by, microseconds: two samples may be lost.
+/// Samples between two frames of what becomes of the floor: once a second.
+const FLOOR_FRAMES: u32 = 25;
+
+/// A decision stands for this long after the senses that it was made by, microseconds: two samples may be lost.
 const DECISION_US: u64 = 100_000;
 
 /// What was commanded.
@@ -24,19 +28,20 @@ enum Mode {
     Spinning { duty: Duty, periods: u32 },
 }
 
-/// What the pilot decided.
+/// What pilot or floor job decided.
 struct Decision {
     /// When the senses were taken, microseconds.
     time_us: u64,
     speeds: WheelSpeeds,
 }
 
-/// Drives the wheels at the odometry's beat, by the pilot's latest decision, once told to start. Without senses the wheels
-/// stop.
+/// Drives the wheels at the odometry's beat, by what the job decided last, once told to start or to clean. Without senses the
+/// wheels stop.
 ///
-/// A motor that is driven hard while its wheel stands is not driven forward for half a second, and the pilot backs off.
+/// A motor that is driven hard while its wheel stands is not driven forward for half a second, and the robot backs off.
 pub async fn drive(
-    pilot: &mut Pilot,
+    job: &mut Job,
+    robot: BuiltIn,
     mut control: WheelControl,
     motors: &mut impl DriveMotors,
     supply: &mut impl PowerSupply,
@@ -47,17 +52,24 @@ pub async fn drive(
     let mut mode = Mode::Stopped;
     let mut decision: Option<Decision> = None;
     let mut last_us = None;
+    let mut decided = 0_u32;
     loop {
         let odometry = shared.odometry.wait().await;
         while let Ok(command) = shared.commands.try_receive() {
-            mode = obey(command, mode);
+            mode = obey(command, mode, job, robot);
         }
         let period_s = period_s(last_us.replace(odometry.time_us), &odometry);
         let is_stalled = stalls.update(duty, odometry.ticks, period_s);
-        if let Some(senses) = shared.senses.try_take() {
+        if let Some(Told { senses, whereabouts }) = shared.told.try_take() {
             let (battery_v, is_charging) = (supply.battery_v(), supply.is_charging());
             let condition = Condition { battery_v, is_charging, is_stalled, ..senses.condition };
-            decision = Some(Decision { time_us: senses.time_us, speeds: pilot.step(&Senses { condition, ..senses }) });
+            let speeds = job.step(&Senses { condition, ..senses }, &whereabouts);
+            decision = Some(Decision { time_us: senses.time_us, speeds });
+            decided = decided.wrapping_add(1);
+            tell_floor(job, decided, shared);
+            if mode == Mode::Driving && job.is_over() {
+                mode = Mode::Stopped;
+            }
         }
         if decision.take_if(|made| odometry.time_us.saturating_sub(made.time_us) > DECISION_US).is_some() {
             shared.faults.count(|faults| &mut faults.dead_man_stops);
@@ -73,7 +85,8 @@ pub async fn drive(
             Mode::Spinning { duty, .. } => duty,
         };
         mode = age(mode);
-        shared.stands.store(mode == Mode::Stopped && duty == Duty::default(), Ordering::Relaxed);
+        let is_to_stand = mode == Mode::Stopped || is_charging(job);
+        shared.stands.store(is_to_stand && duty == Duty::default(), Ordering::Relaxed);
         match motors.set_duty(duty) {
             Ok(()) => tell_guard(touch, shared),
             Err(_) => shared.faults.count(|faults| &mut faults.motors_failed),
@@ -82,14 +95,38 @@ pub async fn drive(
     }
 }
 
-fn obey(command: Command, mode: Mode) -> Mode {
+fn obey(command: Command, mode: Mode, job: &mut Job, robot: BuiltIn) -> Mode {
     match command {
-        Command::Start => Mode::Driving,
-        Command::Stop => Mode::Stopped,
+        Command::Start => {
+            job.explore(&robot.rig());
+            Mode::Driving
+        }
+        Command::Clean { anew } => {
+            job.clean(&robot.rig(), anew);
+            Mode::Driving
+        }
+        Command::Stop => {
+            job.pause();
+            Mode::Stopped
+        }
         Command::Spin { left, right } if mode != Mode::Driving => {
             Mode::Spinning { duty: Duty { left, right }, periods: SPIN_PERIODS }
         }
         Command::Spin { .. } | Command::ResetMap => mode,
+    }
+}
+
+/// Whether the robot stands in its dock, where there is time to save the map.
+fn is_charging(job: &Job) -> bool {
+    job.floor().is_some_and(|floor| floor.state == FloorState::Charging)
+}
+
+/// Tells what became of the floor: not in the step in which the estimator has much to tell.
+fn tell_floor(job: &Job, decided: u32, shared: &Shared) {
+    if decided % FLOOR_FRAMES == FLOOR_FRAMES / 2
+        && let Some(progress) = job.floor()
+    {
+        shared.push_frame(Frame::Floor(progress.into()));
     }
 }
 

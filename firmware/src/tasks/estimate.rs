@@ -4,14 +4,14 @@ use crate::SENSORS;
 use crate::faults::Task;
 use crate::keeper::{Circumstances, Keeper, MapFlash};
 use crate::look_backs::LookBacks;
-use crate::shared::{Ranges, Shared};
+use crate::shared::{Ranges, Shared, Told};
 use core::cell::Cell;
 use core::sync::atomic::{AtomicBool, Ordering};
 use embassy_futures::yield_now;
 use embassy_time::Instant;
 use look_back::RobotBackEnd;
-use robot::{Condition, Senses};
-use slam_core::{Config, RobotSlam, StepReport};
+use robot::{Condition, MapWall, Senses, Whereabouts};
+use slam_core::{Config, RobotSlam, StepReport, WallView};
 use wire::{Calibration, Estimate, Faults, Frame, LookBack, MapRequest, Sample, Wall};
 
 /// Steps between two frames of calibration and faults: once a second.
@@ -38,10 +38,12 @@ pub async fn estimate<F: MapFlash>(
         }
         let sample = raw_sample(&ranges, shared);
         let report = estimator::step(slam, &sample.to_slam());
-        shared.senses.signal(senses(slam, &sample, &report, shared));
+        let wall = next_wall(slam);
+        let whereabouts = whereabouts(slam, keeper, wall.as_ref());
+        shared.told.signal(Told { senses: senses(slam, &sample, &report, shared), whereabouts });
         steps = steps.wrapping_add(1);
         let now = circumstances(&sample, shared);
-        tell(slam, sample, late_us, shared);
+        tell(slam, sample, wall, late_us, shared);
         let is_slow = steps.is_multiple_of(SLOW_FRAMES);
         if is_slow {
             tell_slow(slam, shared);
@@ -102,16 +104,37 @@ fn senses(slam: &RobotSlam, sample: &Sample, report: &StepReport<SENSORS>, share
     }
 }
 
-/// Hands the sample and what came of it to the telemetry; one wall after the other, one a step.
-fn tell(slam: &RobotSlam, sample: Sample, late_us: u64, shared: &Shared) {
+/// A wall of the map: one after the other from step to step, with its place in the map and how many there are.
+fn next_wall(slam: &RobotSlam) -> Option<(WallView, [u8; 2])> {
+    let count = slam.walls().count();
+    let index = (slam.counters().steps as usize).checked_rem(count)?;
+    Some((slam.walls().nth(index)?, [index as u8, count as u8]))
+}
+
+/// What is known of the map that the pose is in.
+fn whereabouts<F: MapFlash>(
+    slam: &RobotSlam,
+    keeper: &mut Keeper<F>,
+    wall: Option<&(WallView, [u8; 2])>,
+) -> Whereabouts {
+    Whereabouts {
+        world: keeper.world(),
+        is_located: keeper.is_located(),
+        grid_rad: slam.alpha().map(|(alpha_rad, _)| alpha_rad),
+        start: slam.start_pose(),
+        wall: wall.map(|(wall, [index, of])| MapWall::of(wall, *index, *of)),
+        corner: keeper.corner(slam.counters().steps),
+    }
+}
+
+/// Hands the sample and what came of it to the telemetry.
+fn tell(slam: &RobotSlam, sample: Sample, wall: Option<(WallView, [u8; 2])>, late_us: u64, shared: &Shared) {
     let time_us = sample.time_us;
     shared.push_frame(Frame::Sample(sample));
     let late_us = u32::try_from(late_us).unwrap_or(u32::MAX);
     shared.push_frame(Frame::Estimate(Estimate { late_us, ..Estimate::of(slam, time_us) }));
-    let count = slam.walls().count();
-    let index = (slam.counters().steps as usize).checked_rem(count).unwrap_or(0);
-    if let Some(wall) = slam.walls().nth(index) {
-        shared.push_frame(Frame::Wall(Wall::of(&wall, index as u8, count as u8)));
+    if let Some((wall, [index, of])) = wall {
+        shared.push_frame(Frame::Wall(Wall::of(&wall, index, of)));
     }
 }
 

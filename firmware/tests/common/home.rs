@@ -10,11 +10,11 @@ use embedded_hal::digital::{ErrorType, InputPin};
 use embedded_hal_async::digital::Wait;
 use embedded_io_async::{ErrorKind, ErrorType as IoErrorType, Read, Write};
 use firmware::tasks::{self, Platform};
-use firmware::{Keeper, LookBacks, Pilot, SENSORS, Shared};
-use hal_sim::{Board, Pose2, SimOptions, Simulation, plan_file};
+use firmware::{Job, Keeper, LookBacks, SENSORS, Shared};
+use hal_sim::{Board, Plan, Pose2, SimOptions, Simulation, plan_file};
 use look_back::RobotBackEnd;
 use robot::rig::BuiltIn;
-use robot::{ContactPins, PilotConfig, RangeSensorBank, WheelControl, WheelControlConfig};
+use robot::{ContactPins, PowerSupply, RangeSensorBank, WheelControl, WheelControlConfig};
 use slam_core::{Config, RobotSlam};
 use std::collections::VecDeque;
 use wire::{Command, Decoder, Estimate, Frame, encode};
@@ -102,6 +102,19 @@ impl Platform for Fed<'_> {
     }
 }
 
+/// Battery and charging contact of the simulated robot.
+struct Supply<'a>(&'a Board);
+
+impl PowerSupply for Supply<'_> {
+    fn battery_v(&mut self) -> Option<f32> {
+        self.0.with_simulation(|simulation| simulation.condition().battery_v)
+    }
+
+    fn is_charging(&mut self) -> bool {
+        self.0.with_simulation(|simulation| simulation.condition().is_charging)
+    }
+}
+
 /// What was said on a line, all of it whole.
 pub fn frames(line: &RefCell<VecDeque<u8>>) -> Vec<Frame> {
     let mut decoder = Decoder::new();
@@ -134,8 +147,12 @@ pub struct Home {
 impl Home {
     /// A built-in robot in a built-in home.
     pub fn new(plan: &str, robot: BuiltIn) -> Self {
-        let plan = plan_file::load(plan).unwrap();
-        let simulation = Simulation::new(&plan, &robot.rig(), SimOptions::default(), 3).unwrap();
+        Self::of(&plan_file::load(plan).unwrap(), robot, SimOptions::default())
+    }
+
+    /// A built-in robot in a home.
+    pub fn of(plan: &Plan, robot: BuiltIn, options: SimOptions) -> Self {
+        let simulation = Simulation::new(plan, &robot.rig(), options, 3).unwrap();
         Self {
             board: Board::new(simulation),
             shared: Shared::new(),
@@ -156,7 +173,8 @@ impl Home {
         let mut slam = RobotSlam::with_config(robot.rig(), config).unwrap();
         let mut flash = self.flash.borrow_mut();
         let mut keeper = Keeper::start(&mut *flash, &robot.rig());
-        let mut pilot = Pilot::new(PilotConfig::default(), &robot.rig());
+        let mut job = Job::IDLE;
+        job.begin(&robot.rig());
         let (mut encoders, mut motors, pins) = (self.board.encoders(), self.board.motors(), self.board.contacts());
         let inputs = ContactPins {
             bump_left: Input(pins.bump_left),
@@ -167,13 +185,13 @@ impl Home {
         let (mut enable, mut platform) = (Wire(&self.enabled), Fed(&self.fed));
         let (mut transmitter, mut receiver) = (Line(&self.up), Line(&self.down));
         let control = WheelControl::new(WheelControlConfig::default());
-        let mut supply = robot::NoSupply;
+        let mut supply = Supply(&self.board);
         let sensing = join(tasks::odometry(&mut encoders, shared), tasks::sample(&mut bank, shared));
         let all = join4(
             sensing,
             join(
                 tasks::estimate(&mut slam, &mut keeper, config, shared, &self.look_backs),
-                tasks::drive(&mut pilot, control, &mut motors, &mut supply, shared),
+                tasks::drive(&mut job, robot, control, &mut motors, &mut supply, shared),
             ),
             tasks::look_back(&self.look_backs),
             join4(

@@ -3,7 +3,7 @@
 use hal_sim::Simulation;
 use lab::recording::Pose2;
 use robot::Duty;
-use wire::{Command, Contacts, Estimate, Place, Range, Sample};
+use wire::{Command, Contacts, Estimate, Floor, Place, Range, Sample};
 
 use super::Hil;
 use super::link::Link;
@@ -30,8 +30,12 @@ pub struct Moment {
     pub estimate: Option<Estimate>,
     /// The firmware's word on its place, where it said one.
     pub place: Option<Place>,
+    /// The firmware's word on the floor, where it said one.
+    pub floor: Option<Floor>,
     /// The true pose in the frame of the simulation's start.
     pub truth: Pose2,
+    /// The true pose in the plan's frame.
+    pub in_plan: Pose2,
 }
 
 impl<'h> Boot<'h> {
@@ -73,7 +77,8 @@ impl<'h> Boot<'h> {
         self.duty = Duty { left: answer.motors.left, right: answer.motors.right };
         let truth = self.simulation.pose();
         let estimate = self.shadow.check(&shown, &answer, truth);
-        Ok(Moment { shown, estimate, place: answer.place, truth })
+        let in_plan = self.simulation.pose_in_plan();
+        Ok(Moment { shown, estimate, place: answer.place, floor: answer.floor, truth, in_plan })
     }
 
     /// Cuts the power; gives what was compared and what the flash for maps has.

@@ -4,7 +4,9 @@ use std::io::ErrorKind;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
-use wire::{Calibration, Command, Decoder, Estimate, Faults, Frame, LookBack, Motors, Place, Sample, Wall, encode};
+use wire::{
+    Calibration, Command, Decoder, Estimate, Faults, Floor, Frame, LookBack, Motors, Place, Sample, Wall, encode,
+};
 
 use super::target::{Opener, Running};
 
@@ -32,6 +34,8 @@ pub struct Answer {
     pub look_back: Option<LookBack>,
     /// What it knows of its place, once a second.
     pub place: Option<Place>,
+    /// What becomes of the floor, once a second while it cleans.
+    pub floor: Option<Floor>,
     /// What its flash for maps has after it; none of a board's.
     pub flash: Option<Vec<u8>>,
     /// Frames that arrived damaged.
@@ -104,7 +108,8 @@ impl Link {
                 Ok(Frame::Faults(faults)) => answer.faults = Some(faults),
                 Ok(Frame::LookBack(look_back)) => answer.look_back = Some(look_back),
                 Ok(Frame::Place(place)) => answer.place = Some(place),
-                Ok(Frame::Floor(_) | Frame::MapAnswer(_)) => {}
+                Ok(Frame::Floor(floor)) => answer.floor = Some(floor),
+                Ok(Frame::MapAnswer(_)) => {}
                 Ok(Frame::Command(_) | Frame::MapRequest(_)) | Err(_) => answer.damaged += 1,
             }
         }

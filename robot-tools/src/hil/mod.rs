@@ -9,6 +9,7 @@ mod link;
 mod outcome;
 mod outlive;
 mod shadow;
+mod sweeping;
 mod target;
 
 use std::path::PathBuf;
@@ -26,12 +27,14 @@ use lab::input::built_in;
 use lab::input::log::writer;
 use lab::input::rig_file::Robot;
 use lab::numbers::shortest;
-use lab::recording::Pose2;
+use lab::recording::{Job, Pose2};
 use lab::show::output::folder::Folder;
 use lab::show::output::streams::{LineFile, tum_line};
 pub use outcome::Outcome;
 pub use outlive::Outlived;
 use shadow::Shadow;
+use sweeping::Sweeping;
+pub use sweeping::Swept;
 pub use target::Target;
 
 /// Files that a run writes.
@@ -42,7 +45,9 @@ const NAMES: [&str; 5] = ["log.csv", "rig.toml", "trajectory.tum", "truth.tum", 
 pub struct Hil {
     /// Name of a built-in plan, or a plan file.
     pub plan: String,
-    /// Length of the drive, minutes.
+    /// What the robot is to do.
+    pub job: Job,
+    /// Length of the drive, minutes; the longest, where the job has an end.
     pub minutes: f64,
     /// Everything random follows from it.
     pub seed: u64,
@@ -67,21 +72,30 @@ impl Hil {
     pub fn run(&self, mut progress: impl FnMut(f64)) -> Result<Outcome, String> {
         let (robot, rig_toml) = built_in(self.robot).map_err(|error| error.to_string())?;
         let mut simulation = self.simulation()?;
+        let mut sweeping = Sweeping::new(&self.plan()?, &simulation);
         let folder = Folder::prepare(&self.out, &NAMES).map_err(|error| error.to_string())?;
         let mut files = Files::create(&folder, &robot, &rig_toml)?;
         let mut boot = Boot::start(self, &mut simulation, self.flash()?, None)?;
-        boot.command(Command::Start)?;
+        boot.command(match self.job {
+            Job::Explore => Command::Start,
+            Job::Clean => Command::Clean { anew: true },
+        })?;
         let periods = (60.0 * self.minutes * 1e6 / PERIOD_US as f64).ceil() as u64;
         for period in 1..=periods {
             let moment = boot.pass()?;
             if let Some(estimate) = moment.estimate {
                 files.row(&robot, &moment.shown, &estimate, moment.truth)?;
             }
+            sweeping.record(&moment);
             progress(period as f64 / periods as f64);
+            if sweeping.is_over() {
+                break;
+            }
         }
         files.close()?;
         let (shadow, _) = boot.cut();
-        let outcome = outcome(&self.plan()?, &simulation, shadow);
+        let swept = (self.job == Job::Clean).then(|| sweeping.finish());
+        let outcome = Outcome { swept, ..outcome(&self.plan()?, &simulation, shadow) };
         folder.write("hil.json", outcome.to_json(self)).map_err(|error| error.to_string())?;
         Ok(outcome)
     }

@@ -2,10 +2,11 @@
 
 use std::fmt;
 
+use robot::FloorState;
 use serde_json::json;
 use wire::{Faults, LookBack, Place};
 
-use super::Hil;
+use super::{Hil, Swept};
 use lab::recording::{MapScore, PathScore};
 
 /// Something that was not the same on host and target.
@@ -63,6 +64,8 @@ pub struct Outcome {
     pub late_us: Latenesses,
     /// Frames from the firmware that arrived damaged.
     pub damaged: u32,
+    /// What became of the floor; none where it was not to be swept.
+    pub swept: Option<Swept>,
 }
 
 impl Outcome {
@@ -96,11 +99,17 @@ impl Outcome {
         }
     }
 
+    /// What the firmware said last that it does with the floor.
+    fn floor_state(&self) -> Option<&'static str> {
+        self.swept.as_ref()?.told?.state().map(FloorState::name)
+    }
+
     /// The figures as JSON.
     pub fn to_json(&self, hil: &Hil) -> String {
         let figures = json!({
             "version": env!("CARGO_PKG_VERSION"),
             "plan": hil.plan,
+            "job": hil.job.name(),
             "minutes": hil.minutes,
             "seed": hil.seed,
             "robot": hil.robot.name(),
@@ -123,6 +132,12 @@ impl Outcome {
             "late_us_99": self.late_us.at(0.99),
             "late_us_most": self.late_us.at(1.0),
             "contact_stops": self.faults.map(|faults| faults.board.contact_stops),
+            "floor_state": self.floor_state(),
+            "floor_told_s": self.swept.as_ref().and_then(|swept| swept.told).map(|told| told.seconds),
+            "floor_swept": self.swept.as_ref().map(|swept| swept.score.swept),
+            "floor_overlap": self.swept.as_ref().map(|swept| swept.score.overlap),
+            "floor_hole_m2": self.swept.as_ref().map(|swept| swept.score.largest_hole_m2),
+            "floor_home_m": self.swept.as_ref().map(|swept| swept.score.home_m),
         });
         format!("{figures:#}\n")
     }
@@ -146,6 +161,15 @@ impl fmt::Display for Outcome {
         if let Some(LookBack { taken_over, not_taken, late, .. }) = &self.look_back {
             let refused = not_taken.iter().sum::<u32>();
             writeln!(f, "  {:<34}{taken_over:>12}   {refused} refused, {late} waited for", "hand-overs taken")?;
+        }
+        if let Some(Swept { score, told }) = &self.swept {
+            let minutes = told.map_or(0.0, |told| f64::from(told.seconds) / 60.0);
+            let state = self.floor_state().unwrap_or("nothing told");
+            let swept = format!("{:.1} %", 100.0 * score.swept);
+            let after = format!("{state} after {minutes:.1} min, {:.2} m from the start", score.home_m);
+            writeln!(f, "  {:<34}{swept:>12}   {after}", "floor swept")?;
+            let largest = format!("{:.3} m2", score.largest_hole_m2);
+            writeln!(f, "  {:<34}{largest:>12}   path over floor {:.2}", "largest piece missed", score.overlap)?;
         }
         let [median, p99, most] = [0.5, 0.99, 1.0].map(|share| self.late_us.at(share));
         writeln!(f, "  {:<34}{median:>12}   99 % {p99}, most {most}", "steps began late, median, us")?;

@@ -135,6 +135,7 @@ impl Shadow {
             place: self.place,
             late_us: Latenesses::of(self.late_us),
             damaged: self.damaged,
+            swept: None,
         }
     }
 }

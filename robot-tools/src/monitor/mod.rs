@@ -23,9 +23,9 @@ pub struct Monitor {
     /// The serial port that the robot is at; a file of recorded bytes works, too.
     #[arg(long, value_name = "DEV")]
     port: String,
-    /// Tell the robot to start driving.
-    #[arg(long)]
-    start: bool,
+    /// Tell the robot to start: `explore` (the default), `clean`, which goes on with the floor that it was stopped at, or `clean-anew`.
+    #[arg(long, value_name = "JOB", num_args = 0..=1, default_missing_value = "explore", value_parser = start_of)]
+    start: Option<Command>,
     /// Name of the built-in robot, or its rig file.
     #[arg(long, value_name = "NAME|FILE", default_value = "sharp")]
     rig: PathBuf,
@@ -41,6 +41,22 @@ pub struct Monitor {
     /// With --serve: the origin of a studio that is served from elsewhere, such as `https://example.org`.
     #[arg(long, value_name = "ORIGIN", requires = "serve")]
     allow: Option<String>,
+}
+
+/// What the robot can be told to start, by name.
+const STARTS: [(&str, Command); 3] = [
+    ("explore", Command::Start),
+    ("clean", Command::Clean { anew: false }),
+    ("clean-anew", Command::Clean { anew: true }),
+];
+
+fn start_of(name: &str) -> Result<Command, String> {
+    let names = STARTS.map(|(name, _)| name).join(", ");
+    STARTS
+        .into_iter()
+        .find(|(own, _)| *own == name)
+        .map(|(_, start)| start)
+        .ok_or_else(|| format!("there are: {names}"))
 }
 
 /// How often the view is drawn and the log handed to the system, microseconds of the robot's time.
@@ -59,8 +75,8 @@ impl Monitor {
         log.line(&writer::header(&robot)).map_err(|error| error.to_string())?;
         let mut film = self.mcap.as_deref().map(Film::create).transpose()?;
         let mut port = Port::new(self.line()?);
-        if self.start {
-            port.send(&Frame::Command(Command::Start))?;
+        if let Some(start) = self.start {
+            port.send(&Frame::Command(start))?;
         }
         let mut view = View::default();
         let mut drawn_us = 0;

@@ -15,6 +15,11 @@ const KEYS = {
   w: [DRIVE, DRIVE], s: [-DRIVE, -DRIVE], a: [-TURN, TURN], d: [TURN, -TURN],
 };
 
+// Buttons, and what they tell the robot.
+const COMMANDS = [
+  ["robot-start", "start"], ["robot-clean", "clean"], ["robot-clean-anew", "clean-anew"], ["robot-stop", "stop"], ["robot-reset", "reset"],
+];
+
 class RobotMode {
   constructor(studio) {
     this.studio = studio;
@@ -32,7 +37,7 @@ class RobotMode {
     serial.addEventListener("click", () => this.connect(() => this.openSerial()));
     byId("connect-socket").addEventListener("click", () => this.connect(() => this.openSocket(byId("socket").value)));
     byId("disconnect").addEventListener("click", () => this.disconnect("Disconnected."));
-    for (const [id, command] of [["robot-start", "start"], ["robot-stop", "stop"], ["robot-reset", "reset"]]) {
+    for (const [id, command] of COMMANDS) {
       byId(id).addEventListener("click", () => this.send(robot_command(command, 0, 0)));
     }
     byId("save-robot-log").addEventListener("click", () => this.program && save("log.csv", this.program.log()));
@@ -97,7 +102,7 @@ class RobotMode {
 
   showLine() {
     const open = Boolean(this.line);
-    for (const id of ["robot-start", "robot-stop", "robot-reset", "disconnect", "drive-pad"]) document.getElementById(id).disabled = !open;
+    for (const id of [...COMMANDS.map(([id]) => id), "disconnect", "drive-pad"]) document.getElementById(id).disabled = !open;
     for (const id of ["connect-socket"]) document.getElementById(id).disabled = open;
     this.errands.enable(open);
     document.getElementById("connect-serial").disabled = open || !("serial" in navigator);
@@ -218,6 +223,7 @@ class RobotMode {
     const told = state.same + state.other;
     if (told) words.push(state.other ? `This page's own estimator agrees with ${whole(state.same)} of ${whole(told)} estimates.` : "This page's own estimator says the same, bit for bit.");
     if (state.health && state.health !== "well") words.push(`The estimator is unwell: ${state.health}.`);
+    if (state.floor) words.push(state.floor);
     if (state.touched.length) words.push(`Touched: ${state.touched.join(", ")}.`);
     const faults = Object.entries(state.faults ?? {}).filter(([, count]) => count > 0);
     words.push(faults.length ? `Faults: ${faults.map(([name, count]) => `${name} ${count}`).join(", ")}.` : state.faults ? "No faults." : "");

@@ -32,10 +32,10 @@ use cortex_m_semihosting::{debug, hprintln};
 use devices::{Emulated, Enable, Encoders, Input, Line, Motors};
 use embassy_executor::Spawner;
 use firmware::tasks;
-use firmware::{Keeper, LookBacks, Pilot, SENSORS, Shared};
+use firmware::{Job, Keeper, LookBacks, SENSORS, Shared};
 use flash::Flash;
 use look_back::RobotBackEnd;
-use robot::{ContactPins, NoSupply, PilotConfig, WheelControl, WheelControlConfig};
+use robot::{ContactPins, NoSupply, WheelControl, WheelControlConfig};
 use slam_core::{Config, RobotSlam};
 use static_cell::{ConstStaticCell, StaticCell};
 
@@ -49,11 +49,17 @@ fn main() -> ! {
     let config = Config { hand_overs: hand_overs(), ..Config::for_rig::<SENSORS>(&ROBOT.rig()) };
     let slam = core_ram::SLAM.take();
     assert!(slam.start_with_config(ROBOT.rig(), config).is_ok(), "the built-in rig is valid");
-    let pilot = core_ram::PILOT.init_with(|| Pilot::new(PilotConfig::default(), &ROBOT.rig()));
-    let keeper = KEEPER.init_with(|| Keeper::start(Flash::open(), &ROBOT.rig()));
+    let job = core_ram::job(ROBOT);
+    let keeper = keeper();
     LOOK_BACKS.give_back(BACK_END.take());
     let link = link::Link::new(transport::Transport::open());
-    schedule::run(|levels| spawn(levels, Robot { slam, keeper, pilot }, config), link)
+    schedule::run(|levels| spawn(levels, Robot { slam, keeper, job }, config), link)
+}
+
+/// What the flash has. What start-up needs of the stack is free again when this returns.
+#[inline(never)]
+fn keeper() -> &'static mut Keeper<Flash> {
+    KEEPER.init_with(|| Keeper::start(Flash::open(), &ROBOT.rig()))
 }
 
 /// Whether hand-overs are taken: as suits the robot, unless the emulator's command line has the word `hand-overs` or
@@ -76,12 +82,12 @@ struct Levels {
 struct Robot {
     slam: &'static mut RobotSlam,
     keeper: &'static mut Keeper<Flash>,
-    pilot: &'static mut Pilot,
+    job: &'static mut Job,
 }
 
 fn spawn(levels: Levels, robot: Robot, config: Config) {
     let Levels { step, drive: drives, below } = levels;
-    let Robot { slam, keeper, pilot } = robot;
+    let Robot { slam, keeper, job } = robot;
     let once = "each task is spawned once";
     // The guard has looked before a sample is put together, as on the robot, where it is a level above.
     step.spawn(guard().expect(once));
@@ -89,7 +95,7 @@ fn spawn(levels: Levels, robot: Robot, config: Config) {
     step.spawn(sample().expect(once));
     step.spawn(estimate(slam, keeper, config).expect(once));
     step.spawn(telemetry().expect(once));
-    drives.spawn(drive(pilot).expect(once));
+    drives.spawn(drive(job).expect(once));
     drives.spawn(commands().expect(once));
     drives.spawn(supervise().expect(once));
     below.spawn(look_back().expect(once));
@@ -116,9 +122,9 @@ async fn look_back() -> ! {
 }
 
 #[embassy_executor::task]
-async fn drive(pilot: &'static mut Pilot) -> ! {
+async fn drive(job: &'static mut Job) -> ! {
     let control = WheelControl::new(WheelControlConfig::default());
-    tasks::drive(pilot, control, &mut Motors, &mut NoSupply, &SHARED).await
+    tasks::drive(job, ROBOT, control, &mut Motors, &mut NoSupply, &SHARED).await
 }
 
 #[embassy_executor::task]

@@ -23,10 +23,10 @@ use embassy_stm32::usart::{RingBufferedUartRx, UartTx};
 use embassy_stm32::wdg::IndependentWatchdog;
 use firmware::burst::BurstBank;
 use firmware::tasks::{self, Platform};
-use firmware::{Keeper, LookBacks, Pilot, SENSORS, Shared};
+use firmware::{Job, Keeper, LookBacks, SENSORS, Shared};
 use look_back::RobotBackEnd;
 use robot::rig::BuiltIn;
-use robot::{MotorPair, PilotConfig, WheelControl, WheelControlConfig};
+use robot::{MotorPair, WheelControl, WheelControlConfig};
 use slam_core::{Config, RobotSlam};
 use small_sectors::SmallSectors;
 use static_cell::{ConstStaticCell, StaticCell};
@@ -46,13 +46,13 @@ async fn main(below: Spawner) {
     SHARED.faults.update(|faults| faults.watchdog_resets = board.watchdog_bit.into());
     let slam = core_ram::SLAM.take();
     assert!(slam.start_with_config(ROBOT.rig(), config()).is_ok(), "the built-in rig is valid");
-    let pilot = core_ram::PILOT.init_with(|| Pilot::new(PilotConfig::default(), &ROBOT.rig()));
-    let keeper = KEEPER.init_with(|| Keeper::start(board.map_flash, &ROBOT.rig()));
+    let job = core_ram::job(ROBOT);
+    let keeper = keeper(board.map_flash);
     LOOK_BACKS.give_back(BACK_END.take());
     let once = "each task is spawned once";
     below.spawn(look_back().expect(once));
     let drives = interrupt_level::drive();
-    drives.spawn(drive(pilot, board.motors, board.supply).expect(once));
+    drives.spawn(drive(job, board.motors, board.supply).expect(once));
     drives.spawn(commands(board.receiver).expect(once));
     drives.spawn(supervise(board.watchdog).expect(once));
     let steps = interrupt_level::step();
@@ -66,6 +66,12 @@ async fn main(below: Spawner) {
 fn config() -> Config {
     let hand_overs = ROBOT.hands_over() || cfg!(feature = "hand-overs");
     Config { hand_overs, ..Config::for_rig::<SENSORS>(&ROBOT.rig()) }
+}
+
+/// What is in this flash. What start-up needs of the stack is free again when this returns.
+#[inline(never)]
+fn keeper(flash: SmallSectors) -> &'static mut Keeper<SmallSectors> {
+    KEEPER.init_with(|| Keeper::start(flash, &ROBOT.rig()))
 }
 
 #[embassy_executor::task]
@@ -94,9 +100,9 @@ async fn look_back() -> ! {
 }
 
 #[embassy_executor::task]
-async fn drive(pilot: &'static mut Pilot, mut motors: MotorPair<Motor, Motor>, mut supply: Supply) -> ! {
+async fn drive(job: &'static mut Job, mut motors: MotorPair<Motor, Motor>, mut supply: Supply) -> ! {
     let control = WheelControl::new(WheelControlConfig::default());
-    tasks::drive(pilot, control, &mut motors, &mut supply, &SHARED).await
+    tasks::drive(job, ROBOT, control, &mut motors, &mut supply, &SHARED).await
 }
 
 #[embassy_executor::task]
