@@ -153,7 +153,7 @@ mod tests {
     use crate::floor::{AreaKind, FloorState};
     use crate::rig::default_rig;
 
-    /// A robot that comes on by a decimetre a step.
+    /// A robot that comes on by 5 cm a step.
     struct Robot {
         cleaning: Cleaning<8>,
         steps: u32,
@@ -170,7 +170,7 @@ mod tests {
             self.steps += 1;
             let senses = Senses {
                 time_us: 40_000 * u64::from(self.steps),
-                pose: Pose::new(0.1 * self.steps as f32, 0.0, 0.0),
+                pose: Pose::new(0.05 * self.steps as f32, 0.0, 0.0),
                 ranges_m: [None; 8],
                 contacts: Contacts::default(),
                 condition: Condition::default(),
@@ -188,10 +188,10 @@ mod tests {
     fn it_looks_for_itself_then_sweeps_by_its_fresh_map_and_begins_anew_when_it_is_found() {
         let mut robot = Robot::new();
         robot.step(&LOST);
-        for _ in 0..190 {
+        for _ in 0..390 {
             assert_eq!(robot.step(&LOST), FloorState::Lost);
         }
-        (0..30).for_each(|_| {
+        (0..60).for_each(|_| {
             robot.step(&LOST);
         });
         assert_ne!(robot.step(&LOST), FloorState::Lost);
