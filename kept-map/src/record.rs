@@ -27,7 +27,7 @@ use crate::refused::Refused;
 
 /// Number of the format; another number is another format. A record without areas is one of the version before.
 pub const VERSION: u32 = 2;
-const WITHOUT_AREAS: u32 = 1;
+pub(crate) const WITHOUT_AREAS: u32 = 1;
 
 const MAGIC: [u32; 2] = [u32::from_le_bytes(*b"wall"), u32::from_le_bytes(*b"map\0")];
 

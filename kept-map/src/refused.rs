@@ -3,6 +3,7 @@
 use core::fmt;
 
 use crate::VERSION;
+use crate::record::WITHOUT_AREAS as OLDEST;
 
 /// Why bytes are not a record that this robot can use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,7 +23,7 @@ impl fmt::Display for Refused {
         match self {
             Self::Foreign => write!(f, "is no kept map; a run or replay writes one as map.bin"),
             Self::Version(version) => {
-                write!(f, "is a kept map of version {version}; this program reads version {VERSION}")
+                write!(f, "is a kept map of version {version}; this program reads versions {OLDEST} to {VERSION}")
             }
             Self::Corrupt => {
                 write!(f, "is a damaged kept map: it is cut short, or its check sum is not that of its content")

@@ -114,7 +114,7 @@ fn what_is_no_map_of_this_robot_is_refused_with_the_reason() {
     refused(&["--map", "first/walls.csv"], "first/walls.csv: is no kept map");
     refused(&["--map", "damaged.bin"], "damaged.bin: is a damaged kept map");
     refused(&["--map", "short.bin"], "short.bin: is a damaged kept map");
-    refused(&["--map", "older.bin"], "older.bin: is a kept map of version 0; this program reads version 1");
+    refused(&["--map", "older.bin"], "older.bin: is a kept map of version 0; this program reads versions 1 to 2");
     refused(&["--map", "first/map.bin", "--rig", "rig.toml"], "first/map.bin: is the map of a robot with another rig");
     refused(&["--map", "first/map.bin", "--no-calibration"], "first/map.bin: was made with other settings");
     refused(&["--map", "none.bin"], "none.bin");

@@ -39,7 +39,7 @@ fn what_is_no_record_is_refused_with_the_reason() {
     let mut older = good.clone();
     older[8] = 0;
     assert_eq!(refused(&older), Refused::Version(0));
-    assert!(std::format!("{}", refused(&older)).contains(&std::format!("reads version {VERSION}")));
+    assert!(std::format!("{}", refused(&older)).contains(&std::format!("reads versions 1 to {VERSION}")));
     assert_eq!(Record::parse(&good).and_then(|record| record.of_rig(8)).err(), Some(Refused::OtherRig));
 }
 
