@@ -16,10 +16,10 @@ mod transfer;
 
 use embedded_storage::nor_flash::NorFlash;
 use kept_map::{Corner, Record, Saved, Store, rig_hash};
-use relocate::{Event, HYPOTHESES, Locator, State, Step};
+use relocate::{Event, HYPOTHESES, Locator, State, Step, agreement};
 use robot::{AreaCorner, AreaKind};
 use slam_core::kept::Kept;
-use slam_core::{Outcome, Pose, Rig, RobotSlam, StepReport};
+use slam_core::{Pose, Rig, RobotSlam, StepReport};
 use wire::{Place, PlaceState, SENSORS};
 
 /// Bytes of a slot: the small sectors of the processor's flash.
@@ -27,9 +27,6 @@ pub const SLOT_BYTES: u32 = 16 * 1024;
 
 /// Path after which a map is worth saving again, metres.
 const WORTH_M: f32 = 3.0;
-
-/// A reading that is off by less than this says nothing against the robot's place, metres: an end of a wall, a thing before it.
-const GROSS_M: f32 = 0.08;
 
 /// NOR flash that can be read as memory.
 pub trait MapFlash: NorFlash {
@@ -108,8 +105,8 @@ impl<F: MapFlash> Keeper<F> {
         self.lift(slam, now);
         let restarts = core::mem::replace(&mut self.restarts, slam.counters().restarts);
         if !self.is_lifted {
-            if restarts != self.restarts && self.saved.is_some() && self.locator.state().is_located() {
-                self.lose(slam);
+            if restarts != self.restarts && self.saved.is_some() {
+                self.forget_place();
             } else {
                 self.locate(slam, report, travelled_m);
             }
@@ -195,11 +192,16 @@ impl<F: MapFlash> Keeper<F> {
         self.restarts = slam.counters().restarts;
     }
 
-    /// Begins a fresh map, with the calibration as it is known.
-    fn lose(&mut self, slam: &mut RobotSlam) {
+    /// The robot is in a fresh map: what was found out in another one's frame is of no use.
+    fn forget_place(&mut self) {
         self.tally.lost = self.tally.lost.saturating_add(u32::from(self.locator.state().is_located()));
         self.locator.lost();
         self.unsaved_m = 0.0;
+    }
+
+    /// Begins a fresh map, with the calibration as it is known.
+    fn lose(&mut self, slam: &mut RobotSlam) {
+        self.forget_place();
         slam.restart_map();
         self.restarts = slam.counters().restarts;
     }
@@ -230,12 +232,4 @@ impl<F: MapFlash> Keeper<F> {
 fn slot<F: MapFlash>(flash: &F, saved: Saved) -> Option<&[u8]> {
     let from = saved.slot as usize * SLOT_BYTES as usize;
     flash.bytes().get(from..from + SLOT_BYTES as usize)
-}
-
-/// Readings of walls that agreed with the map, and that are grossly off.
-fn agreement(report: &StepReport<SENSORS>) -> [u8; 2] {
-    let count = |is: fn(&Outcome) -> bool| report.readings.iter().filter(|reading| is(&reading.outcome)).count() as u8;
-    let is_off =
-        |outcome: &Outcome| matches!(outcome, Outcome::Gated { innovation_m, .. } if innovation_m.abs() > GROSS_M);
-    [count(|outcome| matches!(outcome, Outcome::Updated { .. })), count(is_off)]
 }

@@ -1,5 +1,18 @@
 //! Whether readings agree with the map: of the last that met a wall, the share that fitted it.
 
+use slam_core::{Outcome, StepReport};
+
+/// A reading that is off by less than this says nothing against the robot's place, metres: an end of a wall, a thing before it.
+const GROSS_M: f32 = 0.08;
+
+/// Readings of walls that agreed with the map, and that are grossly off.
+pub fn agreement<const S: usize>(report: &StepReport<S>) -> [u8; 2] {
+    let count = |is: fn(&Outcome) -> bool| report.readings.iter().filter(|reading| is(&reading.outcome)).count() as u8;
+    let is_off =
+        |outcome: &Outcome| matches!(outcome, Outcome::Gated { innovation_m, .. } if innovation_m.abs() > GROSS_M);
+    [count(|outcome| matches!(outcome, Outcome::Updated { .. })), count(is_off)]
+}
+
 /// The last readings that met a wall, a bit each: set where it fitted.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Agreement {

@@ -25,8 +25,9 @@ mod search;
 mod shift;
 mod side;
 
+pub use agreement::agreement;
 pub use locator::{CLAIM, Event, Locator, State, Step};
-pub use odds::{Verdict, calibrated};
+pub use odds::Verdict;
 pub use search::{Hypothesis, Progress, Search};
 pub use side::{Side, path_on_grid, sides};
 

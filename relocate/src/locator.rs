@@ -1,7 +1,7 @@
 //! Whether a robot knows where it is in its kept map.
 //!
 //! ```text
-//! Searching -> Probation      the same place twice, each at the odds that a claim needs
+//! Searching -> Probation      the same place in two searches, each at the odds that a claim needs
 //! Probation -> Tracking       readings agree over some path
 //! Probation -> Searching      they do not: the claim is revoked
 //! Tracking  -> Doubtful       few of the last readings of walls agree
@@ -16,14 +16,11 @@ use slam_core::kept::Kept;
 
 use crate::PATH_POINTS;
 use crate::agreement::Agreement;
-use crate::odds::{Verdict, calibrated};
+use crate::odds::Verdict;
 use crate::search::{Hypothesis, Progress, Search};
 
 /// Path from one search to the next, metres.
 const SEARCH_EVERY_M: f32 = 0.5;
-
-/// A claim is made when a second search, so much path later, finds the same place, metres.
-const CONFIRM_M: f32 = 1.0;
 
 /// Logarithm of the odds that a claim needs: 1000 to 1.
 pub const CLAIM: f32 = 6.907_755;
@@ -77,7 +74,7 @@ pub struct Step {
     pub position_m: [f32; 2],
     /// How far it went, metres.
     pub travelled_m: f32,
-    /// Readings of walls that agreed with the map, and that are grossly off.
+    /// Readings of walls that agreed with the map, and that are grossly off: [`agreement`](crate::agreement()).
     pub readings: [u8; 2],
 }
 
@@ -91,9 +88,9 @@ pub struct Locator {
     trail: Vec<[f32; 2], PATH_POINTS>,
     spacing_m: f32,
     search: Search,
-    /// Path at which the search under way began, metres.
-    begun_m: Option<f32>,
-    claim: Option<(f32, Hypothesis)>,
+    is_searching: bool,
+    /// What the last search would claim.
+    claim: Option<Hypothesis>,
     agreement: Agreement,
     counted_m: f32,
     verdict: Option<Verdict>,
@@ -110,7 +107,7 @@ impl Locator {
             trail: Vec::new(),
             spacing_m: POINTS_M,
             search: Search::IDLE,
-            begun_m: None,
+            is_searching: false,
             claim: None,
             agreement: Agreement::NEW,
             counted_m: 0.0,
@@ -127,7 +124,8 @@ impl Locator {
         self.next_search_m = 2.0 * SEARCH_EVERY_M;
         self.trail.clear();
         self.spacing_m = POINTS_M;
-        (self.begun_m, self.claim, self.verdict) = (None, None, None);
+        self.is_searching = false;
+        (self.claim, self.verdict) = (None, None);
         self.agreement = Agreement::NEW;
     }
 
@@ -143,7 +141,7 @@ impl Locator {
 
     /// The search under way, for a picture of it.
     pub fn search(&self) -> Option<&Search> {
-        self.begun_m.map(|_| &self.search)
+        self.is_searching.then_some(&self.search)
     }
 
     /// Takes in a step of the robot with its map, the one that it is to find itself in, and about how many hypotheses may be
@@ -205,35 +203,22 @@ impl Locator {
 
     /// Goes on with the search, or begins one where it is time.
     fn work(&mut self, own: &impl Kept, kept: &impl Kept, hypotheses: usize) -> Option<Match> {
-        if self.begun_m.is_none() && self.path_m >= self.next_search_m {
+        if !self.is_searching && self.path_m >= self.next_search_m {
             self.next_search_m = self.path_m + SEARCH_EVERY_M;
-            self.begun_m = self.search.begin(own, kept, &self.trail).then_some(self.path_m);
+            self.is_searching = self.search.begin(own, kept, &self.trail);
         }
-        let begun_m = self.begun_m?;
-        if self.search.work(hypotheses) == Progress::Working {
+        if !self.is_searching || self.search.work(hypotheses) == Progress::Working {
             return None;
         }
-        self.begun_m = None;
+        self.is_searching = false;
         self.verdict = self.search.verdict();
-        self.judge(begun_m, &self.verdict?)
+        self.judge(&self.verdict?)
     }
 
-    /// Whether a place can be claimed: it was found before, and is found again.
-    fn judge(&mut self, at_m: f32, verdict: &Verdict) -> Option<Match> {
-        let is_sure = calibrated(verdict) >= CLAIM;
-        let found = verdict.best.to_match().filter(|_| is_sure);
-        match (self.claim, found) {
-            (Some((since_m, claim)), Some(found)) if claim.is_same_place(&verdict.best) => {
-                (at_m - since_m >= CONFIRM_M).then_some(found)
-            }
-            (_, Some(_)) => {
-                self.claim = Some((at_m, verdict.best));
-                None
-            }
-            (_, None) => {
-                self.claim = None;
-                None
-            }
-        }
+    /// Whether a place can be claimed: the search before found it, too.
+    fn judge(&mut self, verdict: &Verdict) -> Option<Match> {
+        let sure = (verdict.log_odds >= CLAIM).then_some(verdict.best);
+        let before = core::mem::replace(&mut self.claim, sure);
+        sure.filter(|best| before.is_some_and(|before| before.is_same_place(best)))?.to_match()
     }
 }

@@ -1,11 +1,21 @@
 //! What a fresh wall says for or against a hypothesis, and what a search makes of all of them.
 
+use heapless::Vec;
+
+use crate::FRESH_SIDES;
+use crate::side::Side;
+
 /// Share of a fresh map's walls that stand where the kept one says: the others are furniture that was moved, doors, and walls
 /// that either map has wrong.
 const SAME: f32 = 0.7;
 
-/// Where anything else stands: uniform over a home of this width, metres.
-const WIDTH_M: f32 = 8.0;
+/// Where anything else stands: uniform over what a sensor sees, metres. A wall of a fresh map is no farther from the path than that, and the
+/// path of a place that could be right lies beside walls, too: chance puts a wall on a kept one far more often than in all the home.
+const REACH_M: f32 = 1.5;
+
+/// Walls across one axis that are nearer to each other than this have one origin, metres: a wall between rooms has two
+/// faces, and doors and furniture cut one face into several walls.
+const ORIGIN_M: f32 = 0.15;
 
 /// Two maps have the same wall up to this, metres, beyond what either knows: the relief of built walls, and how the maps are
 /// bent.
@@ -22,12 +32,23 @@ const ELSEWHERE: f32 = 0.1;
 pub(crate) fn of_wall(off_m: f32, variance_m2: f32, overlap: f32) -> f32 {
     let variance = variance_m2 + BENT_M * BENT_M;
     let density = libm::expf(-0.5 * off_m * off_m / variance) / libm::sqrtf(core::f32::consts::TAU * variance);
-    libm::logf(1.0 - SAME + SAME * overlap * density * WIDTH_M)
+    libm::logf(1.0 - SAME + SAME * overlap * density * REACH_M)
 }
 
 /// The same of a fresh wall that no kept one explains.
 pub(crate) fn of_nothing() -> f32 {
     libm::logf(1.0 - SAME)
+}
+
+/// How much each of a fresh map's walls counts, so that those of one origin together count as one: one that chance put on a kept one
+/// brings the others with it.
+pub(crate) fn weigh(fresh: &[Side], weights: &mut Vec<f32, FRESH_SIDES>) {
+    weights.clear();
+    for a in fresh {
+        let is_of_it = |b: &&Side| a.axis() == b.axis() && (a.at_m - b.at_m).abs() < ORIGIN_M;
+        // There is room for as many weights as walls.
+        let _ = weights.push(1.0 / fresh.iter().filter(is_of_it).count().max(1) as f32);
+    }
 }
 
 /// Precision of a wall's position against another map's, 1/m^2.
@@ -64,13 +85,8 @@ pub struct Verdict {
     pub best: crate::search::Hypothesis,
     /// Fresh walls that were matched.
     pub walls: u8,
-    /// Logarithm of its odds against all others and elsewhere together, as the model has them.
+    /// Logarithm of its odds against all others and elsewhere together.
     pub log_odds: f32,
     /// The same against the other places only.
     pub others: f32,
-}
-
-/// Logarithm of the odds that the best hypothesis is right, as they were found to be.
-pub fn calibrated(verdict: &Verdict) -> f32 {
-    verdict.log_odds
 }

@@ -67,6 +67,8 @@ pub struct Search {
     /// The fresh map's walls, turned by so many quarters.
     fresh: Vec<Side, FRESH_SIDES>,
     quarters: u8,
+    /// How much each of them counts.
+    weights: Vec<f32, FRESH_SIDES>,
     kept: Vec<Side, KEPT_SIDES>,
     /// On the fresh grid.
     path_m: Vec<[f32; 2], PATH_POINTS>,
@@ -84,6 +86,7 @@ impl Search {
     pub const IDLE: Self = Self {
         fresh: Vec::new(),
         quarters: 0,
+        weights: Vec::new(),
         kept: Vec::new(),
         path_m: Vec::new(),
         floor_m2: 0.0,
@@ -101,6 +104,7 @@ impl Search {
         if self.fresh.is_empty() {
             return false;
         }
+        odds::weigh(&self.fresh, &mut self.weights);
         find_sides(kept, &mut self.kept);
         self.floor_m2 = floor_m2(&self.kept);
         let alpha_rad = fresh.mean(ALPHA);
@@ -124,8 +128,8 @@ impl Search {
     }
 
     fn find_shifts(&mut self) {
-        shifts(&self.fresh, &self.kept, 0, &mut self.xs);
-        shifts(&self.fresh, &self.kept, 1, &mut self.ys);
+        shifts(&self.fresh, &self.weights, &self.kept, 0, &mut self.xs);
+        shifts(&self.fresh, &self.weights, &self.kept, 1, &mut self.ys);
         self.next = (0, 0);
     }
 
@@ -178,13 +182,13 @@ impl Search {
         }
         let mut found = Hypothesis { quarters: self.quarters, shift_m, score: 0.0, matched: [0; 2], pairs: [None; 2] };
         let mut least_m2 = [f32::INFINITY; 2];
-        for a in &self.fresh {
+        for (a, weight) in self.fresh.iter().zip(&self.weights) {
             let Some((b, off_m)) = self.nearest(a, shift_m) else {
-                found.score += odds::of_nothing();
+                found.score += weight * odds::of_nothing();
                 continue;
             };
             let variance = a.variance_m2 + b.variance_m2;
-            found.score += odds::of_wall(off_m, variance, overlap(a, b, shift_m));
+            found.score += weight * odds::of_wall(off_m, variance, overlap(a, b, shift_m));
             let axis = a.axis();
             if off_m.abs() < MATCHED_M {
                 found.matched[axis] += 1;

@@ -23,6 +23,7 @@ pub(crate) struct Shift {
 /// is no room for all, best first.
 pub(crate) fn shifts(
     fresh: &Vec<Side, FRESH_SIDES>,
+    weights: &Vec<f32, FRESH_SIDES>,
     kept: &Vec<Side, KEPT_SIDES>,
     axis: usize,
     found: &mut Vec<Shift, SHIFTS>,
@@ -34,7 +35,7 @@ pub(crate) fn shifts(
             if found.iter().any(|shift| (shift.by_m - by_m).abs() < MERGE_M) {
                 continue;
             }
-            let shift = Shift { by_m, bound: bound(fresh, kept, axis, by_m) };
+            let shift = Shift { by_m, bound: bound(fresh, weights, kept, axis, by_m) };
             if let Err(shift) = found.push(shift)
                 && let Some(worst) = found.iter_mut().min_by(|a, b| a.bound.total_cmp(&b.bound))
                 && worst.bound < shift.bound
@@ -48,7 +49,7 @@ pub(crate) fn shifts(
 
 /// The most that the walls across an axis can say for a shift: each at the nearest kept wall, wherever that reaches, within what
 /// merging leaves.
-fn bound(fresh: &[Side], kept: &[Side], axis: usize, by_m: f32) -> f32 {
+fn bound(fresh: &[Side], weights: &[f32], kept: &[Side], axis: usize, by_m: f32) -> f32 {
     let of_side = |a: &Side| {
         kept.iter()
             .filter(|b| b.facing == a.facing)
@@ -58,5 +59,6 @@ fn bound(fresh: &[Side], kept: &[Side], axis: usize, by_m: f32) -> f32 {
             })
             .fold(odds::of_nothing(), f32::max)
     };
-    fresh.iter().filter(|side| side.axis() == axis).map(of_side).sum()
+    let across = fresh.iter().zip(weights).filter(|(side, _)| side.axis() == axis);
+    across.map(|(side, weight)| weight * of_side(side)).sum()
 }

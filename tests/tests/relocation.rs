@@ -1,5 +1,6 @@
 //! A robot that is put down somewhere finds itself in the map that it kept, or says that it cannot tell.
 
+use hal_sim::random_home::random_home;
 use hal_sim::{Plan, Pose2, plan_file};
 use kept_map::{Record, Writer, rig_hash};
 use relocate::{Event, Locator, State, Step};
@@ -133,5 +134,14 @@ fn a_home_that_looks_the_same_from_two_sides_stays_ambiguous() {
     let kept = drive(&hall, &rig(8), 120.0, 1, |_| true);
     for seed in 1..=4 {
         assert!(search(&hall, &hall, &kept, seed, 90.0).is_err());
+    }
+}
+
+#[test]
+fn homes_whose_rooms_are_alike_in_size_are_told_apart() {
+    // Many walls of either stand where one of the other does, by chance.
+    let kept = drive(&random_home(1), &rig(8), 600.0, 1, |_| true);
+    for seed in 1000..1004 {
+        assert!(search(&random_home(2), &random_home(1), &kept, seed, 100.0).is_err(), "{seed}");
     }
 }

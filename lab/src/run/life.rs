@@ -5,10 +5,10 @@
 
 use hal_sim::pose::Pose2;
 use kept_map::{Areas, Record, Writer, rig_hash};
-use relocate::{Event, Hypothesis, Locator, State, Step, path_on_grid};
+use relocate::{Event, Hypothesis, Locator, State, Step, agreement, path_on_grid};
 use robot::{AreaKind, Bounds};
 use slam_core::kept::Kept;
-use slam_core::{HostSlam, Outcome, Rig, StepReport};
+use slam_core::{HostSlam, Rig, StepReport};
 
 use crate::input::rig_file::MAX_SENSORS;
 
@@ -167,12 +167,17 @@ impl Life {
         self.is_lifted = is_lifted;
     }
 
-    /// Begins a fresh map, with the calibration as it is known.
-    fn lose(&mut self, slam: &mut HostSlam) {
-        self.frames += 1;
+    /// The robot is in a fresh map: what was found out in another one's frame is of no use.
+    fn forget_place(&mut self) {
         self.lost += usize::from(self.locator.state().is_located());
         self.locator.lost();
         self.places.clear();
+    }
+
+    /// Begins a fresh map, with the calibration as it is known.
+    fn lose(&mut self, slam: &mut HostSlam) {
+        self.frames += 1;
+        self.forget_place();
         slam.restart_map();
         self.restarts = slam.counters().restarts;
     }
@@ -181,8 +186,9 @@ impl Life {
     pub fn step(&mut self, slam: &mut HostSlam, report: &StepReport<MAX_SENSORS>, index: usize) -> bool {
         let restarts = core::mem::replace(&mut self.restarts, slam.counters().restarts);
         let Some(kept) = self.kept.as_deref().filter(|_| !self.is_lifted) else { return false };
-        if slam.counters().restarts != restarts && self.locator.state().is_located() {
-            self.lose(slam);
+        if slam.counters().restarts != restarts {
+            self.frames += usize::from(self.locator.state().is_located());
+            self.forget_place();
             return false;
         }
         let reckoned: Pose2 = slam.dead_reckoning().into();
@@ -236,16 +242,4 @@ fn in_kept_map(slam: &HostSlam, kept_rad: f32, place: &Hypothesis) -> Pose2 {
     let on_grid = Pose2::new(x_m, y_m, f64::from(pose.theta_rad - fresh_rad));
     let shift = Pose2::new(place.shift_m[0].into(), place.shift_m[1].into(), quarters);
     Pose2::new(0.0, 0.0, kept_rad.into()).compose(&shift).compose(&on_grid)
-}
-
-/// A reading that is off by less than this says nothing against the robot's place, metres: an end of a wall, a thing before it.
-const GROSS_M: f32 = 0.08;
-
-/// Readings of walls that agreed with the map, and that are grossly off.
-fn agreement(report: &StepReport<MAX_SENSORS>) -> [u8; 2] {
-    let count = |is: fn(&Outcome) -> bool| report.readings.iter().filter(|reading| is(&reading.outcome)).count() as u8;
-    let agrees = |outcome: &Outcome| matches!(outcome, Outcome::Updated { .. });
-    let is_off =
-        |outcome: &Outcome| matches!(outcome, Outcome::Gated { innovation_m, .. } if innovation_m.abs() > GROSS_M);
-    [count(agrees), count(is_off)]
 }
