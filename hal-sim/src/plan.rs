@@ -83,13 +83,25 @@ pub struct Person {
     pub speed_mps: f64,
     /// Corners of the path, metres; at least one.
     pub path_m: Vec<[f64; 2]>,
+    /// Whether they look where they go: before the robot they turn round. Others walk into it and push it aside.
+    pub gives_way: bool,
 }
 
 impl Person {
+    /// Length of the path, metres.
+    fn length_m(&self) -> f64 {
+        self.path_m.windows(2).map(|ends| libm::hypot(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1])).sum()
+    }
+
+    /// How long they walk to be back where they were, seconds; positive.
+    pub fn there_and_back_s(&self) -> f64 {
+        (2.0 * self.length_m() / self.speed_mps).max(1e-3)
+    }
+
     /// Where they are at a time (seconds since the start), metres.
     pub fn position(&self, time_s: f64) -> [f64; 2] {
         let legs = || self.path_m.windows(2).map(|p| (p[0], p[1], libm::hypot(p[1][0] - p[0][0], p[1][1] - p[0][1])));
-        let length_m: f64 = legs().map(|leg| leg.2).sum();
+        let length_m = self.length_m();
         let start_m = self.path_m.first().copied().unwrap_or_default();
         if length_m <= 0.0 {
             return start_m;

@@ -214,6 +214,7 @@ fn add_moving(toml: &TomlFile<'_>, file: &File, plan: &mut Plan) -> Result<(), F
         plan.people.push(Person {
             radius_m: person.radius_m.as_ref().map_or(LEG_RADIUS_M, Number::get),
             speed_mps: person.speed_mps.as_ref().map_or(WALKING_MPS, Number::get),
+            gives_way: person.gives_way,
             path_m,
         });
     }

@@ -1,7 +1,9 @@
 //! Homes drawn at random: rooms with doors between them, furniture along the walls, tables on legs. For tests of what must not
 //! depend on the homes at hand.
 
-use crate::plan::{Face, Plan, Room, Round};
+use crate::mishap::free_place;
+use crate::options::SimOptions;
+use crate::plan::{Face, Person, Plan, Room, Round};
 use crate::pose::Pose2;
 use crate::rng::Rng;
 use crate::world::World;
@@ -14,6 +16,9 @@ const ROOM_M: f64 = 2.2;
 
 /// Way that is left free beside doors and between pieces of furniture, metres.
 const WAY_M: f64 = 0.55;
+
+/// Somebody walks so far from what stands there, metres.
+const LEGS_M: f64 = 0.2;
 
 /// Draws of a place until there is none.
 const DRAWS: usize = 40;
@@ -80,6 +85,33 @@ pub fn random_home(seed: u64) -> Plan {
         draft.furnish(room);
     }
     draft.finish(seed, whole)
+}
+
+/// Somebody who walks to and fro between three places of a home, a metre apart at least, drawn from a seed; none where there are
+/// no such places that a straight way leads between.
+pub fn somebody(plan: &Plan, seed: u64, gives_way: bool) -> Option<Person> {
+    let mut rng = Rng::stream(seed, "somebody", 0);
+    let world = World::new(plan);
+    let is_way = |from_m: [f64; 2], to_m: [f64; 2]| {
+        (0..=40).all(|index| {
+            let share = f64::from(index) / 40.0;
+            world.clearance_m([0, 1].map(|axis| from_m[axis] + share * (to_m[axis] - from_m[axis]))) > LEGS_M
+        })
+    };
+    let mut path_m: Vec<[f64; 2]> = Vec::new();
+    for _ in 0..10_000 {
+        let place = free_place(&plan.rooms, &mut rng, &world, &SimOptions::default())?;
+        let to_m = [place.x_m, place.y_m];
+        let is_next =
+            |from_m: &[f64; 2]| libm::hypot(to_m[0] - from_m[0], to_m[1] - from_m[1]) > 1.0 && is_way(*from_m, to_m);
+        if path_m.last().is_none_or(is_next) {
+            path_m.push(to_m);
+        }
+        if path_m.len() == 3 {
+            return Some(Person { radius_m: 0.15, speed_mps: 0.5, path_m, gives_way });
+        }
+    }
+    None
 }
 
 impl Draft {

@@ -213,6 +213,7 @@ impl Simulation {
         self.fate.hold(&mut self.body, end_s);
         let duty = if self.supply.is_empty() { Duty::default() } else { self.duty };
         self.body.advance(duty, period_s, &self.world, &self.options);
+        self.let_people_turn(end_s);
         self.supply.advance(&self.last_pose, &mut self.body.pose, period_s);
         if !self.fate.is_kind() {
             self.fate.befall(&mut self.body, &self.last_pose, end_s, &self.world, &self.options);

@@ -36,7 +36,17 @@ pub struct World {
     rounds: usize,
     doors: Vec<Door>,
     people: Vec<Person>,
+    /// How far each of them is ahead of the time, seconds: who turned round is elsewhere on the path.
+    ahead_s: Vec<f64>,
 }
+
+/// A body is pressed into something where it is so deep in it, metres, and by whoever is this near to it.
+const WEDGED_M: f64 = 0.002;
+const TOUCH_M: f64 = 0.02;
+
+/// Who gives way turns round so near to the robot, metres, where they would be nearer so much later, seconds.
+const SEES_M: f64 = 0.1;
+const SOON_S: f64 = 0.1;
 
 /// Beams and surfaces nearer to parallel than this do not meet.
 const PARALLEL: f64 = 1e-12;
@@ -47,6 +57,7 @@ impl World {
         let mut world = World {
             doors: plan.doors.clone(),
             people: plan.people.clone(),
+            ahead_s: vec![0.0; plan.people.len()],
             faces: plan.faces.len(),
             ..World::default()
         };
@@ -97,9 +108,30 @@ impl World {
             }
         }
         for i in 0..self.people.len() {
-            let (position_m, radius_m) = (self.people[i].position(time_s), self.people[i].radius_m);
+            let (position_m, radius_m) = (self.people[i].position(time_s + self.ahead_s[i]), self.people[i].radius_m);
             self.push_disc(position_m, radius_m);
         }
+    }
+
+    /// Lets people turn round from this time on (seconds since the start): who gives way, where a round body at this place is just
+    /// before them; everybody, where they press it into something, for nobody walks a robot through a wall. Whether they pressed it.
+    pub fn turn_round(&mut self, centre_m: [f64; 2], radius_m: f64, time_s: f64) -> bool {
+        let is_wedged = !self.people.is_empty() && self.clearance_m(centre_m) < radius_m - WEDGED_M;
+        let mut is_pressed = false;
+        for (person, ahead_s) in self.people.iter().zip(&mut self.ahead_s) {
+            let gap_m = |time_s: f64| {
+                let [x_m, y_m] = person.position(time_s);
+                libm::hypot(centre_m[0] - x_m, centre_m[1] - y_m) - radius_m - person.radius_m
+            };
+            let now_s = time_s + *ahead_s;
+            let presses = is_wedged && gap_m(now_s) < TOUCH_M;
+            let sees = person.gives_way && gap_m(now_s) < SEES_M && gap_m(now_s + SOON_S) < gap_m(now_s);
+            if presses || sees {
+                *ahead_s = (-now_s).rem_euclid(person.there_and_back_s()) - time_s;
+            }
+            is_pressed |= presses;
+        }
+        is_pressed
     }
 
     /// The first thing that a beam from `origin_m` in the unit direction `beam` meets.

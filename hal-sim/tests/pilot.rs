@@ -144,7 +144,7 @@ fn a_door_that_closes_and_people_do_not_trap_it() {
         opens_at_s: 240.0,
     });
     let path_m = vec![[1.5, 2.5], [4.0, 2.0], [5.5, 1.5]];
-    plan.people.push(hal_sim::plan::Person { radius_m: 0.15, speed_mps: 0.4, path_m });
+    plan.people.push(hal_sim::plan::Person { radius_m: 0.15, speed_mps: 0.4, path_m, gives_way: false });
     let drive = drive(&plan, &ALL, 1, PoseError { noise_m: 0.005, ..PoseError::default() }, 10.0);
     assert!(drive.last_room_s < 580.0 && drive.standstill_s < 60.0, "{} {}", drive.last_room_s, drive.standstill_s);
 }

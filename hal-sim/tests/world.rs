@@ -2,7 +2,8 @@
 use hal_sim::plan::Plan;
 use hal_sim::rng::Rng;
 use hal_sim::world::World;
-use hal_sim::{Pose2, plan_file};
+use hal_sim::{Pose2, SimOptions, Simulation, default_rig, plan_file};
+use robot::WheelSpeeds;
 
 /// Marches along the beam in small steps until the distance to the nearest thing vanishes (sphere tracing).
 fn march(plan: &Plan, origin_m: [f64; 2], beam: [f64; 2]) -> f64 {
@@ -85,6 +86,41 @@ fn doors_close_and_open_and_people_walk_to_and_fro() {
     assert_eq!(range_m(8.0), 2.0);
     assert_eq!(range_m(12.0), 3.0);
     assert!((range_m(2.0) - 0.8).abs() < 1e-12);
+}
+
+/// The robot stands in somebody's way for ten seconds, at this distance from a wall behind it: where it is then, metres, whether
+/// its bumper was pressed.
+fn stands_in_the_way(behind_m: f64, gives_way: bool) -> (f64, bool) {
+    let text = format!(
+        "[start]\nx_m = 1.5\ny_m = 0.0\nheading_deg = 180.0\n[[wall]]\nfrom_m = [{0}, -2.0]\nto_m = [{0}, 2.0]\n\
+         [[person]]\ngives_way = {gives_way}\npath_m = [[0.0, 0.0], [4.0, 0.0]]\n",
+        1.5 + behind_m,
+    );
+    let plan = plan_file::parse("test", "test", &text).unwrap();
+    let mut simulation = Simulation::new(&plan, &default_rig(), SimOptions::default(), 1).unwrap();
+    let mut is_pressed = false;
+    for _ in 0..250 {
+        simulation.step(WheelSpeeds::STOP);
+        is_pressed |= simulation.contacts().bump_left || simulation.contacts().bump_right;
+    }
+    (simulation.pose_in_plan().x_m, is_pressed)
+}
+
+#[test]
+fn who_gives_way_turns_round_before_the_robot_and_others_push_it() {
+    let (x_m, is_pressed) = stands_in_the_way(1.0, true);
+    assert!(x_m == 1.5 && !is_pressed, "{x_m} {is_pressed}");
+    let (x_m, is_pressed) = stands_in_the_way(1.0, false);
+    assert!(x_m > 2.0 && is_pressed, "{x_m} {is_pressed}");
+}
+
+#[test]
+fn nobody_walks_the_robot_through_a_wall() {
+    let radius_m = SimOptions::default().body_radius_m;
+    for behind_m in [0.2, 0.3, 0.45, 0.6] {
+        let (x_m, is_pressed) = stands_in_the_way(behind_m, false);
+        assert!(is_pressed && x_m <= 1.5 + behind_m - radius_m + 0.003, "{behind_m}: {x_m}");
+    }
 }
 
 #[test]

@@ -98,7 +98,7 @@ fn add_people(plan: &mut Plan, people: usize, rng: &mut Rng) {
             (free && length_m > 1.0).then(|| vec![from, to])
         });
         if let Some(path_m) = walk {
-            plan.people.push(Person { radius_m: PERSON_M, speed_mps: WALK_MPS, path_m });
+            plan.people.push(Person { radius_m: PERSON_M, speed_mps: WALK_MPS, path_m, gives_way: false });
         }
     }
 }

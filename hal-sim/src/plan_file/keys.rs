@@ -101,6 +101,8 @@ pub(super) struct Walker {
     pub radius_m: Option<Number<Size>>,
     pub speed_mps: Option<Number<Size>>,
     pub path_m: Vec<Point>,
+    #[serde(default)]
+    pub gives_way: bool,
 }
 
 #[derive(Deserialize)]

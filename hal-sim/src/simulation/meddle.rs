@@ -63,4 +63,13 @@ impl Simulation {
     pub fn start_in_plan(&self) -> Pose2 {
         self.start
     }
+
+    /// After a step that ended at this time (seconds since the start): people turn round, and who pressed the robot into something
+    /// did not.
+    pub(super) fn let_people_turn(&mut self, end_s: f64) {
+        let Pose2 { x_m, y_m, .. } = self.body.pose;
+        if self.world.turn_round([x_m, y_m], self.options.body_radius_m, end_s) {
+            self.body.put(self.last_pose);
+        }
+    }
 }
