@@ -113,8 +113,7 @@ impl Mishap {
         Self::Jammed,
     ];
 
-    const IN_RANDOM_HOMES: [Self; 6] =
-        [Self::GivesWay, Self::Pushes, Self::Slips, Self::Kick, Self::Held, Self::Jammed];
+    const IN_RANDOM_HOMES: [Self; 4] = [Self::GivesWay, Self::Pushes, Self::Kick, Self::Held];
 
     fn name(self) -> &'static str {
         match self {

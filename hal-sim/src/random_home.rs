@@ -87,8 +87,8 @@ pub fn random_home(seed: u64) -> Plan {
     draft.finish(seed, whole)
 }
 
-/// Somebody who walks to and fro between three places of a home, a metre apart at least, drawn from a seed; none where there are
-/// no such places that a straight way leads between.
+/// Somebody who walks to and fro between three places of a home, a metre apart at least, drawn from a seed; the first of them is
+/// a metre from where the robot starts. None where there are no such places that a straight way leads between.
 pub fn somebody(plan: &Plan, seed: u64, gives_way: bool) -> Option<Person> {
     let mut rng = Rng::stream(seed, "somebody", 0);
     let world = World::new(plan);
@@ -104,7 +104,8 @@ pub fn somebody(plan: &Plan, seed: u64, gives_way: bool) -> Option<Person> {
         let to_m = [place.x_m, place.y_m];
         let is_next =
             |from_m: &[f64; 2]| libm::hypot(to_m[0] - from_m[0], to_m[1] - from_m[1]) > 1.0 && is_way(*from_m, to_m);
-        if path_m.last().is_none_or(is_next) {
+        let is_far = || libm::hypot(to_m[0] - plan.start.x_m, to_m[1] - plan.start.y_m) > 1.0;
+        if path_m.last().map_or_else(is_far, is_next) {
             path_m.push(to_m);
         }
         if path_m.len() == 3 {
