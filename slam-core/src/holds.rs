@@ -138,9 +138,13 @@ impl<const S: usize> Holds<S> {
 
     /// Follows the wheels by a motion in the robot's frame.
     pub fn follow(&mut self, motion: &Pose, dt_s: f32) {
-        let moved_m = libm::hypotf(motion.x_m, motion.y_m) + MIDDLE_M * motion.theta_rad.abs();
+        let moved_m =
+            libm::sqrtf(motion.x_m * motion.x_m + motion.y_m * motion.y_m) + MIDDLE_M * motion.theta_rad.abs();
         if moved_m > 0.0 {
-            self.wheels = self.wheels.compose(motion);
+            let ((s, c), Pose { x_m, y_m, theta_rad }) = (self.heading, self.wheels);
+            let [ahead_m, left_m] = [motion.x_m, motion.y_m];
+            let at_m = [x_m + c * ahead_m - s * left_m, y_m + s * ahead_m + c * left_m];
+            self.wheels = Pose::new(at_m[0], at_m[1], theta_rad + motion.theta_rad);
             self.heading = sin_cos(self.wheels.theta_rad);
             self.at = (self.at.0 + moved_m, self.at.1 + dt_s);
         }
