@@ -27,6 +27,12 @@ const CROSSED: f32 = -2.3;
 /// Odds of elsewhere beforehand: that the robot stands in a home, or in a part of this one, that the map does not have.
 const ELSEWHERE: f32 = 0.1;
 
+/// How much worse elsewhere explains a match than the rest of the model says, nats. It takes walls of one origin for one and chance to be as near as the
+/// reach; where both are at work they say some of the same. Over fourteen homes the best place of a search had modelled odds of 1 to
+/// e^2 in 22 % of searches in the home's own map and in 0.25 % of those in another's: with the prior, odds of 900 to 1 that it is right, e^5.8 times as
+/// high as modelled. Nearly two nats of that are left for homes that are not like those.
+const CHANCE: f32 = 4.0;
+
 /// Log-likelihood ratio of a fresh wall, `off_m` from a kept one that faces the same way and reaches along `overlap` of it, against
 /// anything that stands anywhere.
 pub(crate) fn of_wall(off_m: f32, variance_m2: f32, overlap: f32) -> f32 {
@@ -67,9 +73,9 @@ pub(crate) fn of_place(precisions: [f32; 2], floor_m2: f32) -> f32 {
     libm::logf(core::f32::consts::TAU / (libm::sqrtf(precisions[0] * precisions[1]) * 4.0 * floor_m2))
 }
 
-/// Logarithm of the prior odds of elsewhere.
+/// Logarithm of the odds of elsewhere, against a place as the walls say.
 pub(crate) fn of_elsewhere() -> f32 {
-    libm::logf(ELSEWHERE)
+    libm::logf(ELSEWHERE) - CHANCE
 }
 
 /// log(exp(a) + exp(b)).
