@@ -123,15 +123,22 @@ fn a_scene_is_shared_as_a_link_and_a_bad_link_is_said() {
     assert_sound(&mut bad, &address);
 }
 
-#[test]
-#[ignore = "needs the built page: cargo xtask test studio"]
-fn an_area_to_stay_out_of_is_drawn_and_stays_unswept() {
-    let Some((mut page, address)) = open("keep-out", "", [1280, 900]) else { return };
+/// A drive that cleans the room begins.
+fn clean_the_room(page: &mut Page) {
     page.run(
         "const job = document.getElementById('job'); job.value = 'clean';
          document.getElementById('plan').value = 'room';
-         document.getElementById('plan').dispatchEvent(new Event('change'));
-         document.querySelector(\"[data-tool='keep_out']\").click(); document.getElementById('map').scrollIntoView();",
+         document.getElementById('plan').dispatchEvent(new Event('change'));",
+    );
+}
+
+#[test]
+#[ignore = "needs the built page: cargo xtask test studio"]
+fn an_area_to_stay_out_of_is_drawn_and_the_rest_is_swept() {
+    let Some((mut page, address)) = open("keep-out", "", [1280, 900]) else { return };
+    clean_the_room(&mut page);
+    page.run(
+        "document.querySelector(\"[data-tool='keep_out']\").click(); document.getElementById('map').scrollIntoView();",
     );
     let share =
         "return Number(document.getElementById('status').textContent.match(/([0-9.]+) % of the floor/)?.[1] ?? -1);";
@@ -157,12 +164,8 @@ fn an_area_to_stay_out_of_is_drawn_and_stays_unswept() {
 #[ignore = "needs the built page: cargo xtask test studio"]
 fn a_floor_is_swept_and_shown_as_it_was_at_each_moment() {
     let Some((mut page, address)) = open("clean", "", [1280, 900]) else { return };
-    page.run(
-        "const job = document.getElementById('job'); job.value = 'clean';
-         document.getElementById('plan').value = 'room';
-         document.getElementById('plan').dispatchEvent(new Event('change'));
-         document.querySelector(\"[data-speed='100']\").click();",
-    );
+    clean_the_room(&mut page);
+    page.run("document.querySelector(\"[data-speed='100']\").click();");
     page.until("/Sweeping: (edges|lanes)/.test(document.getElementById('status').textContent)");
     page.until("Number(document.getElementById('time').max) > 2500");
     picture(&mut page, "clean");
