@@ -163,9 +163,16 @@ class Simulate {
     this.name = Object.keys(this.plans).find((name) => this.plans[name] === text) ?? "";
     document.getElementById("plan").value = this.name;
     document.getElementById("plan-text").value = text;
+    const before = this.homeReaches();
     this.takeHome();
-    this.studio.map.setBounds(mapBounds(this.studio.live.shown));
+    // What was drawn stays under the pointer: the view moves only for a home that reaches elsewhere.
+    if (this.homeReaches() !== before) this.studio.map.setBounds(mapBounds(this.studio.live.shown));
     this.studio.map.draw();
+  }
+
+  // How far the home reaches, as text that can be compared.
+  homeReaches() {
+    return JSON.stringify(mapBounds({ plan: this.studio.live.shown.plan, walls: [] }));
   }
 
   carryTo([x, y]) {

@@ -8,7 +8,15 @@ use crate::{assert_sound, open, picture, scratch};
 /// Where a part of the map is in the window, shares of its width and height.
 fn on_map(page: &mut Page, [x, y]: [f64; 2]) -> [f64; 2] {
     let place = page.run(&format!(
-        "const box = document.getElementById('map').getBoundingClientRect();
+        "const map = document.getElementById('map');
+         const frame = () => new Promise((done) => requestAnimationFrame(done));
+         let box = map.getBoundingClientRect();
+         for (let still = 0; still < 10; ) {{
+           await frame();
+           const now = map.getBoundingClientRect();
+           still = now.y === box.y && now.height === box.height ? still + 1 : 0;
+           box = now;
+         }}
          return [box.x + {x} * box.width, box.y + {y} * box.height];"
     ));
     [0, 1].map(|axis| place[axis].as_f64().expect("a number"))
@@ -152,7 +160,7 @@ fn an_area_to_stay_out_of_is_drawn_and_the_rest_is_swept() {
     picture(&mut page, "keep-out");
     let swept = page.run(share).as_f64().expect("a share");
     assert!(swept > 90.0, "what is out of bounds does not count as floor: {swept} %");
-    // It is taken hold of by its edge.
+    // It is taken hold of by its edge, which is still where it was drawn, whatever the robot has seen since.
     page.run("document.querySelector(\"[data-tool='erase']\").click();");
     let edge = on_map(&mut page, [0.6, 0.3]);
     page.drag(&[edge, edge]);
