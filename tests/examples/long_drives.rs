@@ -1,9 +1,10 @@
-//! Drives of a day, six of them, and one of three days, hour by hour:
+//! Drives of a day, six of them, one of three days, hour by hour, and drives in large empty rooms:
 //! `cargo run --release --package tests --example long_drives -- RESULT.md`, or `-- PLAN HOURS SEED` for one drive.
 
 use std::{env, fs};
 
-use tests::long_drive::{Hour, drive};
+use lab::evaluate::statistics::median;
+use tests::long_drive::{Hour, drive, square};
 
 /// The homes whose covariance was lost first, two drives each.
 const PLANS: [&str; 3] = ["flat", "clutter", "diagonal"];
@@ -21,6 +22,11 @@ fn main() {
         _ => panic!("either RESULT.md or PLAN HOURS SEED"),
     }
 }
+
+/// Sides of the empty rooms, metres: from one where a wall is nearly always in reach to a hall; drives in each, and their length.
+const SIDES_M: [f64; 8] = [6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 30.0, 60.0];
+const ROOM_SEEDS: u64 = 10;
+const ROOM_H: f64 = 0.2;
 
 /// Every hour of a drive, printed as it ends.
 fn driven(plan: &str, hours: f64, seed: u64) -> Vec<Hour> {
@@ -82,6 +88,31 @@ fn page() -> String {
         let mean = |value: &dyn Fn(&[Hour]) -> f64| days.iter().map(|day| value(day)).sum::<f64>() / days.len() as f64;
         let (nees, ratio) = (mean(&|day| day[hour].nees), mean(&|day| day[hour].rmse_m / day[0].rmse_m));
         text += &format!("| {} | {nees:.2} | {ratio:.2} |\n", hour + 1);
+    }
+    text + &rooms()
+}
+
+/// The table of the large empty rooms.
+fn rooms() -> String {
+    let mut text = format!(
+        "\n## Large empty rooms\n\nSquares in which the robot begins in the middle, metres from any wall; {ROOM_SEEDS} drives of {:.0} minutes each. A drive's\n\
+         error is mostly that of one way to its first wall, so that a single drive's NEES says little.\n\n\
+         | side, m | NEES: mean / worst drive | RMSE, cm: median / worst | drives with a flaw |\n|---|---|---|---|\n",
+        60.0 * ROOM_H
+    );
+    for side_m in SIDES_M {
+        let mut all = Vec::new();
+        (1..=ROOM_SEEDS).for_each(|seed| drive(&square(side_m), ROOM_H, seed, |hour| all.push(hour.clone())));
+        let worst = |value: fn(&Hour) -> f64| all.iter().map(value).fold(0.0, f64::max);
+        let mean = all.iter().map(|drive| drive.nees).sum::<f64>() / all.len() as f64;
+        let errors: Vec<f64> = all.iter().map(|drive| drive.rmse_m).collect();
+        text += &format!(
+            "| {side_m:.0} | {mean:.1} / {:.1} | {:.1} / {:.1} | {} |\n",
+            worst(|drive| drive.nees),
+            100.0 * median(&errors).unwrap_or(f64::NAN),
+            100.0 * worst(|drive| drive.rmse_m),
+            all.iter().filter(|drive| drive.flaw.is_some()).count()
+        );
     }
     text
 }

@@ -42,6 +42,16 @@ struct Sums {
     hour: Hour,
 }
 
+/// An empty square with sides of so many metres, the robot in its middle.
+pub fn square(side_m: f64) -> Plan {
+    let (half, side) = (0.5 * side_m, side_m);
+    let text = format!(
+        "[start]\nx_m = {half:?}\ny_m = {half:?}\n[[outline]]\n\
+         points_m = [[0.0, 0.0], [{side:?}, 0.0], [{side:?}, {side:?}], [0.0, {side:?}]]\n"
+    );
+    hal_sim::plan_file::parse("square", "square", &text).expect("a good plan")
+}
+
 /// The built-in robot drives through a home for so many hours; `each` gets every hour as it ends.
 pub fn drive(plan: &Plan, hours: f64, seed: u64, mut each: impl FnMut(&Hour)) {
     let rig = default_rig();

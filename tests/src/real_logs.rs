@@ -43,6 +43,9 @@ pub const CORRIDOR: RealLog = RealLog {
     about: "seven beams of a real laser in a corridor, up to 5 m; real wheel odometry",
 };
 
+/// Another log of it.
+pub const CORRIDOR_5: RealLog = RealLog { name: "wean-5", about: "another drive through that corridor", ..CORRIDOR };
+
 /// The offices with the odometry that the robot's wheels made.
 pub const FREIBURG_WHEELS: RealLog = RealLog {
     name: "fr079-first-realodo",

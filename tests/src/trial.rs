@@ -6,7 +6,7 @@ use lab::evaluate::smoother;
 use lab::input::log::truth::{self, Truth};
 use lab::input::log::{self, Row};
 use lab::input::rig_file::Robot;
-use lab::recording::Recording;
+use lab::recording::{Pose2, Recording};
 use lab::run::Session;
 use slam_core::{Config, DriveModel, Increment, Motion, Pose, RangeInput, RangeModel};
 
@@ -106,6 +106,42 @@ impl LoadedLog {
         smoother::add(&mut recording, &trial.robot(&self.robot).rig, &mut |_| ());
         recording
     }
+
+    /// The rows between two times, seconds after the first.
+    #[must_use]
+    pub fn between(&self, from_s: f64, to_s: f64) -> Self {
+        let first_s = self.rows.first().map_or(0.0, |row| row.t_s);
+        let is_within = |row: &&Row| (from_s..to_s).contains(&(row.t_s - first_s));
+        Self { rows: self.rows.iter().filter(is_within).cloned().collect(), ..self.clone() }
+    }
+
+    /// A drive that begins in a kept map, not knowing where, or without one.
+    ///
+    /// # Panics
+    /// The trial's robot cannot be, or the map is not its.
+    pub fn drive_in(&self, map: Option<Vec<u8>>, trial: &Trial) -> Driven {
+        let mut session = Session::new(&trial.robot(&self.robot), trial.config, "").expect("a robot that can be");
+        if let Some(map) = map {
+            session.begin_in(map).expect("this robot's map");
+        }
+        for row in &self.rows {
+            session.push(row);
+        }
+        let times_s: Vec<f64> = self.rows.iter().map(|row| row.t_s).collect();
+        let truth = self.truth.as_ref().map(|truth| truth::pair(&times_s, truth));
+        Driven { map: session.map(), recording: session.finish(), truth }
+    }
+}
+
+/// A drive, and the map that is left of it.
+#[derive(Debug)]
+pub struct Driven {
+    /// What the estimator made of it.
+    pub recording: Recording,
+    /// The record that the robot would keep.
+    pub map: Option<Vec<u8>>,
+    /// The true pose at every row, in the truth's own frame; none where there is no truth.
+    pub truth: Option<Vec<Option<Pose2>>>,
 }
 
 impl Trial {

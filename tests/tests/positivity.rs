@@ -3,17 +3,8 @@
 use hal_sim::{ClosedLoop, Estimate, Plan, SimOptions, Simulation, default_rig};
 use robot::PilotConfig;
 use slam_core::{Config, HostSlam, SURFACE_M};
+use tests::long_drive::square;
 use tests::positivity::{eigenvalues_are_above, flaw};
-
-/// An empty square with sides of so many metres, the robot in its middle.
-fn square(side_m: f64) -> Plan {
-    let (half, side) = (0.5 * side_m, side_m);
-    let text = format!(
-        "[start]\nx_m = {half:?}\ny_m = {half:?}\n[[outline]]\n\
-         points_m = [[0.0, 0.0], [{side:?}, 0.0], [{side:?}, {side:?}], [0.0, {side:?}]]\n"
-    );
-    hal_sim::plan_file::parse("square", "square", &text).expect("a good plan")
-}
 
 /// What the smallest eigenvalue of the correlation matrix stays above: sqrt(a R / (m J)), docs/explanation/estimator.md,
 /// "Numbers". Of a reading's noise the surface's share is always there; each step has a reading of eight sensors at most; a
