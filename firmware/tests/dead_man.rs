@@ -50,7 +50,7 @@ fn told() -> Told {
         contacts: Contacts::default(),
         condition: robot::Condition::default(),
     };
-    Told { senses, whereabouts: Whereabouts { is_located: true, ..Whereabouts::default() } }
+    Told { senses, whereabouts: Whereabouts::START }
 }
 
 #[test]

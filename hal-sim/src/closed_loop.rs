@@ -1,6 +1,6 @@
-//! Board, wheel control, pilot and estimator in one loop.
+//! Board, wheel control, the robot's job and an estimator in one loop.
 
-use robot::{Bounds, Condition, FloorConfig, FloorJob, Pilot, PilotConfig, Senses, WheelSpeeds};
+use robot::{FloorConfig, Job, PilotConfig, Senses, WheelSpeeds, Whereabouts};
 use slam_core::{Adc, Pose, RangeInput, RangeModel, Rig, Sample};
 
 use crate::pose::Pose2;
@@ -26,68 +26,46 @@ pub struct Frame {
     pub lifted: bool,
 }
 
-/// A robot that drives through its home by what an estimator tells its pilot.
+/// A robot that drives through its home by what an estimator tells its job.
 #[derive(Clone, Debug)]
 pub struct ClosedLoop {
     /// The robot in its home.
     pub simulation: Simulation,
-    /// The pilot.
-    pub pilot: Pilot<MAX_SENSORS>,
-    /// The floor job, which drives instead of the pilot where there is one.
-    pub floor_job: Option<Box<FloorJob<MAX_SENSORS>>>,
-    /// Where the floor job must not go and what it is to clean, in the map frame.
-    pub bounds: Bounds,
-    /// The estimate is not in the frame of the map so far: the robot was carried and has not found itself again.
-    pub is_lost: bool,
+    /// What it is at: the robot's own program.
+    pub job: Job<MAX_SENSORS>,
     command: Option<WheelSpeeds>,
 }
 
 impl ClosedLoop {
-    /// A robot about to take its first sample. The pilot's body radius and track are the simulation's.
+    /// A robot about to take its first sample, which explores. The pilot's body radius and track are the simulation's.
     pub fn new(simulation: Simulation, rig: &Rig<MAX_SENSORS>, config: PilotConfig) -> Self {
-        let radius_m = simulation.options().body_radius_m as f32;
-        let config = PilotConfig { radius_m, track_m: simulation.track_m() as f32, ..config };
-        let pilot = Pilot::new(config, rig);
-        Self { simulation, pilot, floor_job: None, bounds: Bounds::NONE, is_lost: false, command: None }
+        let job = Job::exploring(fitted(config, &simulation), rig);
+        Self { simulation, job, command: None }
     }
 
-    /// A robot that cleans: the floor job drives.
+    /// A robot that cleans.
     pub fn cleaning(simulation: Simulation, rig: &Rig<MAX_SENSORS>, config: FloorConfig) -> Self {
-        let mut robot = Self::new(simulation, rig, config.drive);
-        let drive = PilotConfig {
-            radius_m: robot.simulation.options().body_radius_m as f32,
-            track_m: robot.simulation.track_m() as f32,
-            ..config.drive
-        };
-        robot.floor_job = Some(Box::new(FloorJob::new(FloorConfig { drive, ..config }, rig)));
-        robot
+        let drive = fitted(config.drive, &simulation);
+        let job = Job::cleaning(FloorConfig { drive, ..config }, rig);
+        Self { simulation, job, command: None }
     }
 
-    /// What the robot is doing, in a word or two.
-    pub fn doing(&self) -> &'static str {
-        self.floor_job.as_ref().map_or_else(|| self.pilot.activity().name(), |job| job.state().name())
-    }
-
-    /// Whether there is nothing left to do.
-    pub fn is_over(&self) -> bool {
-        self.floor_job.as_ref().is_some_and(|job| job.is_over())
-    }
-
-    /// Carries out the last command until the next sample, has it estimated, and lets the pilot choose the next
-    /// command. The first call takes the sample at time 0.
+    /// Carries out the last command until the next sample, has it estimated, and lets the job choose the next
+    /// command. The first call takes the sample at time 0. The pose is in one map all the time.
     pub fn step(&mut self, estimator: &mut impl FnMut(&Sample<MAX_SENSORS>) -> Estimate) -> Frame {
+        self.step_in(&mut |sample| (estimator(sample), Whereabouts::START))
+    }
+
+    /// The same where what is known of the map is told.
+    pub fn step_in(&mut self, estimator: &mut impl FnMut(&Sample<MAX_SENSORS>) -> (Estimate, Whereabouts)) -> Frame {
         let sample = match self.command {
             Some(command) => self.simulation.step(command),
             None => self.simulation.sample(),
         };
-        let Estimate { pose, ranges_m } = estimator(&sample);
-        let contacts = self.simulation.contacts();
-        let condition = Condition { is_lost: self.is_lost, ..self.simulation.condition() };
+        let (Estimate { pose, ranges_m }, whereabouts) = estimator(&sample);
+        let (contacts, condition) = (self.simulation.contacts(), self.simulation.condition());
         let senses = Senses { time_us: sample.time_us, pose, ranges_m, contacts, condition };
-        self.command = Some(match &mut self.floor_job {
-            Some(job) => job.step_within(&senses, &self.bounds),
-            None => self.pilot.step(&senses),
-        });
+        self.command = Some(self.job.step(&senses, &whereabouts));
         Frame { sample, truth: self.simulation.pose(), lifted: contacts.lifted }
     }
 
@@ -104,6 +82,11 @@ impl ClosedLoop {
         }
         frames
     }
+}
+
+/// The manner of driving of a robot of this size.
+fn fitted(config: PilotConfig, simulation: &Simulation) -> PilotConfig {
+    PilotConfig { radius_m: simulation.options().body_radius_m as f32, track_m: simulation.track_m() as f32, ..config }
 }
 
 /// The ranges of a sample by the rig's nominal curves, metres: no gain, no filter. None outside a sensor's limits.

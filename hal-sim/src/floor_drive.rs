@@ -1,6 +1,6 @@
 //! One floor job from begin to end in a simulated home, with the estimator that the robot has.
 
-use robot::{FloorConfig, FloorProgress};
+use robot::{FloorConfig, FloorProgress, Whereabouts};
 use slam_core::{Config, HostSlam};
 
 use crate::closed_loop::{ClosedLoop, Estimate};
@@ -49,14 +49,13 @@ pub fn clean_with(
     let mut floor = FloorRaster::new(plan, simulation.options().body_radius_m, simulation.pose_in_plan());
     let mut robot = ClosedLoop::cleaning(simulation, &rig, FloorConfig::default());
     let mut worst_m = 0.0_f64;
-    while !robot.is_over() && robot.simulation.time_s() < 60.0 * minutes {
-        let frame = robot.step(&mut |sample| {
+    while !robot.job.is_over() && robot.simulation.time_s() < 60.0 * minutes {
+        let frame = robot.step_in(&mut |sample| {
             let report = slam.step(sample);
-            Estimate { pose: slam.pose(), ranges_m: report.readings.map(|reading| reading.range_m) }
+            let grid_rad = slam.alpha().map(|(alpha_rad, _)| alpha_rad);
+            let estimate = Estimate { pose: slam.pose(), ranges_m: report.readings.map(|reading| reading.range_m) };
+            (estimate, Whereabouts { grid_rad, ..Whereabouts::START })
         });
-        if let (Some((alpha_rad, _)), Some(job)) = (slam.alpha(), &mut robot.floor_job) {
-            job.align(alpha_rad);
-        }
         let pose = slam.pose();
         worst_m =
             worst_m.max(libm::hypot(f64::from(pose.x_m) - frame.truth.x_m, f64::from(pose.y_m) - frame.truth.y_m));
@@ -64,12 +63,12 @@ pub fn clean_with(
         floor.record(&Moment {
             t_s: robot.simulation.time_s(),
             pose: robot.simulation.pose_in_plan(),
-            doing: robot.doing(),
+            doing: robot.job.doing(),
             is_pressed: contacts.bump_left || contacts.bump_right,
             is_on_floor: !contacts.lifted,
         });
         meddle(&mut robot);
     }
-    let progress = robot.floor_job.as_ref().map(|job| job.progress()).unwrap_or_default();
+    let progress = robot.job.floor().unwrap_or_default();
     Ok(FloorDrive { score: floor.score(), progress, minutes: robot.simulation.time_s() / 60.0, worst_m })
 }

@@ -5,7 +5,7 @@ use hal_sim::{
     BatteryOptions, ClosedLoop, Estimate, Pose2, SimOptions, Simulation, clean, clean_with, default_rig,
     nominal_ranges, plan_file,
 };
-use robot::{FLOOR_RECORD_BYTES, FloorConfig, FloorJob, FloorProgress, FloorState};
+use robot::{FLOOR_RECORD_BYTES, FloorConfig, FloorJob, FloorProgress, FloorState, Job, Whereabouts};
 use slam_core::Pose;
 
 #[test]
@@ -74,20 +74,20 @@ fn after_a_reset_and_a_pause_it_goes_on_where_it_was() {
     let mut before = FloorProgress::default();
     let meddled = clean_with(&plan, options, 1, 30.0, |robot| {
         let time_s = robot.simulation.time_s();
-        let job = robot.floor_job.as_mut().expect("it cleans");
+        let job = &mut robot.job;
         if (time_s - 240.0).abs() < 0.01 {
             let mut bytes = [0; FLOOR_RECORD_BYTES];
-            job.save(&mut bytes);
-            before = job.progress();
-            let again = FloorJob::restored(FloorConfig::default(), &default_rig(), &bytes);
-            **job = again.expect("what was saved is a job");
-            assert_eq!(job.progress().swept_m2, before.swept_m2);
+            assert!(job.save(&mut bytes));
+            before = job.floor().expect("it cleans");
+            *job = Job::cleaning(FloorConfig::default(), &default_rig());
+            job.restore(&bytes).expect("what was saved is a job");
+            assert_eq!(job.floor().expect("it cleans").swept_m2, before.swept_m2);
         }
         if (time_s - 300.0).abs() < 0.01 {
             job.pause();
         }
         if (time_s - 330.0).abs() < 0.01 {
-            job.resume();
+            job.clean(&default_rig(), false);
         }
     });
     let meddled = meddled.expect("the robot fits");
@@ -108,25 +108,25 @@ fn a_carried_robot_goes_on_when_it_is_located() {
     let rig = default_rig();
     let simulation = Simulation::new(&plan, &rig, SimOptions::default(), 1).expect("the robot fits");
     let mut robot = ClosedLoop::cleaning(simulation, &rig, FloorConfig::default());
-    if let Some(job) = &mut robot.floor_job {
-        job.align(-plan.start.theta_rad as f32);
-    }
     let mut searched_m = 0.0;
-    while !robot.is_over() && robot.simulation.time_s() < 1200.0 {
+    while !robot.job.is_over() && robot.simulation.time_s() < 1200.0 {
         let truth = robot.simulation.pose();
-        robot.is_lost = (90.0..120.0).contains(&robot.simulation.time_s());
-        let shift_m = if robot.is_lost { 7.0 } else { 0.0 };
+        let is_located = !(90.0..120.0).contains(&robot.simulation.time_s());
+        let shift_m = if is_located { 0.0 } else { 7.0 };
         let before = robot.simulation.pose();
-        robot.step(&mut |sample| Estimate {
-            pose: Pose::new(truth.x_m as f32 + shift_m, truth.y_m as f32, truth.theta_rad as f32),
-            ranges_m: nominal_ranges(&rig, sample),
+        robot.step_in(&mut |sample| {
+            let pose = Pose::new(truth.x_m as f32 + shift_m, truth.y_m as f32, truth.theta_rad as f32);
+            let reckoned = Pose { x_m: pose.x_m - shift_m, ..pose };
+            let grid_rad = Some(-plan.start.theta_rad as f32);
+            let estimate = Estimate { pose, ranges_m: nominal_ranges(&rig, sample) };
+            (estimate, Whereabouts { is_located, grid_rad, reckoned, ..Whereabouts::START })
         });
         let [x_m, y_m] = before.inverse_transform([robot.simulation.pose().x_m, robot.simulation.pose().y_m]);
-        if robot.doing() == FloorState::Lost.name() && robot.simulation.time_s() > 95.0 {
+        if robot.job.doing() == FloorState::Lost.name() && robot.simulation.time_s() > 95.0 {
             searched_m += x_m.hypot(y_m);
         }
     }
-    let progress = robot.floor_job.as_ref().expect("it cleans").progress();
+    let progress = robot.job.floor().expect("it cleans");
     assert_eq!(progress.state, FloorState::Done, "{progress:?}");
     assert!((28..=32).contains(&progress.seconds_in[FloorState::Lost as usize]), "{progress:?}");
     assert!(searched_m > 2.0, "it drove {searched_m} m to find itself");

@@ -1,4 +1,5 @@
-//! Writes `docs/results/floor-again.md`: `cargo run --release --package lab --example second_runs`.
+//! Writes `docs/results/floor-again.md`: `cargo run --release --package lab --example second_runs`. With `-- SEEDS HOME...`, as in
+//! `-- 11-13 flat random-101`, it prints the rows of these homes instead.
 //!
 //! Each home is swept from an empty map, and then once more in the map that the robot kept.
 
@@ -27,22 +28,38 @@ const HEAD: &str = "# Floors swept again\n\n\
     |---|---|---|---|---|---|---|---|\n";
 
 fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if let Some((seeds, homes)) = arguments.split_first() {
+        let (first, last) = seeds.split_once('-').unwrap_or((seeds, seeds));
+        let seed = |text: &str| text.parse::<u64>().expect("SEEDS is a number, or two as in 11-13");
+        for home in homes {
+            let mut rows = String::new();
+            home_rows(&mut rows, home, seed(first)..=seed(last));
+            print!("{rows}");
+        }
+        return;
+    }
     let mut page = HEAD.to_owned();
     for (name, _) in plan_file::BUILT_IN {
-        let plan = plan_file::load(name).expect("a built-in plan");
-        let runs: Vec<[Done; 2]> = SEEDS
-            .map(|seed| {
-                let (first, map) = sweep(&plan, seed, None);
-                let (second, _) = sweep(&plan, seed + 100, map);
-                [first, second]
-            })
-            .collect();
-        row(&mut page, name, "first", &runs.iter().map(|[first, _]| first).collect::<Vec<_>>());
-        row(&mut page, "", "second", &runs.iter().map(|[_, second]| second).collect::<Vec<_>>());
+        home_rows(&mut page, name, SEEDS);
         eprint!("{page}");
     }
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/results/floor-again.md");
     fs::write(&path, page).expect("docs/results/floor-again.md can be written");
+}
+
+/// The rows of a home.
+fn home_rows(page: &mut String, name: &str, seeds: std::ops::RangeInclusive<u64>) {
+    let plan = plan_file::load(name).expect("a built-in plan, or random-SEED");
+    let runs: Vec<[Done; 2]> = seeds
+        .map(|seed| {
+            let (first, map) = sweep(&plan, seed, None);
+            let (second, _) = sweep(&plan, seed + 100, map);
+            [first, second]
+        })
+        .collect();
+    row(page, name, "first", &runs.iter().map(|[first, _]| first).collect::<Vec<_>>());
+    row(page, "", "second", &runs.iter().map(|[_, second]| second).collect::<Vec<_>>());
 }
 
 /// How a job ended.

@@ -1,42 +1,47 @@
-//! The floor job on a robot that keeps a map: what it is told of where things are, and when.
+//! The floor job on a robot that may keep a map: by which map it goes, and what it is told of where things are.
+//!
+//! ```text
+//! begun -> own     the pose is in the frame of the map that is kept, or none is kept
+//! begun -> fresh   a map is kept, and the robot does not know where it is in it: it sweeps by its fresh map
+//! fresh -> own     found: what was swept so far lies in the kept map as the robot does
+//! own   -> fresh   carried, and looked for itself for as long a path as what was swept is worth: all anew from here
+//! fresh -> fresh   carried: all anew from here
+//! ```
 
 use slam_core::{Pose, Rig};
 
 use crate::condition::Condition;
-use crate::floor::{Bounds, FloorConfig, FloorJob, FloorProgress};
+use crate::floor::{Bounds, FLOOR_RECORD_BYTES, FloorConfig, FloorJob, FloorProgress, FloorRecordError, FloorState};
 use crate::job::{AreaCorner, Whereabouts};
 use crate::pilot::Senses;
 use crate::pilot::beam::Beam;
 use crate::traits::WheelSpeeds;
 
-/// A robot that has not found itself in its kept map after so long a path sweeps by its fresh map, metres: homes that look the same
-/// from two places never tell.
-const SEARCHED_M: f32 = 20.0;
+/// Width of the brush, metres: so much floor a metre of path sweeps.
+const BRUSH_M: f32 = 0.25;
 
-/// By which map the job knows what is where.
+/// By which map the job goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Knows {
-    /// By the one that it began in.
-    Start,
-    /// By none: it looks for itself in the kept one.
-    Nothing,
-    /// By a fresh one: it has not found itself.
-    FreshMap,
-    /// By the kept one: it has found itself.
-    KeptMap,
+enum Map {
+    /// By the one that is kept, or the start's where none is.
+    Own,
+    /// By the one since the last start or lift, in which the robot has not found itself.
+    Fresh,
 }
 
 /// A floor job and what it knows of the map.
 #[derive(Clone, Debug)]
 pub(crate) struct Cleaning<const S: usize> {
     job: FloorJob<S>,
-    /// Where it is, since the first step.
-    knows: Option<(u32, Knows)>,
+    /// By which map it goes, since the first step.
+    map: Option<Map>,
+    world: Option<u32>,
     /// The wall of the map that it is told of next; none where it knows all, or wants none.
     next_wall: Option<u8>,
-    /// Path while it looked for itself, metres, and where it was last.
+    /// Path without knowing where it is in its own map, metres.
     searched_m: f32,
-    last: Option<Pose>,
+    /// Where it was in the last step, in the map and by the wheels alone.
+    last: Option<[Pose; 2]>,
     /// Areas of the kept map as far as they were told, and the corner that comes next.
     bounds: Bounds,
     next_corner: u8,
@@ -46,7 +51,8 @@ impl<const S: usize> Cleaning<S> {
     /// Of no robot: to be begun.
     pub(crate) const BLANK: Self = Self {
         job: FloorJob::BLANK,
-        knows: None,
+        map: None,
+        world: None,
         next_wall: None,
         searched_m: 0.0,
         last: None,
@@ -54,8 +60,8 @@ impl<const S: usize> Cleaning<S> {
         next_corner: 0,
     };
 
-    pub(crate) fn begin(&mut self, rig: &Rig<S>) {
-        self.job.prepare(FloorConfig::DEFAULT, Beam::of_rig(rig));
+    pub(crate) fn begin(&mut self, config: FloorConfig, rig: &Rig<S>) {
+        self.job.prepare(config, Beam::of_rig(rig));
     }
 
     pub(crate) fn pause(&mut self) {
@@ -74,21 +80,39 @@ impl<const S: usize> Cleaning<S> {
         self.job.progress()
     }
 
+    /// Writes down what is to be known after a reset; false where the job goes by a map that is not there then.
+    pub(crate) fn save(&self, into: &mut [u8; FLOOR_RECORD_BYTES]) -> bool {
+        let is_own = self.map == Some(Map::Own);
+        if is_own {
+            self.job.save(into);
+        }
+        is_own
+    }
+
+    /// One about to begin becomes the one that was saved.
+    pub(crate) fn restore(&mut self, bytes: &[u8]) -> Result<(), FloorRecordError> {
+        self.job.restore(bytes)?;
+        (self.map, self.next_wall) = (Some(Map::Own), Some(0));
+        Ok(())
+    }
+
     pub(crate) fn step(&mut self, senses: &Senses<S>, whereabouts: &Whereabouts) -> WheelSpeeds {
-        self.search(&senses.pose, whereabouts.is_located);
-        let knows = self.learn(whereabouts);
-        let is_lost = !whereabouts.is_located && knows != Knows::FreshMap;
-        if !is_lost && let Some(grid_rad) = whereabouts.grid_rad {
+        let Whereabouts { is_located, grid_rad, corner, .. } = *whereabouts;
+        self.search(senses, whereabouts);
+        let map = self.choose_map(senses, whereabouts);
+        let is_lost = !is_located && map == Map::Own;
+        let knows_areas = self.hear_areas(corner) && is_located;
+        let bounds = if knows_areas { &self.bounds } else { &Bounds::NONE };
+        let condition = Condition { is_lost, ..senses.condition };
+        let speeds = self.job.step_within(&Senses { condition, ..*senses }, bounds);
+        if let Some(grid_rad) = grid_rad.filter(|_| is_located || map == Map::Fresh) {
             self.job.align(grid_rad);
         }
-        if let Some(wall) = whereabouts.wall.filter(|wall| self.next_wall == Some(wall.index)) {
+        if let Some(wall) = whereabouts.wall.filter(|wall| is_located && self.next_wall == Some(wall.index)) {
             self.job.know_wall(wall.ends_m);
             self.next_wall = Some(wall.index + 1).filter(|next| *next < wall.of);
         }
-        let knows_areas = self.hear_areas(whereabouts.corner) && whereabouts.is_located;
-        let bounds = if knows_areas { &self.bounds } else { &Bounds::NONE };
-        let condition = Condition { is_lost, ..senses.condition };
-        self.job.step_within(&Senses { condition, ..*senses }, bounds)
+        speeds
     }
 
     /// Takes in the next corner of an area; whether all are known.
@@ -103,44 +127,54 @@ impl<const S: usize> Cleaning<S> {
     }
 
     /// Counts how far it looked for itself.
-    fn search(&mut self, pose: &Pose, is_located: bool) {
-        let last = self.last.replace(*pose).unwrap_or(*pose);
-        let moved_m = libm::hypotf(pose.x_m - last.x_m, pose.y_m - last.y_m);
-        if !is_located && moved_m.is_finite() {
+    fn search(&mut self, senses: &Senses<S>, whereabouts: &Whereabouts) {
+        let reckoned = whereabouts.reckoned;
+        let [_, last] = self.last.unwrap_or([reckoned; 2]);
+        let moved_m = libm::hypotf(reckoned.x_m - last.x_m, reckoned.y_m - last.y_m);
+        if whereabouts.is_located {
+            self.searched_m = 0.0;
+        } else if moved_m.is_finite() && !senses.contacts.lifted {
             self.searched_m += moved_m;
         }
     }
 
-    /// By which map it knows what is where from now on; begins anew where nothing is any more where it was.
-    fn learn(&mut self, whereabouts: &Whereabouts) -> Knows {
-        let Whereabouts { world, is_located, start, .. } = *whereabouts;
-        let before = match self.knows {
-            Some((known, knows)) if known == world => knows,
-            Some(_) => {
-                self.begin_anew();
-                if is_located { Knows::Start } else { Knows::Nothing }
+    /// By which map it goes from now on. It begins anew where nothing is any more where it was.
+    fn choose_map(&mut self, senses: &Senses<S>, whereabouts: &Whereabouts) -> Map {
+        let Whereabouts { world, is_located, start, reckoned, .. } = *whereabouts;
+        let is_elsewhere = self.world.replace(world).is_some_and(|before| before != world);
+        let last = self.last.replace([senses.pose, reckoned]);
+        match (self.map, last) {
+            (None, _) => {}
+            (Some(Map::Fresh), Some([pose, before])) if is_located && !is_elsewhere => {
+                let now_in_fresh = pose.compose(&before.inverse().compose(&reckoned));
+                self.job.go_on_in(&now_in_fresh, &senses.pose);
+                self.job.go_home_to(start);
+                self.next_wall = Some(0);
             }
-            None if is_located => Knows::Start,
-            None => Knows::Nothing,
-        };
-        let now = match before {
-            Knows::Nothing | Knows::FreshMap if is_located => Knows::KeptMap,
-            Knows::Nothing if self.searched_m > SEARCHED_M => Knows::FreshMap,
-            _ => before,
-        };
-        self.knows = Some((world, now));
-        if now != before {
-            if before == Knows::FreshMap {
-                self.begin_anew();
-            }
-            self.job.go_home_to(start);
-            self.next_wall = Some(0);
+            (Some(Map::Fresh), _) if senses.contacts.lifted => self.begin_anew(),
+            (Some(Map::Own), _) if !is_located && self.is_worth_less_than_the_search() => self.begin_anew(),
+            _ if is_elsewhere => self.begin_anew(),
+            (Some(map), _) => return map,
         }
-        now
+        let map = if is_located { Map::Own } else { Map::Fresh };
+        self.map = Some(map);
+        map
+    }
+
+    /// Whether it could have swept again what it knows on the path on which it looked for itself.
+    fn is_worth_less_than_the_search(&self) -> bool {
+        self.job.progress().swept_m2 < BRUSH_M * self.searched_m
     }
 
     fn begin_anew(&mut self) {
-        self.job.begin_anew();
+        match self.job.state() {
+            FloorState::Done | FloorState::Flat | FloorState::Away => {}
+            FloorState::Paused => {
+                self.job.begin_anew();
+                self.job.pause();
+            }
+            _ => self.job.begin_anew(),
+        }
         (self.next_wall, self.searched_m) = (None, 0.0);
         (self.bounds, self.next_corner) = (Bounds::NONE, 0);
     }
@@ -153,53 +187,105 @@ mod tests {
     use crate::floor::{AreaKind, FloorState};
     use crate::rig::default_rig;
 
-    /// A robot that comes on by 5 cm a step.
+    /// A robot that comes on by 5 cm a step along its wheels' x axis, in a map whose origin lies somewhere in theirs.
     struct Robot {
         cleaning: Cleaning<8>,
         steps: u32,
+        map: Pose,
+        contacts: Contacts,
     }
 
     impl Robot {
         fn new() -> Self {
             let mut cleaning = Cleaning::BLANK;
-            cleaning.begin(&default_rig());
-            Self { cleaning, steps: 0 }
+            cleaning.begin(FloorConfig::DEFAULT, &default_rig());
+            Self { cleaning, steps: 0, map: Pose::ORIGIN, contacts: Contacts::default() }
         }
 
         fn step(&mut self, whereabouts: &Whereabouts) -> FloorState {
             self.steps += 1;
+            let reckoned = Pose::new(0.05 * self.steps as f32, 0.0, 0.0);
             let senses = Senses {
                 time_us: 40_000 * u64::from(self.steps),
-                pose: Pose::new(0.05 * self.steps as f32, 0.0, 0.0),
+                pose: self.map.inverse().compose(&reckoned),
                 ranges_m: [None; 8],
-                contacts: Contacts::default(),
+                contacts: self.contacts,
                 condition: Condition::default(),
             };
-            self.cleaning.step(&senses, whereabouts);
+            self.cleaning.step(&senses, &Whereabouts { reckoned, ..*whereabouts });
             self.cleaning.progress().state
+        }
+
+        fn swept_m2(&self) -> f32 {
+            self.cleaning.progress().swept_m2
         }
     }
 
-    const LOST: Whereabouts =
-        Whereabouts { world: 0, is_located: false, grid_rad: Some(0.0), start: Pose::ORIGIN, wall: None, corner: None };
-    const FOUND: Whereabouts = Whereabouts { is_located: true, ..LOST };
+    const FOUND: Whereabouts = Whereabouts { grid_rad: Some(0.0), ..Whereabouts::START };
+    const LOST: Whereabouts = Whereabouts { is_located: false, ..FOUND };
 
     #[test]
-    fn it_looks_for_itself_then_sweeps_by_its_fresh_map_and_begins_anew_when_it_is_found() {
+    fn it_sweeps_by_its_fresh_map_and_goes_on_with_that_in_the_kept_one() {
         let mut robot = Robot::new();
+        for _ in 0..100 {
+            assert_ne!(robot.step(&LOST), FloorState::Lost);
+        }
+        let by_fresh_map_m2 = robot.swept_m2();
+        assert!(by_fresh_map_m2 > 1.0, "{by_fresh_map_m2}");
+        // The kept map's frame lies across the fresh one's.
+        robot.map = Pose::new(3.0, -2.0, 2.0);
+        robot.step(&FOUND);
+        robot.step(&FOUND);
+        let new_m2 = robot.swept_m2() - by_fresh_map_m2;
+        assert!((0.0..0.08).contains(&new_m2), "neither jumped nor forgot: {new_m2}");
+        assert_eq!(robot.cleaning.next_wall, Some(0), "the kept map's walls are awaited");
+    }
+
+    #[test]
+    fn carried_in_a_fresh_map_it_begins_anew() {
+        let mut robot = Robot::new();
+        (0..40).for_each(|_| {
+            robot.step(&LOST);
+        });
+        robot.contacts.lifted = true;
         robot.step(&LOST);
-        for _ in 0..390 {
+        assert_eq!(robot.swept_m2(), 0.0);
+    }
+
+    #[test]
+    fn carried_in_its_own_map_it_looks_for_itself_as_long_as_what_it_swept_is_worth() {
+        let mut robot = Robot::new();
+        (0..100).for_each(|_| {
+            robot.step(&FOUND);
+        });
+        let known_m2 = robot.swept_m2();
+        for _ in 0..90 {
             assert_eq!(robot.step(&LOST), FloorState::Lost);
         }
+        assert_eq!(robot.swept_m2(), known_m2);
         (0..60).for_each(|_| {
             robot.step(&LOST);
         });
         assert_ne!(robot.step(&LOST), FloorState::Lost);
-        let by_fresh_map_m2 = robot.cleaning.progress().swept_m2;
-        assert!(by_fresh_map_m2 > 0.2);
-        robot.step(&FOUND);
-        assert!(robot.cleaning.progress().swept_m2 < by_fresh_map_m2);
-        assert_eq!(robot.cleaning.next_wall, Some(0), "the kept map's walls are awaited");
+        assert!(robot.swept_m2() < known_m2, "all anew");
+    }
+
+    #[test]
+    fn what_is_saved_goes_on_in_the_same_map_only() {
+        let mut robot = Robot::new();
+        let mut bytes = [0; FLOOR_RECORD_BYTES];
+        robot.step(&LOST);
+        assert!(!robot.cleaning.save(&mut bytes), "a fresh map is not there after a reset");
+        let mut robot = Robot::new();
+        (0..100).for_each(|_| {
+            robot.step(&FOUND);
+        });
+        assert!(robot.cleaning.save(&mut bytes));
+        let mut again = Robot::new();
+        again.cleaning.restore(&bytes).unwrap();
+        assert_eq!(again.step(&LOST), FloorState::Lost);
+        assert_ne!(again.step(&FOUND), FloorState::Lost);
+        assert!((again.swept_m2() - robot.swept_m2()).abs() < 0.1);
     }
 
     #[test]
@@ -210,6 +296,7 @@ mod tests {
         };
         let mut robot = Robot::new();
         robot.step(&LOST);
+        robot.step(&FOUND);
         let awaited: [Option<u8>; 5] = [2, 0, 2, 1, 2].map(|index| {
             robot.step(&wall(index));
             robot.cleaning.next_wall

@@ -3,12 +3,12 @@
 use slam_core::{Pose, Rig, WallView};
 
 use crate::cleaning::Cleaning;
-use crate::floor::{AreaKind, FloorProgress};
-use crate::pilot::{Pilot, PilotConfig, Senses};
+use crate::floor::{AreaKind, FLOOR_RECORD_BYTES, FloorConfig, FloorProgress, FloorRecordError};
+use crate::pilot::{Activity, Pilot, PilotConfig, Senses};
 use crate::traits::WheelSpeeds;
 
 /// What the robot knows of the map that its pose is in, at one time.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Whereabouts {
     /// With another number, nothing is any more where it was: another map is kept, or none is and the robot was carried.
     pub world: u32,
@@ -18,10 +18,25 @@ pub struct Whereabouts {
     pub grid_rad: Option<f32>,
     /// Where the map's first drive started, in the map frame.
     pub start: Pose,
+    /// The pose by the wheels alone since the robot's start, whatever map it is in.
+    pub reckoned: Pose,
     /// A wall of the map: one after the other from step to step.
     pub wall: Option<MapWall>,
     /// A corner of the areas in the kept map, likewise.
     pub corner: Option<AreaCorner>,
+}
+
+impl Whereabouts {
+    /// Where no map is kept, before anything is known of the walls.
+    pub const START: Self = Self {
+        world: 0,
+        is_located: true,
+        grid_rad: None,
+        start: Pose::ORIGIN,
+        reckoned: Pose::ORIGIN,
+        wall: None,
+        corner: None,
+    };
 }
 
 /// A corner of an area to stay out of or to clean.
@@ -82,6 +97,24 @@ impl<const S: usize> Job<S> {
     pub const IDLE: Self = Self { driver: Driver::Pilot(Pilot::BLANK), known: None };
     const CLEANING: Self = Self { driver: Driver::Cleaning(Cleaning::BLANK), known: None };
 
+    /// One that explores in this manner.
+    pub fn exploring(config: PilotConfig, rig: &Rig<S>) -> Self {
+        let mut job = Self::IDLE;
+        if let Driver::Pilot(pilot) = &mut job.driver {
+            pilot.prepare(config, rig);
+        }
+        job
+    }
+
+    /// One that cleans in this manner.
+    pub fn cleaning(config: FloorConfig, rig: &Rig<S>) -> Self {
+        let mut job = Self::CLEANING;
+        if let Driver::Cleaning(cleaning) = &mut job.driver {
+            cleaning.begin(config, rig);
+        }
+        job
+    }
+
     /// Begins to explore with a robot like this one.
     pub fn begin(&mut self, rig: &Rig<S>) {
         *self = Self::IDLE;
@@ -104,7 +137,7 @@ impl<const S: usize> Job<S> {
             _ => {
                 *self = Self::CLEANING;
                 if let Driver::Cleaning(cleaning) = &mut self.driver {
-                    cleaning.begin(rig);
+                    cleaning.begin(FloorConfig::DEFAULT, rig);
                 }
             }
         }
@@ -114,6 +147,39 @@ impl<const S: usize> Job<S> {
     pub fn pause(&mut self) {
         if let Driver::Cleaning(cleaning) = &mut self.driver {
             cleaning.pause();
+        }
+    }
+
+    /// Writes down what is to be known of the floor after a reset. False, and nothing is written, where it explores, or goes by a
+    /// fresh map, which is not there then.
+    pub fn save(&self, into: &mut [u8; FLOOR_RECORD_BYTES]) -> bool {
+        matches!(&self.driver, Driver::Cleaning(cleaning) if cleaning.save(into))
+    }
+
+    /// A job about to clean goes on with the floor that was saved, in the kept map that it was saved in.
+    ///
+    /// # Errors
+    /// The bytes are not those of a saved floor job: all of the floor is left.
+    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), FloorRecordError> {
+        match &mut self.driver {
+            Driver::Pilot(_) => Ok(()),
+            Driver::Cleaning(cleaning) => cleaning.restore(bytes),
+        }
+    }
+
+    /// What the pilot is doing; none where it cleans.
+    pub fn activity(&self) -> Option<Activity> {
+        match &self.driver {
+            Driver::Pilot(pilot) => Some(pilot.activity()),
+            Driver::Cleaning(_) => None,
+        }
+    }
+
+    /// What it is doing, in a word or two.
+    pub fn doing(&self) -> &'static str {
+        match &self.driver {
+            Driver::Pilot(pilot) => pilot.activity().name(),
+            Driver::Cleaning(cleaning) => cleaning.progress().state.name(),
         }
     }
 
@@ -154,8 +220,7 @@ mod tests {
     use crate::floor::{FloorJob, FloorState};
     use crate::rig::default_rig;
 
-    const HERE: Whereabouts =
-        Whereabouts { world: 0, is_located: true, grid_rad: Some(0.0), start: Pose::ORIGIN, wall: None, corner: None };
+    const HERE: Whereabouts = Whereabouts { grid_rad: Some(0.0), ..Whereabouts::START };
 
     /// A robot on open floor.
     struct Robot {
@@ -197,6 +262,7 @@ mod tests {
         let mut robot = Robot::new();
         assert!(robot.step(&HERE).is_forward() && robot.state().is_none());
         robot.job.clean(&default_rig(), false);
+        robot.step(&HERE);
         assert!(robot.step(&HERE).is_forward());
         assert_eq!(robot.state(), Some(FloorState::Edge));
         let swept_m2 = robot.job.floor().unwrap().swept_m2;

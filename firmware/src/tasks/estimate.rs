@@ -122,6 +122,7 @@ fn whereabouts<F: MapFlash>(
         is_located: keeper.is_located(),
         grid_rad: slam.alpha().map(|(alpha_rad, _)| alpha_rad),
         start: slam.start_pose(),
+        reckoned: slam.dead_reckoning(),
         wall: wall.map(|(wall, [index, of])| MapWall::of(wall, *index, *of)),
         corner: keeper.corner(slam.counters().steps),
     }

@@ -2,17 +2,15 @@
 
 use hal_sim::floor::{FloorRaster, Moment};
 use hal_sim::{ClosedLoop, Estimate, Plan, SimError, SimOptions, Simulation};
-use robot::{Activity, Bounds, FloorConfig, FloorJob, PilotConfig};
-use slam_core::WallView;
+use robot::{Activity, Bounds, FloorConfig, PilotConfig};
 
 use super::session::Session;
 use crate::evaluate::score;
 use crate::evaluate::score::map::{LONG_M, PASSED_M, PassedWall};
 use crate::input::log::Row;
-use crate::input::rig_file::{MAX_SENSORS, Robot};
+use crate::input::rig_file::Robot;
 use crate::numbers::shortest;
 use crate::recording::{Figures, Job, Pose2, Recording, Segment, TruthFrame};
-use crate::show::report::wall_ends;
 
 /// A robot in a home, with the pilot that drives it.
 pub struct Drive {
@@ -21,31 +19,13 @@ pub struct Drive {
     floor: FloorRaster,
     /// Where the robot must not go and what it is to clean, in the start frame.
     bounds: Bounds,
-    /// Count of the frame in which the robot has them; none where it has yet to be told.
-    bounded_in: Option<usize>,
-    /// By which map the floor job was told what is where; a job that was told nothing, and how far the robot looked for its place,
-    /// metres.
-    knows: Knows,
-    new_job: Option<Box<FloorJob<MAX_SENSORS>>>,
-    searched_m: f64,
+    job: Job,
     /// Since when, and where in the start frame, the pilot has been stuck.
     stuck: Option<(f64, Pose2)>,
 }
 
 /// A robot that came so far from where it was stuck is not any more, metres: its own width.
 const AWAY_M: f64 = 0.35;
-
-/// By which map a floor job that began in a kept map was told what is where.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Knows {
-    Nothing,
-    FreshMap,
-    KeptMap,
-}
-
-/// A robot that has not found itself in its kept map after so long a path sweeps by its fresh map, metres: homes that look the same
-/// from two places never tell.
-const SEARCHED_M: f64 = 20.0;
 
 impl Drive {
     /// A robot at the plan's start that maps the home. Every random number follows from `seed`.
@@ -54,7 +34,7 @@ impl Drive {
     /// The rig cannot be simulated or the robot does not fit where the plan puts it.
     pub fn new(plan: &Plan, robot: &Robot, options: SimOptions, seed: u64) -> Result<Self, SimError> {
         let simulation = Simulation::new(plan, &robot.rig, options, seed)?;
-        Ok(Self::of(plan, ClosedLoop::new(simulation, &robot.rig, PilotConfig::default())))
+        Ok(Self::of(plan, Job::Explore, ClosedLoop::new(simulation, &robot.rig, PilotConfig::default())))
     }
 
     /// The same with the floor to clean.
@@ -63,53 +43,32 @@ impl Drive {
     /// The rig cannot be simulated or the robot does not fit where the plan puts it.
     pub fn cleaning(plan: &Plan, robot: &Robot, options: SimOptions, seed: u64) -> Result<Self, SimError> {
         let simulation = Simulation::new(plan, &robot.rig, options, seed)?;
-        Ok(Self::of(plan, ClosedLoop::cleaning(simulation, &robot.rig, FloorConfig::default())))
+        Ok(Self::of(plan, Job::Clean, ClosedLoop::cleaning(simulation, &robot.rig, FloorConfig::default())))
     }
 
-    fn job(&self) -> Job {
-        if self.robot.floor_job.is_some() { Job::Clean } else { Job::Explore }
-    }
-
-    fn of(plan: &Plan, robot: ClosedLoop) -> Self {
+    fn of(plan: &Plan, job: Job, robot: ClosedLoop) -> Self {
         let simulation = &robot.simulation;
         let faces = plan.faces_in_start_frame();
         let floor = FloorRaster::new(plan, simulation.options().body_radius_m, simulation.pose_in_plan());
         let bounds = plan.bounds.seen_from(&plan.start.to_pose());
         let plan = faces.iter().map(|face| Segment { from_m: face.from_m, to_m: face.to_m }).collect();
-        let new_job = robot.floor_job.clone();
-        let (knows, searched_m) = (Knows::Nothing, 0.0);
-        Self { robot, stuck: None, floor, bounds, bounded_in: None, knows, new_job, searched_m, plan }
+        Self { robot, stuck: None, floor, bounds, job, plan }
     }
 
     /// Drives to the next sample, which the session estimates and records; the first is taken where the robot stands.
     pub fn step(&mut self, session: &mut Session) -> Row {
         let mut report = None;
-        let frames = session.frames();
-        self.robot.is_lost = !session.is_located() && self.knows != Knows::FreshMap;
-        let frame = self.robot.step(&mut |sample| {
+        session.draw_areas(&self.bounds);
+        let frame = self.robot.step_in(&mut |sample| {
             let done = session.estimate(sample);
-            let estimate =
-                Estimate { pose: session.slam().pose(), ranges_m: done.readings.map(|reading| reading.range_m) };
+            let ranges_m = done.readings.map(|reading| reading.range_m);
             report = Some(done);
-            estimate
+            (Estimate { pose: session.slam().pose(), ranges_m }, session.whereabouts())
         });
         session.lift(frame.lifted);
-        if session.frames() != frames {
-            self.robot.pilot.forget();
-        }
-        self.searched_m += if session.is_located() { 0.0 } else { moved_m(session) };
-        if session.is_located() || self.searched_m > SEARCHED_M {
-            self.tell_floor_job(session);
-        }
-        if self.bounded_in != Some(session.frames()) {
-            self.bounded_in = Some(session.frames());
-            session.draw_areas(&self.bounds);
-            let bounds = if session.is_located() { &self.bounds } else { &Bounds::NONE };
-            self.robot.bounds = bounds.seen_from(&session.slam().start_pose().inverse());
-        }
         let t_s = frame.sample.time_us as f64 * 1e-6;
         self.record_floor(t_s);
-        if self.robot.pilot.activity() == Activity::Stuck {
+        if self.robot.job.activity() == Some(Activity::Stuck) {
             self.stuck.get_or_insert((t_s, frame.truth));
         }
         let stays = |place: &Pose2| (frame.truth.x_m - place.x_m).hypot(frame.truth.y_m - place.y_m) < AWAY_M;
@@ -124,34 +83,12 @@ impl Drive {
         row
     }
 
-    /// Tells the floor job the direction of the walls' grid, and, where the robot began in a kept map, what is where in the map
-    /// that it sweeps by: the kept one, or the fresh one as long as it has not found itself.
-    fn tell_floor_job(&mut self, session: &Session) {
-        let begun = session.recording().steps.first().is_some_and(|step| step.searching);
-        let knows = if session.is_located() { Knows::KeptMap } else { Knows::FreshMap };
-        let is_news = begun && self.knows != Knows::KeptMap && self.knows != knows;
-        if let Some(new) = self.new_job.clone().filter(|_| is_news && self.knows == Knows::FreshMap) {
-            self.robot.floor_job = Some(new);
-        }
-        let Some(job) = &mut self.robot.floor_job else { return };
-        if let Some((alpha_rad, _)) = session.slam().alpha().filter(|_| session.is_located() || is_news) {
-            job.align(alpha_rad);
-        }
-        if is_news {
-            self.knows = knows;
-            let point = |x_m: f64, y_m: f64| [x_m as f32, y_m as f32];
-            let ends = |wall: WallView| wall_ends(&wall);
-            let walls = session.slam().walls().map(ends).map(|[x0, y0, x1, y1]| [point(x0, y0), point(x1, y1)]);
-            job.take_up(walls, session.slam().start_pose(), searched_path(session).into_iter());
-        }
-    }
-
     fn record_floor(&mut self, t_s: f64) {
         let contacts = self.robot.simulation.contacts();
         self.floor.record(&Moment {
             t_s,
             pose: self.robot.simulation.pose_in_plan(),
-            doing: self.robot.doing(),
+            doing: self.doing(),
             is_pressed: contacts.bump_left || contacts.bump_right,
             is_on_floor: !contacts.lifted,
         });
@@ -172,7 +109,7 @@ impl Drive {
         while t_s < duration_s && !self.is_over() {
             let row = self.step(session);
             t_s = row.t_s;
-            let done = if self.job() == Job::Clean { self.floor.now().swept } else { t_s / duration_s };
+            let done = if self.job == Job::Clean { self.floor.now().swept } else { t_s / duration_s };
             each(&row, session.recording(), done)?;
         }
         Ok(())
@@ -191,7 +128,7 @@ impl Drive {
     fn judged(&self, mut recording: Recording) -> Recording {
         recording.truth_frame = TruthFrame::Map;
         recording.true_walls = self.plan.clone();
-        recording.job = Some(self.job());
+        recording.job = Some(self.job);
         recording.stuck_from_s = self.stuck.map(|(from_s, _)| from_s);
         recording.figures.floor = Some(self.floor.score());
         self.reveal_calibration(&mut recording);
@@ -217,11 +154,11 @@ impl Drive {
     /// The program of this robot begins anew where it stands: its pilot or floor job knows nothing of before.
     pub fn reboot(&mut self, robot: &Robot) {
         let simulation = self.robot.simulation.clone();
-        self.robot = match &self.robot.floor_job {
-            Some(_) => ClosedLoop::cleaning(simulation, &robot.rig, FloorConfig::default()),
-            None => ClosedLoop::new(simulation, &robot.rig, PilotConfig::default()),
+        self.robot = match self.job {
+            Job::Clean => ClosedLoop::cleaning(simulation, &robot.rig, FloorConfig::default()),
+            Job::Explore => ClosedLoop::new(simulation, &robot.rig, PilotConfig::default()),
         };
-        (self.stuck, self.bounded_in, self.knows, self.searched_m) = (None, None, Knows::Nothing, 0.0);
+        self.stuck = None;
     }
 
     /// Holds what is estimated from now on against this plan, which the robot's home was rebuilt by.
@@ -229,19 +166,19 @@ impl Drive {
         self.robot.simulation.rebuild(plan);
         self.floor.rebuild(plan);
         let start = self.robot.simulation.start_in_plan();
-        (self.bounds, self.bounded_in) = (plan.bounds.seen_from(&start.to_pose()), None);
+        self.bounds = plan.bounds.seen_from(&start.to_pose());
         let faces = plan.faces.iter().map(|face| face.seen_from(&start));
         self.plan = faces.map(|face| Segment { from_m: face.from_m, to_m: face.to_m }).collect();
     }
 
     /// What the robot is doing, in a word or two.
     pub fn doing(&self) -> &'static str {
-        self.robot.doing()
+        self.robot.job.doing()
     }
 
     /// Whether the robot has nothing left to do.
     pub fn is_over(&self) -> bool {
-        self.robot.is_over()
+        self.robot.job.is_over()
     }
 
     /// The floor as it was swept so far.
@@ -287,31 +224,4 @@ impl Drive {
             parameter.truth = all.iter().find(|(name, _)| *name == parameter.name).map(|(_, value)| *value);
         }
     }
-}
-
-/// Where a robot that has just found itself came through before, in the map that it found itself in, metres: a point every
-/// five centimetres.
-fn searched_path(session: &Session) -> Vec<[f32; 2]> {
-    let Some(last) = session.recording().steps.last() else { return Vec::new() };
-    let driven = last.dead_reckoning.relative(&session.slam().dead_reckoning().into());
-    // Where the fresh map's frame lies in the kept one's.
-    let fresh = last.pose.compose(&driven).relative(&Pose2::default());
-    let frame = Pose2::from(session.slam().pose()).compose(&fresh);
-    let mut path: Vec<[f64; 2]> = Vec::new();
-    for step in &session.recording().steps {
-        let at_m = [step.pose.x_m, step.pose.y_m];
-        if path.last().is_none_or(|last| (at_m[0] - last[0]).hypot(at_m[1] - last[1]) > 0.05) {
-            path.push(at_m);
-        }
-    }
-    path.into_iter().map(|at_m| frame.transform(at_m).map(|value_m| value_m as f32)).collect()
-}
-
-/// How far the robot has driven since the last row, by dead reckoning, metres.
-fn moved_m(session: &Session) -> f64 {
-    let now = Pose2::from(session.slam().dead_reckoning());
-    session.recording().steps.last().map_or(0.0, |last| {
-        let moved = last.dead_reckoning.relative(&now);
-        moved.x_m.hypot(moved.y_m)
-    })
 }

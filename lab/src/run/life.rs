@@ -4,9 +4,9 @@
 //! itself; then it takes that up. What the robot does with its flash is done here with a record in memory.
 
 use hal_sim::pose::Pose2;
-use kept_map::{Areas, Record, Writer, rig_hash};
+use kept_map::{Areas, Corner, Record, Writer, rig_hash};
 use relocate::{Event, Hypothesis, Locator, State, Step, agreement, path_on_grid};
-use robot::{AreaKind, Bounds};
+use robot::{AreaCorner, AreaKind, Bounds};
 use slam_core::kept::Kept;
 use slam_core::{HostSlam, Rig, StepReport};
 
@@ -47,7 +47,8 @@ pub struct Life {
     rig: u32,
     sequence: u32,
     is_lifted: bool,
-    frames: usize,
+    /// Counts the areas that were drawn: with others, the robot is in another world.
+    world: u32,
     last: Pose2,
     searches: Vec<Searched>,
     places: Vec<Hypothesis>,
@@ -67,7 +68,7 @@ impl Life {
             rig: rig_hash(rig),
             sequence: 0,
             is_lifted: false,
-            frames: 0,
+            world: 0,
             last: Pose2::default(),
             searches: Vec::new(),
             places: Vec::new(),
@@ -79,7 +80,10 @@ impl Life {
 
     /// These areas, in the frame of the start, are kept with the map from now on.
     pub fn draw_areas(&mut self, bounds: &Bounds) {
-        self.bounds = bounds.clone();
+        if self.bounds != *bounds {
+            self.bounds = bounds.clone();
+            self.world += 1;
+        }
     }
 
     /// The robot begins somewhere in this map, a record of this sequence number, or elsewhere.
@@ -94,9 +98,22 @@ impl Life {
         !self.is_lifted && self.locator.state().is_located()
     }
 
-    /// Counts the frames that poses were given in.
-    pub fn frames(&self) -> usize {
-        self.frames
+    /// With another number, nothing is any more where it was.
+    pub fn world(&self) -> u32 {
+        self.world
+    }
+
+    /// A corner of the areas in the map, one after the other from step to step; none where there are none, or the robot is not
+    /// located.
+    pub fn corner(&self, slam: &HostSlam) -> Option<AreaCorner> {
+        if !self.is_located() {
+            return None;
+        }
+        let areas = self.areas(slam);
+        let of = u8::try_from(areas.corners().count()).ok()?;
+        let index = slam.counters().steps.checked_rem(of.into())? as u8;
+        let Corner { kind, is_first, at_m } = areas.corners().nth(index.into())?;
+        Some(AreaCorner { index, of, kind: *AreaKind::ALL.get(usize::from(kind))?, is_first, at_m })
     }
 
     /// What every search found.
@@ -176,7 +193,6 @@ impl Life {
 
     /// Begins a fresh map, with the calibration as it is known.
     fn lose(&mut self, slam: &mut HostSlam) {
-        self.frames += 1;
         self.forget_place();
         slam.restart_map();
         self.restarts = slam.counters().restarts;
@@ -187,7 +203,6 @@ impl Life {
         let restarts = core::mem::replace(&mut self.restarts, slam.counters().restarts);
         let Some(kept) = self.kept.as_deref().filter(|_| !self.is_lifted) else { return false };
         if slam.counters().restarts != restarts {
-            self.frames += usize::from(self.locator.state().is_located());
             self.forget_place();
             return false;
         }
@@ -218,10 +233,7 @@ impl Life {
         }
         match event {
             Some(Event::Found(found)) => match slam.take_up(&record, &found) {
-                Ok(()) => {
-                    self.frames += 1;
-                    return true;
-                }
+                Ok(()) => return true,
                 Err(_) => self.lose(slam),
             },
             Some(Event::Lost) => self.lose(slam),

@@ -190,8 +190,9 @@ impl<const S: usize> FloorJob<S> {
 
     /// Draws the areas into the next cells of the picture: blocked where it must not go, swept where it need not clean.
     fn mark_areas(&mut self, bounds: &Bounds) {
-        let (s, c) = slam_core::angle::sin_cos(self.frame.origin().theta_rad);
-        let on_map = |[x_m, y_m]: [f32; 2]| [c * x_m - s * y_m, s * x_m + c * y_m];
+        let origin = self.frame.origin();
+        let (s, c) = slam_core::angle::sin_cos(origin.theta_rad);
+        let on_map = |[x_m, y_m]: [f32; 2]| [origin.x_m + c * x_m - s * y_m, origin.y_m + s * x_m + c * y_m];
         let cells = CELLS as u16;
         for _ in 0..MARKED {
             let cell = Cell { col: (self.marked % cells) as i16, row: (self.marked / cells) as i16 };

@@ -1,46 +1,75 @@
-//! The frame of the floor job: the map frame turned so that lanes run along the walls.
+//! The frame of the floor job: its axes along the walls' grid of the map that it began in. What the job remembers is in this frame, and
+//! stays where it is when the robot goes on in another map.
 
 use slam_core::Pose;
 
-/// Which way the job's frame is turned against the map's.
+/// Where the job's frame lies in the map's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Frame {
-    /// Direction of the job's x axis in the map frame, radians; none until the walls' grid is known.
-    grid_rad: Option<f32>,
+    /// Its origin in the map frame; none until the walls' grid is known: the map's.
+    origin: Option<Pose>,
 }
 
 impl Frame {
+    /// The map's.
+    pub(super) const MAP: Self = Self { origin: None };
+
+    /// The frame with this origin in the map's.
+    pub(super) fn at(origin: Option<Pose>) -> Self {
+        Self { origin }
+    }
+
     /// Its origin in the map frame.
     pub(super) fn origin(&self) -> Pose {
-        Pose::new(0.0, 0.0, self.grid_rad.unwrap_or(0.0))
+        self.origin.unwrap_or(Pose::ORIGIN)
     }
 
-    /// The frame turned like this against the map's.
-    pub(super) const fn with_grid(grid_rad: Option<f32>) -> Self {
-        Self { grid_rad }
-    }
-
-    /// How it is turned, radians; none until the walls' grid is known.
-    pub(super) fn grid_rad(&self) -> Option<f32> {
-        self.grid_rad
+    /// Whether the walls' grid is known.
+    pub(super) fn is_aligned(&self) -> bool {
+        self.origin.is_some()
     }
 
     /// A pose of the map frame.
     pub(super) fn pose(&self, pose: &Pose) -> Pose {
-        match self.grid_rad {
-            Some(_) => self.origin().inverse().compose(pose),
-            None => *pose,
-        }
+        self.origin.map_or(*pose, |origin| origin.inverse().compose(pose))
     }
 
     /// Takes up the direction of the walls' grid; how far the frame turned, radians, where it did.
     pub(super) fn align(&mut self, grid_rad: f32) -> Option<f32> {
-        if self.grid_rad.is_some() || !grid_rad.is_finite() {
+        if self.is_aligned() || !grid_rad.is_finite() {
             return None;
         }
         let quarter = core::f32::consts::FRAC_PI_2;
         let nearest_rad = grid_rad - quarter * libm::roundf(grid_rad / quarter);
-        self.grid_rad = Some(nearest_rad);
+        self.origin = Some(Pose::new(0.0, 0.0, nearest_rad));
         Some(nearest_rad)
+    }
+
+    /// The robot goes on in another map: a place of the map so far is this one there.
+    pub(super) fn go_on(&mut self, before: &Pose, now: &Pose) {
+        let origin = now.compose(&self.pose(before).inverse());
+        if origin.x_m.is_finite() && origin.y_m.is_finite() && origin.theta_rad.is_finite() {
+            self.origin = Some(origin);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn in_another_map_everything_stays_where_it_is() {
+        let mut frame = Frame::MAP;
+        frame.align(0.1);
+        let (robot, chair) = (Pose::new(1.0, 2.0, 0.7), Pose::new(-1.0, 0.5, 0.0));
+        let remembered = frame.pose(&chair);
+        // The other map's origin lies here.
+        let other = Pose::new(3.0, -2.0, 1.9);
+        let seen_there = |pose: &Pose| other.inverse().compose(pose);
+        frame.go_on(&robot, &seen_there(&robot));
+        let again = frame.pose(&seen_there(&chair));
+        assert!((again.x_m - remembered.x_m).abs() < 1e-5 && (again.y_m - remembered.y_m).abs() < 1e-5, "{again:?}");
+        assert!(frame.align(0.4).is_none(), "its axes are what they were");
     }
 }

@@ -130,7 +130,7 @@ impl<const S: usize> FloorJob<S> {
     /// One that knows nothing, not even the robot: to be begun.
     pub(crate) const BLANK: Self = Self {
         config: FloorConfig::DEFAULT,
-        frame: Frame::with_grid(None),
+        frame: Frame::MAP,
         sheet: Sheet::new(),
         near: Near::new(),
         beams: [Beam::NONE; S],
@@ -200,6 +200,11 @@ impl<const S: usize> FloorJob<S> {
             self.last = None;
             self.route.clear();
         }
+    }
+
+    /// The robot goes on in another map, where this pose of the map so far is that one: what was swept and what stands there stays.
+    pub(crate) fn go_on_in(&mut self, before: &Pose, now: &Pose) {
+        self.frame.go_on(before, now);
     }
 
     /// What it is doing.

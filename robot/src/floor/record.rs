@@ -2,18 +2,18 @@
 //! job is about. What it was at is not kept: it looks for the nearest floor from where it is.
 
 use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
-use slam_core::{Pose, Rig};
+use slam_core::Pose;
 
 use super::errand::Errand;
 use super::frame::Frame;
 use super::sheet::Sheet;
 use super::swept::CELLS;
-use super::{FloorConfig, FloorJob, FloorState, Phase};
+use super::{FloorJob, FloorState, Phase};
 use crate::pilot::memory::Cell;
 
 /// What the bytes begin with; the last one is the format's version.
-const MAGIC: [u8; 4] = *b"FLJ\x01";
-const HEAD: usize = 36;
+const MAGIC: [u8; 4] = *b"FLJ\x02";
+const HEAD: usize = 44;
 const STATES: usize = FloorState::ALL.len();
 const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 
@@ -90,16 +90,15 @@ fn pairs() -> impl Iterator<Item = [Cell; 2]> {
 impl<const S: usize> FloorJob<S> {
     /// Writes down what is to be known after a reset.
     pub fn save(&self, into: &mut [u8; FLOOR_RECORD_BYTES]) {
-        let home = self.home.unwrap_or(Pose { x_m: f32::NAN, ..Pose::ORIGIN });
         let errand = match self.errand {
             Errand::Sweep => 0,
             Errand::Recharge => 1,
             Errand::Finish => 2,
         };
-        let grid_rad = self.frame.grid_rad().unwrap_or(f32::NAN);
+        let origin = Some(self.frame.origin()).filter(|_| self.frame.is_aligned());
         let [col, row] = self.sheet.picture.corner();
-        let numbers = [grid_rad, home.x_m, home.y_m, home.theta_rad].map(f32::to_le_bytes);
-        let head = [MAGIC, [errand, u8::from(self.has_dock), self.retries, 0]].into_iter().chain(numbers);
+        let poses = [origin, self.home].into_iter().flat_map(pose_words);
+        let head = [MAGIC, [errand, u8::from(self.has_dock), self.retries, 0]].into_iter().chain(poses);
         let head = head.chain([col.to_le_bytes(), row.to_le_bytes(), self.tally.swept().to_le_bytes()]);
         let seconds = self.progress().seconds_in.into_iter().flat_map(u16::to_le_bytes);
         let cells = pairs().map(|[first, second]| self.sheet.code(first) | self.sheet.code(second) << 4);
@@ -112,11 +111,11 @@ impl<const S: usize> FloorJob<S> {
         places.zip(sum.finalize().to_le_bytes()).for_each(|(place, byte)| *place = byte);
     }
 
-    /// The job that was saved, about to go on where the robot is.
+    /// A job that knows nothing yet becomes the one that was saved, about to go on where the robot is.
     ///
     /// # Errors
-    /// The bytes are not those of a saved floor job.
-    pub fn restored(config: FloorConfig, rig: &Rig<S>, bytes: &[u8]) -> Result<Self, FloorRecordError> {
+    /// The bytes are not those of a saved floor job: it still knows nothing.
+    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), FloorRecordError> {
         let bytes: &[u8; FLOOR_RECORD_BYTES] = bytes.try_into().map_err(|_| FloorRecordError::Length)?;
         let mut words = bytes.iter().copied();
         let mut word = || [0_u8; 4].map(|_| words.next().unwrap_or(0));
@@ -128,37 +127,46 @@ impl<const S: usize> FloorJob<S> {
             return Err(FloorRecordError::Sum);
         }
         let [errand, has_dock, retries, _] = word();
-        let mut job = Self::new(config, rig);
-        job.errand = match errand {
+        self.errand = match errand {
             0 => Errand::Sweep,
             1 => Errand::Recharge,
             2 => Errand::Finish,
             _ => return Err(FloorRecordError::Value),
         };
-        let [grid_rad, x_m, y_m, theta_rad] = [(); 4].map(|()| f32::from_le_bytes(word()));
-        job.frame = Frame::with_grid(Some(grid_rad).filter(|grid_rad| grid_rad.is_finite()));
-        let home = Pose { x_m, y_m, theta_rad };
-        job.home = Some(home).filter(|_| x_m.is_finite() && y_m.is_finite() && theta_rad.is_finite());
-        (job.has_dock, job.retries) = (has_dock != 0, retries);
-        job.sheet.picture.put_corner([(); 2].map(|()| i32::from_le_bytes(word())));
+        self.frame = Frame::at(pose_of([(); 3].map(|()| word())));
+        self.home = pose_of([(); 3].map(|()| word()));
+        (self.has_dock, self.retries) = (has_dock != 0, retries);
+        self.sheet.picture.put_corner([(); 2].map(|()| i32::from_le_bytes(word())));
         let swept = u32::from_le_bytes(word());
         let mut seconds_in = [0; STATES];
         let mut rest = words;
         for seconds in &mut seconds_in {
             *seconds = u16::from_le_bytes([(); 2].map(|()| rest.next().unwrap_or(0)));
         }
-        job.tally.take_up(swept, seconds_in);
+        self.tally.take_up(swept, seconds_in);
         for ([first, second], code) in pairs().zip(rest) {
-            job.sheet.decode(first, code & 0xF);
-            job.sheet.decode(second, code >> 4);
+            self.sheet.decode(first, code & 0xF);
+            self.sheet.decode(second, code >> 4);
         }
-        job.phase = Phase::Plan { aim: job.aim(), escape: 5, begun: false };
-        Ok(job)
+        self.phase = Phase::Plan { aim: self.aim(), escape: 5, begun: false };
+        Ok(())
     }
+}
+
+/// A pose as bytes; one that is not known is no number.
+fn pose_words(pose: Option<Pose>) -> [[u8; 4]; 3] {
+    pose.map_or([f32::NAN; 3], |Pose { x_m, y_m, theta_rad }| [x_m, y_m, theta_rad]).map(f32::to_le_bytes)
+}
+
+fn pose_of(words: [[u8; 4]; 3]) -> Option<Pose> {
+    let [x_m, y_m, theta_rad] = words.map(f32::from_le_bytes);
+    let is_known = x_m.is_finite() && y_m.is_finite() && theta_rad.is_finite();
+    is_known.then_some(Pose { x_m, y_m, theta_rad })
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::FloorConfig;
     use super::*;
     use crate::rig::default_rig;
 
@@ -167,6 +175,7 @@ mod tests {
         let rig = default_rig::<8>();
         let mut job: FloorJob<8> = FloorJob::new(FloorConfig::default(), &rig);
         job.align(0.2);
+        job.go_on_in(&Pose::ORIGIN, &Pose::new(0.3, 0.4, 0.5));
         job.home = Some(Pose::new(0.5, -0.25, 1.0));
         job.errand = Errand::Recharge;
         let mut bits = 1_u32;
@@ -183,7 +192,8 @@ mod tests {
         }
         let mut bytes = [0; FLOOR_RECORD_BYTES];
         job.save(&mut bytes);
-        let again: FloorJob<8> = FloorJob::restored(FloorConfig::default(), &rig, &bytes).unwrap();
+        let mut again: FloorJob<8> = FloorJob::new(FloorConfig::default(), &rig);
+        again.restore(&bytes).unwrap();
         assert_eq!((again.home, again.errand, again.frame), (job.home, job.errand, job.frame));
         for cell in pairs().flatten() {
             assert_eq!(again.sheet.code(cell), job.sheet.code(cell), "{cell:?}");
@@ -200,7 +210,7 @@ mod tests {
         let job: FloorJob<8> = FloorJob::new(FloorConfig::default(), &rig);
         let mut bytes = [0; FLOOR_RECORD_BYTES];
         job.save(&mut bytes);
-        let restored = |bytes: &[u8]| FloorJob::<8>::restored(FloorConfig::default(), &rig, bytes).err();
+        let restored = |bytes: &[u8]| job.clone().restore(bytes).err();
         assert_eq!(restored(&bytes), None);
         assert_eq!(restored(&bytes[1..]), Some(FloorRecordError::Length));
         for place in 0..FLOOR_RECORD_BYTES {
