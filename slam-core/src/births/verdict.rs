@@ -83,7 +83,8 @@ impl Doubts {
 
     /// Whether this line and the last one agree on how far the heading is off, its variance against the grid being
     /// `heading`. Each alone may well stand askew; that two walls of different directions do so by the same angle is less
-    /// likely than that the robot does not know its own.
+    /// likely than that the robot does not know its own. The angle between the two must be known as well as that of walls
+    /// that found a grid: of vague lines some agree by chance, and the heading turns with them.
     fn agree(&mut self, line: Lean, heading: f32) -> bool {
         let possible = line.off_rad * line.off_rad < SIGMAS * SIGMAS * heading;
         if !possible || line.seen_variance > DIRECTION_SIGMA * DIRECTION_SIGMA {
@@ -96,6 +97,7 @@ impl Doubts {
             line.quarter != last.quarter
                 && line.path_m - last.path_m < TOGETHER_M
                 && x * x + y * y > APART_M * APART_M
+                && line.seen_variance + last.seen_variance < DIRECTION_SIGMA * DIRECTION_SIGMA
                 && decide(line.off_rad - last.off_rad, variance, GRID_SHARE) == Some(true)
         });
         self.0 = Some(line);

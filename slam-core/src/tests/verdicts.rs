@@ -133,6 +133,8 @@ fn two_lines_agree_under_a_heading_that_wanders() {
         })
     };
     assert_eq!(both(1.0), [Verdict::Wait, Verdict::NearGrid(1)]);
+    // Each to two degrees, the angle between them not.
+    assert_eq!(both(1.8), [Verdict::Wait, Verdict::Wait]);
     assert_eq!(both(2.5), [Verdict::Wait, Verdict::Wait]);
 }
 
