@@ -252,7 +252,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let factors = drive.advance(&rig.drive, &config.motion, travel, way, tick.dt_s, ekf);
         self.holds.follow(&drive.turned, tick.dt_s);
         let step = &drive.step;
-        let mut noise = if config.sensing.learn_noise { self.levels.of_motion(&step.noise) } else { step.noise };
+        let learned = |noise| self.levels.of_motion(noise, &rig.drive);
+        let mut noise = if config.sensing.learn_noise { learned(&step.noise) } else { step.noise };
         noise[0][0] += self.shortfall.advance(step.path_m, self.map.heading_variance(ekf));
         let before = layout::pose(ekf);
         let (jacobian, noise) = Step { noise, ..*step }.in_map(sin_cos(before.theta_rad), &factors);

@@ -10,6 +10,8 @@
 //! whose it is. What it is worth to the filter stays what the rig states and more, since readings of one stretch of wall
 //! are off together ([`crate::sensing::correlation`]).
 
+use crate::rig::DriveModel;
+
 /// Information on the logarithm of a factor before any reading, as [`Level::learn`] counts it: a factor of 1.7 either
 /// way, 1-sigma. On the logs of docs/notes/real-logs.md 6 to 8 do as well.
 const PRIOR: f32 = 7.0;
@@ -93,9 +95,12 @@ impl NoiseLevels {
         self.heading.learn(excess, 0.5 * (heading_m2 / variance_m2).min(1.0), weight, 1.0);
     }
 
-    /// The covariance of (forward, left, turn) at these levels.
-    pub fn of_motion(&self, stated: &[[f32; 3]; 3]) -> [[f32; 3]; 3] {
-        let [position, heading] = [self.position, self.heading].map(|level| libm::sqrtf(level.factor()));
+    /// The covariance of (forward, left, turn) at these levels. What slips is allowed for in the position only: the heading of
+    /// wheels that are counted is as noisy as the rig states, while who logs poses guessed at it.
+    pub fn of_motion(&self, stated: &[[f32; 3]; 3], drive: &DriveModel) -> [[f32; 3]; 3] {
+        let is_stated = matches!(drive, DriveModel::Wheels { .. });
+        let heading = if is_stated { 1.0 } else { libm::sqrtf(self.heading.factor()) };
+        let position = libm::sqrtf(self.position.factor());
         let roots = [position, position, heading];
         core::array::from_fn(|i| core::array::from_fn(|j| roots[i] * roots[j] * stated[i][j]))
     }
