@@ -13,8 +13,8 @@ use crate::rows::Odometry;
 const RAD_PER_M: f32 = 0.8;
 
 /// Makes those two neighbours one that are nearest to each other along the path, of those that a look back has placed: of the
-/// others only where there are no two such. The last keyframe stays as it is: the robot is about it. False where there are
-/// not enough.
+/// others only where there are no two such. The last keyframe stays as it is: the robot is about it. So does the first: its frame is the
+/// map's, and what is seen from elsewhere later on does not tell where the start was. False where there are not enough.
 pub fn thin<const K: usize, const G: usize>(
     keyframes: &mut Vec<Keyframe, K>,
     groups: &mut Vec<Group, G>,
@@ -25,8 +25,8 @@ pub fn thin<const K: usize, const G: usize>(
     let span = |key: &Keyframe| key.path_m + key.turning_rad / RAD_PER_M;
     let inner = keyframes.len().saturating_sub(1);
     let settled = keyframes.iter().take(inner).take_while(|key| key.serial <= placed).count();
-    let pairs_of = if settled >= 2 { settled } else { inner };
-    let pairs = keyframes.iter().zip(keyframes.iter().skip(1)).take(pairs_of.saturating_sub(1)).enumerate();
+    let pairs_of = if settled >= 3 { settled } else { inner };
+    let pairs = keyframes.iter().zip(keyframes.iter().skip(1)).take(pairs_of.saturating_sub(1)).enumerate().skip(1);
     let shortest = pairs.min_by(|(_, a), (_, b)| (span(a.0) + span(a.1)).total_cmp(&(span(b.0) + span(b.1))));
     let Some((at, (first, second))) = shortest else { return false };
     let (first, second) = (*first, *second);

@@ -92,6 +92,9 @@ fn hours_fit_and_are_no_worse_than_minutes() {
     }
     assert!(diary.losses().thinned > 1000, "{:?}", diary.losses());
     assert_eq!((diary.losses().hits, diary.losses().walls), (0, 0));
+    let mut kept = diary.keyframes().map(|(serial, _)| serial);
+    let first = [kept.next(), kept.next(), kept.next()];
+    assert!(first[..2] == [Some(0), Some(1)] && first[2] > Some(2), "the first is made one with no other: {first:?}");
     assert!(worst_m < 0.03, "{worst_m}");
 }
 
