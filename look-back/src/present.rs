@@ -222,8 +222,7 @@ fn stretch(
         [(POSE + 2, distance * x), (DISTANCE, y), none],
         [(TURN, by_turn), (VEER, turn * key.path_m), none],
     ];
-    // The odometry's noise, as its scales make it the motion's.
-    let position_m2 = distance * distance * position_m2;
+    // Slips are the motion's; the noise of turns is the odometry's, as its scale makes it the motion's.
     (by, [position_m2, position_m2, turn * turn * heading_rad2])
 }
 

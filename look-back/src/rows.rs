@@ -102,23 +102,24 @@ impl Odometry {
         }
     }
 
-    /// The motion from a keyframe to the next. Noise is the odometry's, not the motion's: the other way round noisy steps would
-    /// draw the scale down.
+    /// The motion from a keyframe to the next. Where it ends the robot slipped to: a stretch on which nothing was sensed says
+    /// nothing of the scale. With the motion over its scale beside what was sensed, each would draw the scale up by the square
+    /// of what the walls say it moved. A turn's noise is the odometry's.
     pub fn rows(&self, key: &Keyframe, next: &Pose, calibration: &Calibration) -> [Row; 3] {
         let Calibration { distance, turn, veer_rad_per_m } = *calibration;
         let [position_m2, heading_rad2] = self.variances(key);
         let frame = Frame::of(&key.pose);
         let [forward, left] = frame.turn_back([next.x_m - key.pose.x_m, next.y_m - key.pose.y_m]);
-        let [c, s] = frame.turn([1.0 / distance, 0.0]);
+        let [c, s] = frame.turn([1.0, 0.0]);
         let row = |residual, weight, here, next, border| Row { residual, weight, here, next, border };
-        let by_scale = |moved: f32| [(DISTANCE, -moved / (distance * distance)), NONE, NONE];
+        let by_scale = |sensed: f32| [(DISTANCE, -sensed), NONE, NONE];
         let weight = 1.0 / position_m2;
         let sensed_rad = key.motion.theta_rad + veer_rad_per_m * key.path_m;
         let heading = wrap(next.theta_rad - key.pose.theta_rad - turn * sensed_rad) / turn;
         let by_turn = [(TURN, -(sensed_rad + heading) / turn), (VEER, -key.path_m), NONE];
         [
-            row(forward / distance - key.motion.x_m, weight, [-c, -s, left / distance], [c, s, 0.0], by_scale(forward)),
-            row(left / distance - key.motion.y_m, weight, [s, -c, -forward / distance], [-s, c, 0.0], by_scale(left)),
+            row(forward - distance * key.motion.x_m, weight, [-c, -s, left], [c, s, 0.0], by_scale(key.motion.x_m)),
+            row(left - distance * key.motion.y_m, weight, [s, -c, -forward], [-s, c, 0.0], by_scale(key.motion.y_m)),
             row(heading, 1.0 / heading_rad2, [0.0, 0.0, -1.0 / turn], [0.0, 0.0, 1.0 / turn], by_turn),
         ]
     }

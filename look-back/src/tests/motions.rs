@@ -7,7 +7,7 @@ use slam_core::{Calibration, DriveModel, Increment, Pose};
 use super::random::Random;
 use crate::Diary;
 use crate::keyframe::Keyframe;
-use crate::rows::Odometry;
+use crate::rows::{DISTANCE, Odometry};
 
 /// Errors are those of headings alone: wheels whose positions are exact.
 const DRIVE: DriveModel = DriveModel::Odometry {
@@ -119,5 +119,19 @@ fn a_motion_with_a_part_that_is_not_known_is_not_known() {
         let both = first.over(&second, &Calibration::EXACT, heading_rad2);
         let [position_m2, heading_rad2] = Odometry::of(&DRIVE).variances(&both);
         assert!(position_m2 > 40.0 && heading_rad2 > 3.0, "{position_m2} {heading_rad2}");
+    }
+}
+
+/// A robot that turns on the spot slides beside it, and the walls see that: it has not driven farther than its odometry says.
+#[test]
+fn where_nothing_was_sensed_the_scale_is_left_alone() {
+    let turned = stretch([0.0, 0.5]);
+    for next in [Pose::new(0.1, 0.0, 0.5), Pose::new(-0.1, 0.2, 0.5)] {
+        let [ahead, aside, _] = Odometry::of(&DRIVE).rows(&turned, &next, &Calibration::EXACT);
+        for row in [ahead, aside] {
+            let by_scale: f32 = row.border.iter().filter(|(place, _)| *place == DISTANCE).map(|(_, by)| by).sum();
+            assert_eq!(by_scale, 0.0, "{row:?}");
+        }
+        assert!((ahead.residual - next.x_m).abs() < 1e-6 && (aside.residual - next.y_m).abs() < 1e-6);
     }
 }

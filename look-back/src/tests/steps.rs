@@ -129,8 +129,8 @@ impl Dense {
             let local = [at.cos() * dx + at.sin() * dy, at.cos() * dy - at.sin() * dx];
             let slip = f64::from(slam_core::SLIP_RUNS) * 1e-4 * path + f64::from(slam_core::SLIP_M2_PER_RAD) * turning;
             let (position, heading) = (slip + 1e-8, 1e-4 * path + 1e-3 * turning + 1e-8);
-            all.push((local[0] / distance - sensed[0], 1.0 / position));
-            all.push((local[1] / distance - sensed[1], 1.0 / position));
+            all.push((local[0] - distance * sensed[0], 1.0 / position));
+            all.push((local[1] - distance * sensed[1], 1.0 / position));
             all.push(((bt - at) / turn - veer * path - sensed[2], 1.0 / heading));
         }
         for (wall, (_, beta, _)) in self.walls.iter().enumerate() {

@@ -150,8 +150,8 @@ impl Graph {
         Some(())
     }
 
-    /// The odometry: what it sensed is the motion over its scale. Noise is the odometry's, not the motion's: the other way
-    /// round noisy steps would draw the scale down.
+    /// The odometry: the motion is what was sensed times its scale. Where it ends the robot slipped to: a stretch on which
+    /// nothing was sensed says nothing of the scale. A turn's noise is the odometry's.
     fn add_motion(&self, normal: &mut Normal) {
         let scales = self.calibration_at() + 1;
         let (distance, turn, veer) = (self.state[scales], self.state[scales + 1], self.state[scales + 2]);
@@ -163,13 +163,11 @@ impl Graph {
             let (s, c) = self.state[a + 2].sin_cos();
             let (dx, dy) = (self.state[b] - self.state[a], self.state[b + 1] - self.state[a + 1]);
             let (forward, left) = (c * dx + s * dy, c * dy - s * dx);
-            let (c, s) = (c / distance, s / distance);
-            let (by_scale_f, by_scale_l) = (-forward / (distance * distance), -left / (distance * distance));
             let weight = 1.0 / noise.position_m2;
-            let ahead = [(a, -c), (a + 1, -s), (a + 2, left / distance), (b, c), (b + 1, s), (scales, by_scale_f)];
-            normal.add(forward / distance - sensed.x_m, weight, &ahead);
-            let aside = [(a, s), (a + 1, -c), (a + 2, -forward / distance), (b, -s), (b + 1, c), (scales, by_scale_l)];
-            normal.add(left / distance - sensed.y_m, weight, &aside);
+            let ahead = [(a, -c), (a + 1, -s), (a + 2, left), (b, c), (b + 1, s), (scales, -sensed.x_m)];
+            normal.add(forward - distance * sensed.x_m, weight, &ahead);
+            let aside = [(a, s), (a + 1, -c), (a + 2, -forward), (b, -s), (b + 1, c), (scales, -sensed.y_m)];
+            normal.add(left - distance * sensed.y_m, weight, &aside);
             let turned = wrap(self.state[b + 2] - self.state[a + 2]);
             let terms = [
                 (a + 2, -1.0 / turn),
