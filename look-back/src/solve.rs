@@ -15,6 +15,9 @@ use crate::wall::Wall;
 const FREE_M2: f32 = 100.0;
 const FREE_RAD2: f32 = 1.0;
 
+/// Largest turn of a pose in one step, radians: so far sines go with their derivatives. What would turn by more goes that far.
+pub const FURTHEST_RAD: f32 = 0.5;
+
 /// Multiply-adds of a group's rows, of a stretch's, of a pose's elimination without the border, of a pose's move.
 const GROUP_COST: u32 = 120;
 const STRETCH_COST: u32 = 150;
@@ -243,6 +246,13 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> Solver<K, W
         self.chain.get(key).filter(|_| key > 0).map_or([0.0; 3], |link| link.own)
     }
 
+    /// The share of a step up to which its derivatives hold.
+    fn share(&self) -> f32 {
+        let turns = (0..self.keys).map(|key| self.increment(key)[2].abs());
+        let furthest = turns.fold(0.0, f32::max);
+        if furthest > FURTHEST_RAD { FURTHEST_RAD / furthest } else { 1.0 }
+    }
+
     fn apply<const G: usize>(&mut self, diary: &mut Diary<K, G, W>) -> Slice {
         let poses = (0..self.keys).flat_map(|key| self.increment(key));
         let border = (0..self.system.len()).map(|place| self.system.increment(place));
@@ -253,27 +263,29 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> Solver<K, W
             }
             largest = largest.max(value.abs());
         }
+        let share = self.share();
+        let of_border = |place: usize| share * self.system.increment(place);
         let last = self.keys.saturating_sub(1);
         let before = diary.keyframes.get(last).map_or(Pose::ORIGIN, |key| key.pose);
         for (i, key) in diary.keyframes.iter_mut().enumerate().take(self.keys) {
-            let [x, y, theta] = self.increment(i);
+            let [x, y, theta] = self.increment(i).map(|value| share * value);
             key.pose = Pose::new(key.pose.x_m + x, key.pose.y_m + y, key.pose.theta_rad + theta);
         }
         let after = diary.keyframes.get(last).map_or(Pose::ORIGIN, |key| key.pose);
         for key in diary.keyframes.iter_mut().skip(self.keys) {
             key.pose = after.compose(&relative(&before, &key.pose));
         }
-        diary.calibration.distance += self.system.increment(DISTANCE);
-        diary.calibration.turn += self.system.increment(TURN);
-        diary.calibration.veer_rad_per_m += self.system.increment(VEER);
+        diary.calibration.distance += of_border(DISTANCE);
+        diary.calibration.turn += of_border(TURN);
+        diary.calibration.veer_rad_per_m += of_border(VEER);
         for (number, gain) in diary.gains.values.iter_mut().enumerate() {
-            *gain += self.system.increment(GAINS + number);
+            *gain += of_border(GAINS + number);
         }
-        diary.alpha_rad = diary.alpha_rad.map(|alpha| wrap(alpha + self.system.increment(ALPHA)));
+        diary.alpha_rad = diary.alpha_rad.map(|alpha| wrap(alpha + of_border(ALPHA)));
         for (wall, position) in diary.walls.iter_mut().zip(self.order) {
             if let (Some(wall), Some(position)) = (wall, position) {
                 let place = WALLS + 2 * usize::from(position);
-                wall.shift(self.system.increment(place), self.system.increment(place + 1));
+                wall.shift(of_border(place), of_border(place + 1));
             }
         }
         Slice::Moved(largest)

@@ -9,7 +9,7 @@ use slam_core::Pose;
 use super::drive::DRIVE;
 use super::random::Random;
 use crate::rows::{LAST_POSE, WALLS};
-use crate::solve::{Slice, Solver};
+use crate::solve::{FURTHEST_RAD, Slice, Solver};
 use crate::wall::Wall;
 use crate::{Diary, Hit, border_len, packed_len};
 
@@ -241,4 +241,20 @@ fn a_step_is_the_dense_step_and_the_border_has_its_covariance() {
         }
         assert_eq!(solver.system.held, 0);
     }
+}
+
+/// Derivatives at a pose that is turned far off say nothing of where it belongs: what they ask for is gone towards, not to.
+#[test]
+fn a_step_turns_no_pose_farther_than_derivatives_hold() {
+    let (mut diary, _) = problem(0);
+    diary.keyframes[3].pose.theta_rad += 2.0;
+    let before = diary.clone();
+    let mut solver = Small::NEW;
+    solver.choose(&diary, |_| true);
+    solver.begin(&mut diary);
+    while solver.slice(&mut diary).1 == Slice::More {}
+    let pairs = before.keyframes.iter().zip(&diary.keyframes);
+    let turned = pairs.map(|(a, b)| slam_core::angle::wrap(b.pose.theta_rad - a.pose.theta_rad).abs());
+    let most = turned.fold(0.0, f32::max);
+    assert!((most - FURTHEST_RAD).abs() < 1e-3, "{most}");
 }
