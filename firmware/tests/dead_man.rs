@@ -66,7 +66,8 @@ fn silence_stops_the_wheels() {
     let control = WheelControl::new(WheelControlConfig::default());
     let mut supply = NoSupply;
     let mut guard = pin!(tasks::guard(inputs, &mut enable, &shared));
-    let mut drive = pin!(tasks::drive(&mut job, BuiltIn::Sharp, control, &mut motors, &mut supply, &shared));
+    let mut drive =
+        pin!(tasks::drive(&mut job, BuiltIn::Sharp, control, &mut motors, &mut supply, &mut [0; 0], &shared));
     let mut context = Context::from_waker(Waker::noop());
     let mut context_of_guard = Context::from_waker(Waker::noop());
     let mut poll_drive = || assert!(drive.as_mut().poll(&mut context).is_pending());

@@ -5,7 +5,7 @@ use hal_sim::{
     BatteryOptions, ClosedLoop, Estimate, Pose2, SimOptions, Simulation, clean, clean_with, default_rig,
     nominal_ranges, plan_file,
 };
-use robot::{FLOOR_RECORD_BYTES, FloorConfig, FloorJob, FloorProgress, FloorState, Job, Whereabouts};
+use robot::{FloorConfig, FloorJob, FloorProgress, FloorState, Job, Whereabouts};
 use slam_core::Pose;
 
 #[test]
@@ -76,11 +76,10 @@ fn after_a_reset_and_a_pause_it_goes_on_where_it_was() {
         let time_s = robot.simulation.time_s();
         let job = &mut robot.job;
         if (time_s - 240.0).abs() < 0.01 {
-            let mut bytes = [0; FLOOR_RECORD_BYTES];
-            assert!(job.save(&mut bytes));
+            let memory = job.saved(1).expect("something is left");
             before = job.floor().expect("it cleans");
             *job = Job::cleaning(FloorConfig::default(), &default_rig());
-            job.restore(&bytes).expect("what was saved is a job");
+            job.restore(1, &memory).expect("what was saved is a job");
             assert_eq!(job.floor().expect("it cleans").swept_m2, before.swept_m2);
         }
         if (time_s - 300.0).abs() < 0.01 {

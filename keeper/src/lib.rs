@@ -126,6 +126,12 @@ impl<F: MapFlash> Keeper<F> {
         self.locator.state().is_located() && !self.is_lifted
     }
 
+    /// Check sum of the kept map, which tells it from every other one; none where none is kept.
+    pub fn kept(&mut self) -> Option<u32> {
+        let record = Record::whole(slot(self.store.flash(), self.saved?)?).ok()?;
+        Some(record.check_sum())
+    }
+
     /// With another number, nothing is any more where it was: another map is kept, or none is and the robot was carried or began
     /// anew.
     pub fn world(&self) -> u32 {

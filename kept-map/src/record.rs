@@ -265,6 +265,11 @@ impl<'a> Record<'a> {
         areas::corners(move |place| (place < count).then(|| self.word(self.layout.areas() + place)))
     }
 
+    /// Its check sum, which tells it from every other one.
+    pub fn check_sum(&self) -> u32 {
+        self.word(self.words().saturating_sub(1))
+    }
+
     fn word(&self, place: usize) -> u32 {
         word(self.bytes, place).unwrap_or_default()
     }

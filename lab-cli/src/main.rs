@@ -300,6 +300,7 @@ fn show(bar: &ProgressBar, progress: Progress) {
     match progress {
         Progress::Driven(share) => bar.set_position((1000.0 * share) as u64),
         Progress::Rows(rows) => bar.set_position(rows as u64),
+        Progress::Dropped(why) => bar.suspend(|| eprintln!("note: job.bin: {why}; all of the floor is swept")),
         Progress::LookingBack(rounds) => {
             if rounds == 1 {
                 bar.enable_steady_tick(Duration::from_millis(200));

@@ -82,6 +82,37 @@ fn a_robot_that_begins_in_its_kept_map_finds_itself_sweeps_and_comes_back() {
 }
 
 #[test]
+fn after_a_power_cut_it_goes_on_with_the_floor_that_was_left() {
+    let place = Place::new();
+    let run = |out: &str, more: &[&str]| {
+        let clean = ["run", "--job", "clean", "--plan", "l-shape", "--out", out];
+        place.lab().args(clean).args(more).assert().success()
+    };
+    run("first", &["--minutes", "5"]);
+    run("on", &["--map", "first/map.bin", "--seed", "101"]);
+    let swept = |out: &str| {
+        let floor = place.summary(out)["floor"].clone();
+        assert!(floor["home_m"].as_f64().unwrap() < 0.2, "{floor}");
+        floor["swept"].as_f64().unwrap()
+    };
+    let left = 1.0 - place.summary("first")["floor"]["swept"].as_f64().unwrap();
+    assert!((0.2..0.6).contains(&left), "{left} left");
+    // What was left, and what it came by on the way.
+    let on = swept("on");
+    assert!(left - 0.05 < on && on < left + 0.35, "{on} swept of {left} left");
+    assert!(!place.path("on/job.bin").exists(), "nothing is left");
+
+    // The same without what was saved, and with the job of another map.
+    place.put("none/map.bin", std::fs::read(place.path("first/map.bin")).unwrap());
+    run("anew", &["--map", "none/map.bin", "--seed", "101"]);
+    assert!(swept("anew") > 0.96);
+    place.put("other/map.bin", std::fs::read(place.path("on/map.bin")).unwrap());
+    place.put("other/job.bin", std::fs::read(place.path("first/job.bin")).unwrap());
+    let said = run("dropped", &["--map", "other/map.bin", "--minutes", "0.1"]);
+    said.stderr(contains("note: job.bin: the saved floor job is of another kept map; all of the floor is swept"));
+}
+
+#[test]
 fn a_robot_that_starts_where_it_must_not_go_is_refused() {
     let place = Place::new();
     place.put("home.toml", format!("{ROOM}{}", rectangle("keep_out", [[0.0, 0.0], [0.5, 3.0]])));

@@ -11,11 +11,11 @@
 use slam_core::{Pose, Rig};
 
 use crate::condition::Condition;
-use crate::floor::{Bounds, FLOOR_RECORD_BYTES, FloorConfig, FloorJob, FloorProgress, FloorRecordError, FloorState};
+use crate::floor::{Bounds, FloorConfig, FloorJob, FloorProgress, FloorRecordError, FloorState, Notes};
 use crate::job::{AreaCorner, Whereabouts};
 use crate::pilot::Senses;
 use crate::pilot::beam::Beam;
-use crate::traits::WheelSpeeds;
+use crate::traits::{LastingMemory, WheelSpeeds};
 
 /// Width of the brush, metres: so much floor a metre of path sweeps.
 const BRUSH_M: f32 = 0.25;
@@ -80,18 +80,24 @@ impl<const S: usize> Cleaning<S> {
         self.job.progress()
     }
 
-    /// Writes down what is to be known after a reset; false where the job goes by a map that is not there then.
-    pub(crate) fn save(&self, into: &mut [u8; FLOOR_RECORD_BYTES]) -> bool {
-        let is_own = self.map == Some(Map::Own);
-        if is_own {
-            self.job.save(into);
-        }
-        is_own
+    /// Whether something is to be known after a reset: it is not over, and goes by a map that is there then.
+    pub(crate) fn is_worth_noting(&self) -> bool {
+        self.map == Some(Map::Own) && !self.is_over()
+    }
+
+    /// Writes down a piece of what is to be known after a reset; true where that was the last one.
+    pub(crate) fn note(&mut self, map: u32, notes: &mut Notes, memory: &mut impl LastingMemory) -> bool {
+        self.job.note(map, notes, memory)
+    }
+
+    /// Writes down all of it.
+    pub(crate) fn save(&mut self, map: u32, memory: &mut impl LastingMemory) {
+        self.job.save(map, memory);
     }
 
     /// One about to begin becomes the one that was saved.
-    pub(crate) fn restore(&mut self, bytes: &[u8]) -> Result<(), FloorRecordError> {
-        self.job.restore(bytes)?;
+    pub(crate) fn restore(&mut self, map: u32, memory: &impl LastingMemory) -> Result<(), FloorRecordError> {
+        self.job.restore(map, memory)?;
         (self.map, self.next_wall) = (Some(Map::Own), Some(0));
         Ok(())
     }
@@ -273,16 +279,17 @@ mod tests {
     #[test]
     fn what_is_saved_goes_on_in_the_same_map_only() {
         let mut robot = Robot::new();
-        let mut bytes = [0; FLOOR_RECORD_BYTES];
+        let mut bytes = [0; crate::FLOOR_RECORD_BYTES];
         robot.step(&LOST);
-        assert!(!robot.cleaning.save(&mut bytes), "a fresh map is not there after a reset");
+        assert!(!robot.cleaning.is_worth_noting(), "a fresh map is not there after a reset");
         let mut robot = Robot::new();
         (0..100).for_each(|_| {
             robot.step(&FOUND);
         });
-        assert!(robot.cleaning.save(&mut bytes));
+        assert!(robot.cleaning.is_worth_noting());
+        robot.cleaning.save(3, &mut bytes);
         let mut again = Robot::new();
-        again.cleaning.restore(&bytes).unwrap();
+        again.cleaning.restore(3, &bytes).unwrap();
         assert_eq!(again.step(&LOST), FloorState::Lost);
         assert_ne!(again.step(&FOUND), FloorState::Lost);
         assert!((again.swept_m2() - robot.swept_m2()).abs() < 0.1);

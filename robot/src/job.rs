@@ -3,13 +3,15 @@
 use slam_core::{Pose, Rig, WallView};
 
 use crate::cleaning::Cleaning;
-use crate::floor::{AreaKind, FLOOR_RECORD_BYTES, FloorConfig, FloorProgress, FloorRecordError};
+use crate::floor::{AreaKind, FLOOR_RECORD_BYTES, FloorConfig, FloorProgress, FloorRecordError, Notes};
 use crate::pilot::{Activity, Pilot, PilotConfig, Senses};
-use crate::traits::WheelSpeeds;
+use crate::traits::{LastingMemory, WheelSpeeds};
 
 /// What the robot knows of the map that its pose is in, at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Whereabouts {
+    /// A number that tells the kept map from every other one; none where none is kept.
+    pub kept: Option<u32>,
     /// With another number, nothing is any more where it was: another map is kept, or none is and the robot was carried.
     pub world: u32,
     /// The pose is in the frame of the kept map, or of the start where none is kept.
@@ -29,6 +31,7 @@ pub struct Whereabouts {
 impl Whereabouts {
     /// Where no map is kept, before anything is known of the walls.
     pub const START: Self = Self {
+        kept: None,
         world: 0,
         is_located: true,
         grid_rad: None,
@@ -88,14 +91,16 @@ pub struct Job<const S: usize> {
     driver: Driver<S>,
     /// The world, and whether the robot was located in it, as of the last step.
     known: Option<(u32, bool)>,
+    /// How far what is to be known after a reset is written down.
+    notes: Notes,
 }
 
 impl<const S: usize> Job<S> {
     // Both are written from the program's constants to where the other one was: a second one on the stack would need as much memory
     // again.
     /// Exploring, without knowing the robot: [`Job::begin`] comes first.
-    pub const IDLE: Self = Self { driver: Driver::Pilot(Pilot::BLANK), known: None };
-    const CLEANING: Self = Self { driver: Driver::Cleaning(Cleaning::BLANK), known: None };
+    pub const IDLE: Self = Self { driver: Driver::Pilot(Pilot::BLANK), known: None, notes: Notes::NEW };
+    const CLEANING: Self = Self { driver: Driver::Cleaning(Cleaning::BLANK), known: None, notes: Notes::NEW };
 
     /// One that explores in this manner.
     pub fn exploring(config: PilotConfig, rig: &Rig<S>) -> Self {
@@ -117,7 +122,9 @@ impl<const S: usize> Job<S> {
 
     /// Begins to explore with a robot like this one.
     pub fn begin(&mut self, rig: &Rig<S>) {
+        let notes = self.notes.clone();
         *self = Self::IDLE;
+        self.notes = notes;
         if let Driver::Pilot(pilot) = &mut self.driver {
             pilot.prepare(PilotConfig::DEFAULT, rig);
         }
@@ -135,7 +142,9 @@ impl<const S: usize> Job<S> {
         match &mut self.driver {
             Driver::Cleaning(cleaning) if !(anew || cleaning.is_over()) => cleaning.resume(),
             _ => {
+                let notes = self.notes.clone();
                 *self = Self::CLEANING;
+                self.notes = notes;
                 if let Driver::Cleaning(cleaning) = &mut self.driver {
                     cleaning.begin(FloorConfig::DEFAULT, rig);
                 }
@@ -150,20 +159,36 @@ impl<const S: usize> Job<S> {
         }
     }
 
-    /// Writes down what is to be known of the floor after a reset. False, and nothing is written, where it explores, or goes by a
-    /// fresh map, which is not there then.
-    pub fn save(&self, into: &mut [u8; FLOOR_RECORD_BYTES]) -> bool {
-        matches!(&self.driver, Driver::Cleaning(cleaning) if cleaning.save(into))
+    /// Writes down a piece of what is to be known of the floor after a reset, in the kept map of this number: in every step, all of it
+    /// in three seconds. A job that is over, or that goes by a map that is not there then, leaves nothing.
+    pub fn note(&mut self, map: Option<u32>, memory: &mut impl LastingMemory) {
+        let Driver::Cleaning(cleaning) = &mut self.driver else { return };
+        match map.filter(|_| cleaning.is_worth_noting()) {
+            Some(map) => {
+                cleaning.note(map, &mut self.notes, memory);
+            }
+            None => self.notes.wipe(memory),
+        }
     }
 
-    /// A job about to clean goes on with the floor that was saved, in the kept map that it was saved in.
+    /// The same, all of it at once; none where nothing is to be known.
+    pub fn saved(&mut self, map: u32) -> Option<[u8; FLOOR_RECORD_BYTES]> {
+        let mut memory = [0; FLOOR_RECORD_BYTES];
+        match &mut self.driver {
+            Driver::Cleaning(cleaning) if cleaning.is_worth_noting() => cleaning.save(map, &mut memory),
+            _ => return None,
+        }
+        Some(memory)
+    }
+
+    /// A job about to clean goes on with the floor that was saved, if that was in the kept map of this number.
     ///
     /// # Errors
-    /// The bytes are not those of a saved floor job: all of the floor is left.
-    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), FloorRecordError> {
+    /// The memory has no floor job in that map: all of the floor is left.
+    pub fn restore(&mut self, map: u32, memory: &impl LastingMemory) -> Result<(), FloorRecordError> {
         match &mut self.driver {
             Driver::Pilot(_) => Ok(()),
-            Driver::Cleaning(cleaning) => cleaning.restore(bytes),
+            Driver::Cleaning(cleaning) => cleaning.restore(map, memory),
         }
     }
 

@@ -29,7 +29,9 @@ pub use floor::{
 pub use h_bridge::{HBridge, HBridgeError, MotorPair};
 pub use job::{AreaCorner, Job, MapWall, Whereabouts};
 pub use pilot::{Activity, Pilot, PilotConfig, Senses};
-pub use traits::{DriveMotors, Duty, MetricSensor, RangeSensorBank, WheelCounter, WheelEncoders, WheelSpeeds};
+pub use traits::{
+    DriveMotors, Duty, LastingMemory, MetricSensor, RangeSensorBank, WheelCounter, WheelEncoders, WheelSpeeds,
+};
 pub use wheel_control::{WheelControl, WheelControlConfig};
 
 /// The examples of the README, compiled and run.

@@ -93,6 +93,26 @@ impl WheelSpeeds {
     }
 }
 
+/// A memory that lasts over a reset, as backup RAM does. It may be written as often as one likes.
+pub trait LastingMemory {
+    /// The byte at this place; 0 where there is none.
+    fn read(&self, place: usize) -> u8;
+    /// Writes a byte at this place, if there is one.
+    fn write(&mut self, place: usize, byte: u8);
+}
+
+impl<const N: usize> LastingMemory for [u8; N] {
+    fn read(&self, place: usize) -> u8 {
+        self.get(place).copied().unwrap_or(0)
+    }
+
+    fn write(&mut self, place: usize, byte: u8) {
+        if let Some(cell) = self.get_mut(place) {
+            *cell = byte;
+        }
+    }
+}
+
 /// One wheel's 16-bit hardware counter, unwrapped to 32 bits.
 ///
 /// Right as long as less than half a turn of the counter (32768 ticks) passes between two readings.

@@ -8,7 +8,7 @@ use core::cell::Cell;
 use core::sync::atomic::Ordering;
 use embassy_time::Instant;
 use robot::rig::BuiltIn;
-use robot::{Condition, DriveMotors, Duty, FloorState, PowerSupply, Senses, WheelControl, WheelSpeeds};
+use robot::{Condition, DriveMotors, Duty, FloorState, LastingMemory, PowerSupply, Senses, WheelControl, WheelSpeeds};
 use wire::{Command, Frame};
 
 /// Longest time that a [`Command::Spin`] turns the wheels, in control periods: half a second.
@@ -38,6 +38,9 @@ struct Decision {
 /// Drives the wheels at the odometry's beat, by what the job decided last, once told to start or to clean. Without senses the
 /// wheels stop.
 ///
+/// What is to be known of the floor after a reset goes into the memory; the first [`Command::Clean`] that is not for all of the floor goes
+/// on with what is there.
+///
 /// A motor that is driven hard while its wheel stands is not driven forward for half a second, and the robot backs off.
 pub async fn drive(
     job: &mut Job,
@@ -45,6 +48,7 @@ pub async fn drive(
     mut control: WheelControl,
     motors: &mut impl DriveMotors,
     supply: &mut impl PowerSupply,
+    memory: &mut impl LastingMemory,
     shared: &Shared,
 ) -> ! {
     let mut stalls = control.stall_watch();
@@ -53,9 +57,11 @@ pub async fn drive(
     let mut decision: Option<Decision> = None;
     let mut last_us = None;
     let mut decided = 0_u32;
+    let mut goes_on = false;
     loop {
         let odometry = shared.odometry.wait().await;
         while let Ok(command) = shared.commands.try_receive() {
+            goes_on |= command == Command::Clean { anew: false } && job.floor().is_none();
             mode = obey(command, mode, job, robot);
         }
         let period_s = period_s(last_us.replace(odometry.time_us), &odometry);
@@ -63,7 +69,11 @@ pub async fn drive(
         if let Some(Told { senses, whereabouts }) = shared.told.try_take() {
             let (battery_v, is_charging) = (supply.battery_v(), supply.is_charging());
             let condition = Condition { battery_v, is_charging, is_stalled, ..senses.condition };
+            if core::mem::take(&mut goes_on) {
+                go_on(job, whereabouts.kept, memory);
+            }
             let speeds = job.step(&Senses { condition, ..senses }, &whereabouts);
+            job.note(whereabouts.kept, memory);
             decision = Some(Decision { time_us: senses.time_us, speeds });
             decided = decided.wrapping_add(1);
             tell_floor(job, decided, shared);
@@ -113,6 +123,14 @@ fn obey(command: Command, mode: Mode, job: &mut Job, robot: BuiltIn) -> Mode {
             Mode::Spinning { duty: Duty { left, right }, periods: SPIN_PERIODS }
         }
         Command::Spin { .. } | Command::ResetMap => mode,
+    }
+}
+
+/// Goes on with the floor that was left before the reset, if there was some in this kept map.
+fn go_on(job: &mut Job, kept: Option<u32>, memory: &impl LastingMemory) {
+    if let Some(map) = kept {
+        // Where there is none in this map, all of the floor is left.
+        let _ = job.restore(map, memory);
     }
 }
 

@@ -118,6 +118,7 @@ fn whereabouts<F: MapFlash>(
     wall: Option<&(WallView, [u8; 2])>,
 ) -> Whereabouts {
     Whereabouts {
+        kept: keeper.kept(),
         world: keeper.world(),
         is_located: keeper.is_located(),
         grid_rad: slam.alpha().map(|(alpha_rad, _)| alpha_rad),

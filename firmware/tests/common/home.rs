@@ -14,7 +14,7 @@ use firmware::{Job, Keeper, LookBacks, SENSORS, Shared};
 use hal_sim::{Board, Plan, Pose2, SimOptions, Simulation, plan_file};
 use look_back::RobotBackEnd;
 use robot::rig::BuiltIn;
-use robot::{ContactPins, PowerSupply, RangeSensorBank, WheelControl, WheelControlConfig};
+use robot::{ContactPins, FLOOR_RECORD_BYTES, PowerSupply, RangeSensorBank, WheelControl, WheelControlConfig};
 use slam_core::{Config, RobotSlam};
 use std::collections::VecDeque;
 use wire::{Command, Decoder, Estimate, Frame, encode};
@@ -136,6 +136,8 @@ pub struct Home {
     pub look_backs: LookBacks,
     /// The flash that the map is kept in.
     pub flash: RefCell<Nor>,
+    /// Its backup RAM.
+    pub backup: RefCell<[u8; FLOOR_RECORD_BYTES]>,
     /// The motor driver's enable input, which the simulated board does not have.
     pub enabled: Cell<bool>,
     /// How often the watchdog was fed.
@@ -158,6 +160,7 @@ impl Home {
             shared: Shared::new(),
             look_backs: LookBacks::new(),
             flash: RefCell::new(Nor::new()),
+            backup: RefCell::new([0; FLOOR_RECORD_BYTES]),
             enabled: Cell::new(false),
             fed: Cell::new(0),
             up: RefCell::default(),
@@ -172,6 +175,7 @@ impl Home {
         self.look_backs.give_back(Box::leak(Box::new(RobotBackEnd::IDLE)));
         let mut slam = RobotSlam::with_config(robot.rig(), config).unwrap();
         let mut flash = self.flash.borrow_mut();
+        let mut backup = self.backup.borrow_mut();
         let mut keeper = Keeper::start(&mut *flash, &robot.rig());
         let mut job = Job::IDLE;
         job.begin(&robot.rig());
@@ -191,7 +195,7 @@ impl Home {
             sensing,
             join(
                 tasks::estimate(&mut slam, &mut keeper, config, shared, &self.look_backs),
-                tasks::drive(&mut job, robot, control, &mut motors, &mut supply, shared),
+                tasks::drive(&mut job, robot, control, &mut motors, &mut supply, &mut *backup, shared),
             ),
             tasks::look_back(&self.look_backs),
             join4(
@@ -206,10 +210,11 @@ impl Home {
 
     /// The same home, robot and flash after the power was off.
     pub fn restarted(self) -> Self {
-        let Self { board, flash, .. } = self;
+        let Self { board, flash, backup, .. } = self;
         Self {
             board,
             flash,
+            backup,
             shared: Shared::new(),
             look_backs: LookBacks::new(),
             enabled: Cell::new(false),

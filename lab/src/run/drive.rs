@@ -2,8 +2,9 @@
 
 use hal_sim::floor::{FloorRaster, Moment};
 use hal_sim::{ClosedLoop, Estimate, Plan, SimError, SimOptions, Simulation};
-use robot::{Activity, Bounds, FloorConfig, PilotConfig};
+use robot::{Activity, Bounds, FLOOR_RECORD_BYTES, FloorConfig, FloorRecordError, PilotConfig};
 
+use super::map_file::MapId;
 use super::session::Session;
 use crate::evaluate::score;
 use crate::evaluate::score::map::{LONG_M, PASSED_M, PassedWall};
@@ -159,6 +160,21 @@ impl Drive {
             Job::Explore => ClosedLoop::new(simulation, &robot.rig, PilotConfig::default()),
         };
         self.stuck = None;
+    }
+
+    /// What is to be known of the floor after a reset, in this kept map; none where there is nothing left to do, or it does not go by
+    /// that map.
+    pub fn job_in(&mut self, map: MapId) -> Option<[u8; FLOOR_RECORD_BYTES]> {
+        self.robot.job.saved(map.0)
+    }
+
+    /// A drive about to begin in this kept map goes on with the floor that was left.
+    ///
+    /// # Errors
+    /// What is wrong with the bytes: all of the floor is left.
+    pub fn go_on_with(&mut self, map: MapId, bytes: &[u8]) -> Result<(), FloorRecordError> {
+        let memory: [u8; FLOOR_RECORD_BYTES] = bytes.try_into().map_err(|_| FloorRecordError::Nothing)?;
+        self.robot.job.restore(map.0, &memory)
     }
 
     /// Holds what is estimated from now on against this plan, which the robot's home was rebuilt by.

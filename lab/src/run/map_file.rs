@@ -17,6 +17,17 @@ const SLOTS: u32 = 2;
 /// What erased cells hold.
 const ERASED: u8 = 0xFF;
 
+/// What tells a kept map from every other one: its check sum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MapId(pub(super) u32);
+
+impl MapId {
+    /// Of a whole record; none of anything else.
+    pub fn of(map: &[u8]) -> Option<Self> {
+        Record::whole(map).ok().map(|record| Self(record.check_sum()))
+    }
+}
+
 /// The newest whole record of a file.
 ///
 /// # Errors

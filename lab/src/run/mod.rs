@@ -9,9 +9,12 @@ mod replay;
 mod session;
 mod simulate;
 
+use robot::FloorRecordError;
+
 pub use crate::recording::Job;
 pub use drive::Drive;
 pub use life::{Place, Searched};
+pub use map_file::MapId;
 pub use relative::{RelativeReplay, RelativeSession, covariance_of, look_back, to_record, views};
 pub use replay::{Replay, Replayed};
 pub use session::{Session, begun, parameter_name};
@@ -24,6 +27,8 @@ pub enum Progress {
     Driven(f64),
     /// Rows of the log that are done.
     Rows(usize),
+    /// There is a floor job beside the kept map, which the drive does not go on with.
+    Dropped(FloorRecordError),
     /// The rows are done; rounds in which path and map were placed once more.
     LookingBack(usize),
 }

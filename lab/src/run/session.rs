@@ -9,7 +9,7 @@ use robot::{Bounds, MapWall, Whereabouts};
 use slam_core::{Config, DriveModel, HostSlam, Outcome, Parameter, RigError, Sample, StepReport, Unfit};
 
 use super::life::{Life, Place, Searched};
-use super::map_file;
+use super::map_file::{self, MapId};
 use crate::evaluate::score::{nis, path};
 use crate::evaluate::statistics;
 use crate::input::log::Row;
@@ -83,6 +83,7 @@ impl Session {
             Some(MapWall::of(&slam.walls().nth(index)?, u8::try_from(index).ok()?, u8::try_from(count).ok()?))
         });
         Whereabouts {
+            kept: None,
             world: self.life.world(),
             is_located: self.life.is_located(),
             grid_rad: slam.alpha().map(|(alpha_rad, _)| alpha_rad),
@@ -280,38 +281,46 @@ fn now() -> Option<Instant> {
     (!cfg!(target_family = "wasm")).then(Instant::now)
 }
 
-/// Begins in the kept map of a file, if there is one.
+/// Begins in the kept map of a file, if there is one: which one it is.
 ///
 /// # Errors
 /// The file cannot be read, or is no map of this robot.
-pub(super) fn begin_in(session: &mut Session, map: Option<&Path>) -> Result<(), FileError> {
-    let Some(file) = map else { return Ok(()) };
-    session.begin_in(map_file::read(file)?).map_err(|what| FileError::new(file, what))
+pub(super) fn begin_in(session: &mut Session, map: Option<&Path>) -> Result<Option<MapId>, FileError> {
+    let Some(file) = map else { return Ok(None) };
+    let map = map_file::read(file)?;
+    let id = MapId::of(&map);
+    session.begin_in(map).map_err(|what| FileError::new(file, what))?;
+    Ok(id)
 }
 
-/// Of the files that a run writes those that it begins anew: the map in which it began is kept beside the new one, for a run that does
-/// not end has none.
+/// Of the files that a run writes those that it begins anew: the map in which it began, and the job in that, are kept beside the new
+/// ones, for a run that does not end has none.
 pub(super) fn renewed<'n>(names: &[&'n str], out: &Path, map: Option<&Path>) -> Vec<&'n str> {
     let whole = |path: &Path| path.canonicalize().ok();
     let is_kept = |name: &str| {
-        name == MAP && map.is_some_and(|map| whole(map).is_some_and(|map| whole(&out.join(name)) == Some(map)))
+        [MAP, JOB].contains(&name)
+            && map.is_some_and(|map| whole(map).is_some_and(|map| whole(&out.join(MAP)) == Some(map)))
     };
     names.iter().copied().filter(|name| !is_kept(name)).collect()
 }
 
-/// Saves `map.bin`, if there is a map.
+/// Saves `map.bin`, if there is a map: which one it is.
 ///
 /// # Errors
 /// What the system says.
-pub(super) fn keep(folder: &Folder, session: &Session) -> Result<(), FileError> {
-    let Some(map) = session.map() else { return Ok(()) };
-    let Ok(record) = Record::whole(&map) else { return Ok(()) };
+pub(super) fn keep(folder: &Folder, session: &Session) -> Result<Option<MapId>, FileError> {
+    let Some(map) = session.map() else { return Ok(None) };
+    let Ok(record) = Record::whole(&map) else { return Ok(None) };
     let map = map.get(..4 * record.words()).unwrap_or_default();
-    map_file::save(&folder.file(MAP), map, rig_hash(session.slam.rig()))
+    let file = folder.file(MAP);
+    map_file::save(&file, map, rig_hash(session.slam.rig()))?;
+    Ok(MapId::of(&map_file::read(&file)?))
 }
 
 /// The file of the kept map.
 const MAP: &str = "map.bin";
+/// The file of a floor job that is not over, in the kept map beside it.
+pub(super) const JOB: &str = "job.bin";
 
 /// Why a kept map cannot be gone on with.
 fn unsuitable(unfit: Unfit) -> &'static str {

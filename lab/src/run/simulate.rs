@@ -1,14 +1,18 @@
 //! `lab run`: a simulated robot maps a simulated home.
 
+use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use hal_sim::{Pose2, SimError, SimOptions};
+use robot::FloorRecordError;
 use serde_json::json;
 use slam_core::Config;
 
 use super::Progress;
 use super::drive::Drive;
-use super::session::{Session, begin_in, keep, renewed};
+use super::map_file::MapId;
+use super::session::{JOB, Session, begin_in, keep, renewed};
 use crate::evaluate::smoother;
 use crate::input::rig_file::rig_error;
 use crate::input::settings::Settings;
@@ -71,8 +75,11 @@ impl Run {
         let config = self.settings.config(&robot.rig);
         let mut session =
             Session::new(&robot, config, plan.name.clone()).map_err(|error| rig_error(&rig_name, &error))?;
-        begin_in(&mut session, self.map.as_deref())?;
-        let names: Vec<&str> = NAMES.iter().copied().chain(["log.csv", "rig.toml"]).collect();
+        let begun_in = begin_in(&mut session, self.map.as_deref())?;
+        if let Some(why) = self.go_on(&mut drive, begun_in)? {
+            progress(Progress::Dropped(why));
+        }
+        let names: Vec<&str> = NAMES.iter().copied().chain(["log.csv", "rig.toml", JOB]).collect();
         let mut folder = Folder::prepare(&self.out, &renewed(&names, &self.out, self.map.as_deref()))?;
         folder.write("rig.toml", &rig_toml)?;
         let mut streams = Streams::create(&folder)?;
@@ -86,7 +93,11 @@ impl Run {
         })?;
         log.close()?;
         streams.close()?;
-        keep(&folder, &session)?;
+        let kept = keep(&folder, &session)?;
+        match kept.and_then(|map| drive.job_in(map)) {
+            Some(job) => folder.write(JOB, job)?,
+            None => folder.remove(JOB)?,
+        }
         let mut recording = drive.finish(session);
         recording.seed = Some(self.seed);
         let looking_back =
@@ -94,6 +105,17 @@ impl Run {
         let origin = Origin { error: recording.fault(), ..self.origin(rig_toml, config) };
         output::finish(&mut folder, &recording, looking_back.as_ref(), &origin)?;
         Ok(recording)
+    }
+
+    /// Goes on with the floor job beside the kept map, if there is one; why not.
+    fn go_on(&self, drive: &mut Drive, map: Option<MapId>) -> Result<Option<FloorRecordError>, FileError> {
+        let (Job::Clean, Some(file), Some(id)) = (self.job, &self.map, map) else { return Ok(None) };
+        let file = file.with_file_name(JOB);
+        match fs::read(&file) {
+            Ok(bytes) => Ok(drive.go_on_with(id, &bytes).err()),
+            Err(cause) if cause.kind() == ErrorKind::NotFound => Ok(None),
+            Err(cause) => Err(FileError::system(&file, "read", &cause)),
+        }
     }
 
     /// What cannot be simulated, as an error in the file that is at fault.

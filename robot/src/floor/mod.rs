@@ -41,6 +41,7 @@ use near::Near;
 use phase::Phase;
 use progress::Tally;
 pub use progress::{FloorProgress, FloorState};
+pub(crate) use record::Notes;
 pub use record::{FLOOR_RECORD_BYTES, FloorRecordError};
 use sheet::{Axis, QUARTER_M, Sheet};
 use traction::Traction;
@@ -124,6 +125,8 @@ pub struct FloorJob<const S: usize> {
     is_elsewhere: bool,
     /// Where a kept map lets floor be presumed.
     known: Option<Known>,
+    /// What was written down of it for after a reset is of these cells.
+    is_noted: bool,
 }
 
 impl<const S: usize> FloorJob<S> {
@@ -169,6 +172,7 @@ impl<const S: usize> FloorJob<S> {
         marked: 0,
         is_elsewhere: false,
         known: None,
+        is_noted: false,
     };
 
     /// A job about to begin where the robot is: that is home.
@@ -199,6 +203,7 @@ impl<const S: usize> FloorJob<S> {
             self.near.turn(turned_rad);
             self.last = None;
             self.route.clear();
+            self.is_noted = false;
         }
     }
 
@@ -272,6 +277,7 @@ impl<const S: usize> FloorJob<S> {
     /// Takes in what the sensors show.
     fn look(&mut self, senses: &Senses<S>, pose: &Pose) {
         if self.sheet.keep_around(pose) {
+            self.is_noted = false;
             self.route.clear();
             if let Phase::Transit { aim, .. } | Phase::Trace { aim, .. } | Phase::Plan { aim, .. } = self.phase {
                 let aim = if let Aim::Place(_) = aim { self.aim_home() } else { aim };

@@ -1,5 +1,15 @@
-//! The floor job as bytes, for a memory that lasts over a reset: what was swept and what stands where, where home is, and what the
-//! job is about. What it was at is not kept: it looks for the nearest floor from where it is.
+//! The floor job in a memory that lasts over a reset: what was swept and what stands where, where home is, and what the job is
+//! about. What it was at is not kept: it looks for the nearest floor from where it is.
+//!
+//! It is written piece by piece, so that a step writes little, and whatever is cut off in the middle leaves a job that was:
+//!
+//! ```text
+//! two heads      the whole one with the higher number counts
+//! rows           of the picture, two cells a byte, each with a serial: that of its head, or it counts for nothing
+//! ```
+//!
+//! Where cells come to mean another place (another job, other axes, the picture moves), the serial changes; within one serial a cell only
+//! comes to be known and swept, so that a row of old cells and new ones is right, too. A head follows its rows.
 
 use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 use slam_core::Pose;
@@ -10,26 +20,27 @@ use super::sheet::Sheet;
 use super::swept::CELLS;
 use super::{FloorJob, FloorState, Phase};
 use crate::pilot::memory::Cell;
+use crate::traits::LastingMemory;
 
-/// What the bytes begin with; the last one is the format's version.
-const MAGIC: [u8; 4] = *b"FLJ\x02";
-const HEAD: usize = 44;
+/// What a head begins with; the last one is the format's version.
+const MAGIC: [u8; 4] = *b"FLJ\x03";
 const STATES: usize = FloorState::ALL.len();
+const HEAD: usize = 56 + 2 * STATES + 4;
+const SERIAL: usize = 2;
+const ROW: usize = SERIAL + CELLS / 2;
 const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 
-/// Length of a saved floor job, bytes.
-pub const FLOOR_RECORD_BYTES: usize = HEAD + 2 * STATES + CELLS * CELLS / 2 + 4;
+/// Bytes of a memory that a floor job is saved in.
+pub const FLOOR_RECORD_BYTES: usize = 2 * HEAD + CELLS * ROW;
 
-/// Why bytes are no floor job.
+/// Why a memory has no floor job to go on with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum FloorRecordError {
-    /// Fewer or more bytes than [`FLOOR_RECORD_BYTES`].
-    Length,
-    /// Something else, or of another version.
-    Magic,
-    /// The check sum says that bytes changed.
-    Sum,
+    /// It has none, one of another version, or a damaged one.
+    Nothing,
+    /// It is the job in another kept map.
+    OtherMap,
     /// A value that cannot be.
     Value,
 }
@@ -37,9 +48,8 @@ pub enum FloorRecordError {
 impl core::fmt::Display for FloorRecordError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
-            Self::Length => "a saved floor job has another length",
-            Self::Magic => "this is no saved floor job of this version",
-            Self::Sum => "the saved floor job is damaged: its check sum is another",
+            Self::Nothing => "there is no whole saved floor job of this version",
+            Self::OtherMap => "the saved floor job is of another kept map",
             Self::Value => "the saved floor job has a value that cannot be",
         })
     }
@@ -81,50 +91,156 @@ impl Sheet {
     }
 }
 
-/// The cells of the picture in pairs, row by row.
-fn pairs() -> impl Iterator<Item = [Cell; 2]> {
-    (0..CELLS as i16)
-        .flat_map(|row| (0..CELLS as i16 / 2).map(move |col| [0, 1].map(|second| Cell { col: 2 * col + second, row })))
+/// The cells of a row of the picture in pairs.
+fn pairs(row: i16) -> impl Iterator<Item = [Cell; 2]> {
+    (0..CELLS as i16 / 2).map(move |col| [0, 1].map(|second| Cell { col: 2 * col + second, row }))
+}
+
+/// Where a row is in the memory.
+fn row_at(row: i16) -> usize {
+    2 * HEAD + row as usize * ROW
+}
+
+/// Where the head of this number is.
+fn head_at(number: u32) -> usize {
+    HEAD * (number % 2) as usize
+}
+
+/// How far a memory is written.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Notes {
+    /// Number and serial of the last head; none before the memory was looked at.
+    last: Option<(u32, u16)>,
+    /// There is a whole head.
+    is_there: bool,
+    /// The row that comes next.
+    row: i16,
+}
+
+impl Notes {
+    /// Of a memory not looked at yet.
+    pub(crate) const NEW: Self = Self { last: None, is_there: false, row: 0 };
+
+    /// Number and serial of the last head. A memory that has none may hold anything: rows begin with no serial.
+    fn open(&mut self, memory: &mut impl LastingMemory) -> (u32, u16) {
+        *self.last.get_or_insert_with(|| {
+            let found = newest(memory);
+            self.is_there = found.is_some();
+            if found.is_none() {
+                (0..CELLS as i16).for_each(|row| put(memory, row_at(row), [0; SERIAL]));
+            }
+            found.map_or((0, 0), |head| (head.number, head.serial))
+        })
+    }
+
+    /// There is no job to go on with.
+    pub(crate) fn wipe(&mut self, memory: &mut impl LastingMemory) {
+        self.open(memory);
+        if core::mem::take(&mut self.is_there) {
+            [0, 1].into_iter().for_each(|number| put(memory, head_at(number), [0; MAGIC.len()]));
+        }
+    }
+}
+
+fn put(memory: &mut impl LastingMemory, at: usize, bytes: impl IntoIterator<Item = u8>) {
+    bytes.into_iter().zip(at..).for_each(|(byte, place)| memory.write(place, byte));
+}
+
+fn serial_of(memory: &impl LastingMemory, row: i16) -> u16 {
+    u16::from_le_bytes([0, 1].map(|place| memory.read(row_at(row) + place)))
+}
+
+/// A whole head.
+struct Head {
+    number: u32,
+    serial: u16,
+    /// Where what follows its number and serial begins.
+    at: usize,
+}
+
+/// The newest whole head.
+fn newest(memory: &impl LastingMemory) -> Option<Head> {
+    let head = |half: u32| {
+        let at = head_at(half);
+        let mut sum = CRC.digest();
+        (0..HEAD - 4).for_each(|place| sum.update(&[memory.read(at + place)]));
+        let word = |place: usize| [0, 1, 2, 3].map(|byte| memory.read(at + place + byte));
+        let is_whole = word(0) == MAGIC && u32::from_le_bytes(word(HEAD - 4)) == sum.finalize();
+        let [low, high, ..] = word(8);
+        let head = Head { number: u32::from_le_bytes(word(4)), serial: u16::from_le_bytes([low, high]), at: at + 12 };
+        is_whole.then_some(head)
+    };
+    [head(0), head(1)].into_iter().flatten().max_by_key(|head| head.number)
 }
 
 impl<const S: usize> FloorJob<S> {
-    /// Writes down what is to be known after a reset.
-    pub fn save(&self, into: &mut [u8; FLOOR_RECORD_BYTES]) {
+    /// Writes a piece of what is to be known after a reset, in the kept map of this number; true where that was the last one.
+    pub(crate) fn note(&mut self, map: u32, notes: &mut Notes, memory: &mut impl LastingMemory) -> bool {
+        let (number, serial) = notes.open(memory);
+        if !core::mem::replace(&mut self.is_noted, true) {
+            (notes.last, notes.row) = (Some((number, serial.wrapping_add(1).max(1))), 0);
+            return false;
+        }
+        if usize::try_from(notes.row).is_ok_and(|row| row < CELLS) {
+            self.note_row(notes.row, serial, memory);
+            notes.row += 1;
+            return false;
+        }
+        self.note_head(map, number.wrapping_add(1), serial, memory);
+        *notes = Notes { last: Some((number.wrapping_add(1), serial)), is_there: true, row: 0 };
+        true
+    }
+
+    /// Writes all of it into a memory of its own.
+    pub(crate) fn save(&mut self, map: u32, memory: &mut impl LastingMemory) {
+        let mut notes = Notes::NEW;
+        self.is_noted = false;
+        while !self.note(map, &mut notes, memory) {}
+        // What else is written down of it begins anew.
+        self.is_noted = false;
+    }
+
+    fn note_row(&self, row: i16, serial: u16, memory: &mut impl LastingMemory) {
+        let is_other = serial_of(memory, row) != serial;
+        if is_other {
+            put(memory, row_at(row), [0; SERIAL]);
+        }
+        let cells = pairs(row).map(|[first, second]| self.sheet.code(first) | self.sheet.code(second) << 4);
+        put(memory, row_at(row) + SERIAL, cells);
+        if is_other {
+            put(memory, row_at(row), serial.to_le_bytes());
+        }
+    }
+
+    fn note_head(&self, map: u32, number: u32, serial: u16, memory: &mut impl LastingMemory) {
         let errand = match self.errand {
             Errand::Sweep => 0,
             Errand::Recharge => 1,
             Errand::Finish => 2,
         };
+        let errand = [errand, u8::from(self.has_dock), self.retries, 0];
+        let [low, high] = serial.to_le_bytes();
         let origin = Some(self.frame.origin()).filter(|_| self.frame.is_aligned());
-        let [col, row] = self.sheet.picture.corner();
         let poses = [origin, self.home].into_iter().flat_map(pose_words);
-        let head = [MAGIC, [errand, u8::from(self.has_dock), self.retries, 0]].into_iter().chain(poses);
-        let head = head.chain([col.to_le_bytes(), row.to_le_bytes(), self.tally.swept().to_le_bytes()]);
-        let seconds = self.progress().seconds_in.into_iter().flat_map(u16::to_le_bytes);
-        let cells = pairs().map(|[first, second]| self.sheet.code(first) | self.sheet.code(second) << 4);
+        let [col, row] = self.sheet.picture.corner().map(i32::to_le_bytes);
+        let words = [MAGIC, number.to_le_bytes(), [low, high, 0, 0], map.to_le_bytes(), errand].into_iter();
+        let words = words.chain(poses).chain([col, row, self.tally.swept().to_le_bytes()]).flatten();
         let mut sum = CRC.digest();
-        let mut places = into.iter_mut();
-        for (byte, place) in head.flatten().chain(seconds).chain(cells).zip(places.by_ref()) {
-            *place = byte;
-            sum.update(&[byte]);
-        }
-        places.zip(sum.finalize().to_le_bytes()).for_each(|(place, byte)| *place = byte);
+        let bytes = words.chain(self.progress().seconds_in.into_iter().flat_map(u16::to_le_bytes));
+        put(memory, head_at(number), bytes.inspect(|byte| sum.update(&[*byte])));
+        put(memory, head_at(number) + HEAD - 4, sum.finalize().to_le_bytes());
     }
 
-    /// A job that knows nothing yet becomes the one that was saved, about to go on where the robot is.
+    /// A job that knows nothing yet becomes the one that was saved in the kept map of this number, about to go on where the robot is.
     ///
     /// # Errors
-    /// The bytes are not those of a saved floor job: it still knows nothing.
-    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), FloorRecordError> {
-        let bytes: &[u8; FLOOR_RECORD_BYTES] = bytes.try_into().map_err(|_| FloorRecordError::Length)?;
-        let mut words = bytes.iter().copied();
-        let mut word = || [0_u8; 4].map(|_| words.next().unwrap_or(0));
-        if word() != MAGIC {
-            return Err(FloorRecordError::Magic);
-        }
-        let (body, sum) = bytes.split_last_chunk::<4>().ok_or(FloorRecordError::Length)?;
-        if CRC.checksum(body) != u32::from_le_bytes(*sum) {
-            return Err(FloorRecordError::Sum);
+    /// The memory has no floor job in that map: it still knows nothing.
+    pub(crate) fn restore(&mut self, map: u32, memory: &impl LastingMemory) -> Result<(), FloorRecordError> {
+        let Head { serial, at, .. } = newest(memory).ok_or(FloorRecordError::Nothing)?;
+        let mut bytes = (at..).map(|place| memory.read(place));
+        let mut word = || [0_u8; 4].map(|_| bytes.next().unwrap_or(0));
+        if word() != map.to_le_bytes() {
+            return Err(FloorRecordError::OtherMap);
         }
         let [errand, has_dock, retries, _] = word();
         self.errand = match errand {
@@ -138,15 +254,14 @@ impl<const S: usize> FloorJob<S> {
         (self.has_dock, self.retries) = (has_dock != 0, retries);
         self.sheet.picture.put_corner([(); 2].map(|()| i32::from_le_bytes(word())));
         let swept = u32::from_le_bytes(word());
-        let mut seconds_in = [0; STATES];
-        let mut rest = words;
-        for seconds in &mut seconds_in {
-            *seconds = u16::from_le_bytes([(); 2].map(|()| rest.next().unwrap_or(0)));
-        }
+        let seconds_in = [0_u16; STATES].map(|_| u16::from_le_bytes([(); 2].map(|()| bytes.next().unwrap_or(0))));
         self.tally.take_up(swept, seconds_in);
-        for ([first, second], code) in pairs().zip(rest) {
-            self.sheet.decode(first, code & 0xF);
-            self.sheet.decode(second, code >> 4);
+        for row in (0..CELLS as i16).filter(|row| serial_of(memory, *row) == serial) {
+            for ([first, second], place) in pairs(row).zip(row_at(row) + SERIAL..) {
+                let code = memory.read(place);
+                self.sheet.decode(first, code & 0xF);
+                self.sheet.decode(second, code >> 4);
+            }
         }
         self.phase = Phase::Plan { aim: self.aim(), escape: 5, begun: false };
         Ok(())
@@ -170,16 +285,21 @@ mod tests {
     use super::*;
     use crate::rig::default_rig;
 
-    #[test]
-    fn what_was_swept_and_what_stands_there_is_known_after_a_reset() {
-        let rig = default_rig::<8>();
-        let mut job: FloorJob<8> = FloorJob::new(FloorConfig::default(), &rig);
+    type Memory = [u8; FLOOR_RECORD_BYTES];
+
+    fn blank() -> FloorJob<8> {
+        FloorJob::new(FloorConfig::default(), &default_rig())
+    }
+
+    /// A job that knows something of each cell, and another one by another seed.
+    fn job(seed: u32) -> FloorJob<8> {
+        let mut job = blank();
         job.align(0.2);
         job.go_on_in(&Pose::ORIGIN, &Pose::new(0.3, 0.4, 0.5));
-        job.home = Some(Pose::new(0.5, -0.25, 1.0));
+        job.home = Some(Pose::new(0.5, -0.25, seed as f32));
         job.errand = Errand::Recharge;
-        let mut bits = 1_u32;
-        for cell in pairs().flatten() {
+        let mut bits = seed;
+        for cell in (0..CELLS as i16).flat_map(pairs).flatten() {
             bits = bits.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             match bits >> 30 {
                 0 => {}
@@ -190,34 +310,89 @@ mod tests {
                 }
             }
         }
-        let mut bytes = [0; FLOOR_RECORD_BYTES];
-        job.save(&mut bytes);
-        let mut again: FloorJob<8> = FloorJob::new(FloorConfig::default(), &rig);
-        again.restore(&bytes).unwrap();
-        assert_eq!((again.home, again.errand, again.frame), (job.home, job.errand, job.frame));
-        for cell in pairs().flatten() {
-            assert_eq!(again.sheet.code(cell), job.sheet.code(cell), "{cell:?}");
-            assert_eq!(again.sheet.picture.centre_m(cell), job.sheet.picture.centre_m(cell));
-        }
-        let mut twice = [0; FLOOR_RECORD_BYTES];
-        again.save(&mut twice);
-        assert_eq!(bytes, twice);
+        job
+    }
+
+    fn codes(job: &FloorJob<8>) -> impl Iterator<Item = u8> {
+        (0..CELLS as i16).flat_map(pairs).flatten().map(|cell| job.sheet.code(cell))
+    }
+
+    fn save(job: &mut FloorJob<8>, notes: &mut Notes, memory: &mut impl LastingMemory) {
+        while !job.note(7, notes, memory) {}
     }
 
     #[test]
-    fn damaged_bytes_are_refused_with_the_reason() {
-        let rig = default_rig::<8>();
-        let job: FloorJob<8> = FloorJob::new(FloorConfig::default(), &rig);
-        let mut bytes = [0; FLOOR_RECORD_BYTES];
-        job.save(&mut bytes);
-        let restored = |bytes: &[u8]| job.clone().restore(bytes).err();
-        assert_eq!(restored(&bytes), None);
-        assert_eq!(restored(&bytes[1..]), Some(FloorRecordError::Length));
-        for place in 0..FLOOR_RECORD_BYTES {
-            let mut damaged = bytes;
+    fn what_was_swept_and_what_stands_there_is_known_after_a_reset() {
+        let (mut memory, mut job) = ([0xA5; FLOOR_RECORD_BYTES], job(1));
+        save(&mut job, &mut Notes::default(), &mut memory);
+        let mut again = blank();
+        assert_eq!(again.restore(8, &memory), Err(FloorRecordError::OtherMap));
+        again.restore(7, &memory).unwrap();
+        assert_eq!((again.home, again.errand, again.frame), (job.home, job.errand, job.frame));
+        assert!(codes(&again).eq(codes(&job)));
+        let corner = Cell { col: 3, row: 70 };
+        assert_eq!(again.sheet.picture.centre_m(corner), job.sheet.picture.centre_m(corner));
+        assert_eq!(again.progress().swept_m2, job.progress().swept_m2);
+    }
+
+    #[test]
+    fn a_damaged_head_does_not_count_and_the_one_before_does() {
+        let (mut memory, mut notes, mut job) = ([0; FLOOR_RECORD_BYTES], Notes::NEW, job(1));
+        assert_eq!(blank().restore(7, &memory), Err(FloorRecordError::Nothing));
+        save(&mut job, &mut notes, &mut memory);
+        let first = newest(&memory).unwrap().number;
+        job.home = Some(Pose::new(9.0, 9.0, 0.0));
+        save(&mut job, &mut notes, &mut memory);
+        let at = head_at(newest(&memory).unwrap().number);
+        for place in at..at + HEAD {
+            let mut damaged = memory;
             damaged[place] ^= 0x10;
-            let expected = if place < MAGIC.len() { FloorRecordError::Magic } else { FloorRecordError::Sum };
-            assert_eq!(restored(&damaged), Some(expected), "byte {place}");
+            assert_eq!(newest(&damaged).unwrap().number, first, "byte {place}");
+        }
+        notes.wipe(&mut memory);
+        assert_eq!(blank().restore(7, &memory), Err(FloorRecordError::Nothing));
+    }
+
+    /// A memory whose power fails after so many bytes.
+    struct Failing {
+        memory: Memory,
+        left: usize,
+    }
+
+    impl LastingMemory for Failing {
+        fn read(&self, place: usize) -> u8 {
+            self.memory.read(place)
+        }
+
+        fn write(&mut self, place: usize, byte: u8) {
+            if self.left > 0 {
+                self.left -= 1;
+                self.memory.write(place, byte);
+            }
         }
     }
+
+    #[test]
+    fn a_cut_anywhere_leaves_the_job_before_or_the_new_one_and_never_cells_of_both() {
+        let (mut memory, mut notes, mut old) = ([0; FLOOR_RECORD_BYTES], Notes::NEW, job(1));
+        save(&mut old, &mut notes, &mut memory);
+        let (old_codes, new_codes): (Vec<u8>, Vec<u8>) = (codes(&old).collect(), codes(&job(2)).collect());
+        let mut homes = Vec::new();
+        for left in (0..FLOOR_RECORD_BYTES + 400).step_by(13) {
+            let mut failing = Failing { memory, left };
+            save(&mut job(2), &mut notes.clone(), &mut failing);
+            let mut again = blank();
+            again.restore(7, &failing.memory).unwrap();
+            let is_new = again.home == job(2).home;
+            let whole = if is_new { &new_codes } else { &old_codes };
+            assert!(is_new || again.home == old.home);
+            let mut cells = codes(&again).zip(whole);
+            assert!(cells.all(|(code, whole)| code == *whole || code == UNKNOWN), "cut after {left} bytes");
+            homes.push(is_new);
+        }
+        assert!(!homes[0] && homes[homes.len() - 1] && homes.is_sorted());
+    }
+
+    extern crate std;
+    use std::vec::Vec;
 }

@@ -70,6 +70,22 @@ fn a_robot_without_power_begins_anew_in_its_map() {
 }
 
 #[test]
+fn a_robot_without_power_goes_on_with_the_floor_that_was_left() {
+    let mut simulated = Simulated::new(&Scene { job: Job::Clean, ..scene("l-shape") }).unwrap();
+    simulated.advance(300.0, 100_000);
+    let before = simulated.state()["swept"].clone();
+    simulated.cut_power().unwrap();
+    simulated.advance(1.0, 100);
+    assert_eq!((&simulated.state()["doing"], &simulated.state()["searching"]), (&json!("lost"), &json!(true)));
+    simulated.advance(LONGEST_S, 100_000);
+    let after = simulated.state();
+    assert_eq!((&after["over"], &after["doing"]), (&json!(true), &json!("done")), "{after}");
+    let [swept, twice] = [0, 1].map(|index| after["swept"][index].as_f64().unwrap() - before[index].as_f64().unwrap());
+    assert!(swept > 0.2 && twice < 0.5, "{before} {after}");
+    assert!(after["swept"][0].as_f64().unwrap() > 0.95, "{after}");
+}
+
+#[test]
 fn a_covered_sensor_sees_nothing_and_a_new_wall_is_seen() {
     let mut simulated = Simulated::new(&scene("room")).unwrap();
     (0..8).for_each(|sensor| simulated.cover(sensor, true));

@@ -124,7 +124,7 @@ async fn look_back() -> ! {
 #[embassy_executor::task]
 async fn drive(job: &'static mut Job) -> ! {
     let control = WheelControl::new(WheelControlConfig::default());
-    tasks::drive(job, ROBOT, control, &mut Motors, &mut NoSupply, &SHARED).await
+    tasks::drive(job, ROBOT, control, &mut Motors, &mut NoSupply, &mut [0; 0], &SHARED).await
 }
 
 #[embassy_executor::task]

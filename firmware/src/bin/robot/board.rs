@@ -17,6 +17,7 @@
 //! | PA2, PA3 | serial line out, in, 115200 baud | USART2 |
 //! | PA13, PA14 | debug probe (SWDIO, SWCLK) | |
 
+use crate::backup_ram::BackupRam;
 use crate::small_sectors::SmallSectors;
 use core::convert::Infallible;
 use embassy_stm32::adc::{Adc, AdcChannel, AnyAdcChannel, SampleTime};
@@ -81,6 +82,8 @@ pub struct Board {
     pub receiver: RingBufferedUartRx<'static>,
     /// Where the map is kept.
     pub map_flash: SmallSectors,
+    /// Where the floor that is left is written down.
+    pub backup: BackupRam,
     /// Watchdog, not running yet.
     pub watchdog: IndependentWatchdog<'static, IWDG>,
     /// Whether the watchdog caused this start.
@@ -145,6 +148,7 @@ impl Board {
             transmitter,
             receiver: receiver.into_ring_buffered(RECEIVED.take()),
             map_flash: SmallSectors::new(p.FLASH),
+            backup: BackupRam::new(),
             watchdog: IndependentWatchdog::new(p.IWDG, WATCHDOG_US),
             watchdog_bit: watchdog_bit(),
         }

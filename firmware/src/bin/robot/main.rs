@@ -2,6 +2,7 @@
 #![no_std]
 #![no_main]
 
+mod backup_ram;
 mod board;
 #[path = "../../core_ram.rs"]
 mod core_ram;
@@ -13,6 +14,7 @@ mod small_sectors;
 #[path = "../../stack.rs"]
 mod stack;
 
+use backup_ram::BackupRam;
 use board::{Board, Contacts, Encoders, Motor, SharpSensors, Supply};
 use defmt_rtt as _;
 use embassy_executor::Spawner;
@@ -52,7 +54,7 @@ async fn main(below: Spawner) {
     let once = "each task is spawned once";
     below.spawn(look_back().expect(once));
     let drives = interrupt_level::drive();
-    drives.spawn(drive(job, board.motors, board.supply).expect(once));
+    drives.spawn(drive(job, board.motors, board.supply, board.backup).expect(once));
     drives.spawn(commands(board.receiver).expect(once));
     drives.spawn(supervise(board.watchdog).expect(once));
     let steps = interrupt_level::step();
@@ -100,9 +102,14 @@ async fn look_back() -> ! {
 }
 
 #[embassy_executor::task]
-async fn drive(job: &'static mut Job, mut motors: MotorPair<Motor, Motor>, mut supply: Supply) -> ! {
+async fn drive(
+    job: &'static mut Job,
+    mut motors: MotorPair<Motor, Motor>,
+    mut supply: Supply,
+    mut backup: BackupRam,
+) -> ! {
     let control = WheelControl::new(WheelControlConfig::default());
-    tasks::drive(job, ROBOT, control, &mut motors, &mut supply, &SHARED).await
+    tasks::drive(job, ROBOT, control, &mut motors, &mut supply, &mut backup, &SHARED).await
 }
 
 #[embassy_executor::task]

@@ -1,7 +1,7 @@
 //! The output folder: made where absent, and never a place where a file of somebody else is lost.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::{Seek as _, Write as _};
+use std::io::{ErrorKind, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
@@ -73,6 +73,18 @@ impl Folder {
     pub fn write(&self, name: &str, text: impl AsRef<[u8]>) -> Result<(), FileError> {
         let file = self.file(name);
         fs::write(&file, text.as_ref()).map_err(|cause| FileError::system(&file, "write", &cause))
+    }
+
+    /// Removes a file, if it is there.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn remove(&self, name: &str) -> Result<(), FileError> {
+        let file = self.file(name);
+        match fs::remove_file(&file) {
+            Err(cause) if cause.kind() != ErrorKind::NotFound => Err(FileError::system(&file, "remove", &cause)),
+            _ => Ok(()),
+        }
     }
 
     /// Writes `summary.json`: who wrote it, the figures given, and which files of the folder are this program's.
