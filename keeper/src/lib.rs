@@ -128,8 +128,7 @@ impl<F: MapFlash> Keeper<F> {
 
     /// Check sum of the kept map, which tells it from every other one; none where none is kept.
     pub fn kept(&mut self) -> Option<u32> {
-        let record = Record::whole(slot(self.store.flash(), self.saved?)?).ok()?;
-        Some(record.check_sum())
+        Record::check_sum(slot(self.store.flash(), self.saved?)?)
     }
 
     /// With another number, nothing is any more where it was: another map is kept, or none is and the robot was carried or began

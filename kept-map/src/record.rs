@@ -236,6 +236,12 @@ impl<'a> Record<'a> {
         Ok(Self { bytes, layout })
     }
 
+    /// The check sum of the record that bytes begin with, which tells it from every other one; none where it is not all there.
+    pub fn check_sum(bytes: &[u8]) -> Option<u32> {
+        let layout = layout_of(|place| word(bytes, place)).ok()?;
+        word(bytes, layout.len() - 1)
+    }
+
     /// This record where it was made by a robot with this [`rig_hash`](crate::rig_hash).
     ///
     /// # Errors
@@ -263,11 +269,6 @@ impl<'a> Record<'a> {
     pub fn corners(self) -> impl Iterator<Item = Corner> {
         let Layout { areas: count, .. } = self.layout;
         areas::corners(move |place| (place < count).then(|| self.word(self.layout.areas() + place)))
-    }
-
-    /// Its check sum, which tells it from every other one.
-    pub fn check_sum(&self) -> u32 {
-        self.word(self.words().saturating_sub(1))
     }
 
     fn word(&self, place: usize) -> u32 {

@@ -23,6 +23,16 @@ fn a_record_reads_back_to_the_last_bit() {
 }
 
 #[test]
+fn its_check_sum_tells_a_record_from_every_other_one_wherever_it_lies() {
+    let [first, second] = [Map(4), Map(5)].map(|map| bytes_of(&map));
+    let ends = |bytes: &[u8]| u32::from_le_bytes(*bytes.last_chunk().expect("a check sum"));
+    let in_a_slot = [first.clone(), std::vec![0xFF; 100]].concat();
+    assert_eq!(Record::check_sum(&in_a_slot), Some(ends(&first)));
+    assert_ne!(Record::check_sum(&first), Record::check_sum(&second));
+    assert_eq!(Record::check_sum(&first[..first.len() - 1]), None);
+}
+
+#[test]
 fn what_is_no_record_is_refused_with_the_reason() {
     let good = bytes_of(&Map(4));
     let refused = |bytes: &[u8]| Record::parse(bytes).expect_err("no record");
