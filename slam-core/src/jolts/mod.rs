@@ -40,6 +40,9 @@ const SURE: f32 = 3.0;
 /// For so long, seconds, it is looked for: a robot at walking pace has seen half a metre of other walls by then.
 const TRIAL_S: f32 = 2.0;
 
+/// Beams meet other places of what they met once they moved by so much, metres: a third of how often they come to something else.
+const ELSEWHERE_M: f32 = 0.25;
+
 /// What became of the sensors at a look, a bit each.
 #[derive(Clone, Copy, Debug, Default)]
 struct Look {
@@ -63,6 +66,8 @@ struct Trial {
     best: Displacement,
     /// Log odds of the best of this round's others.
     other: f32,
+    /// Where the robot was, metres, when the best was found likely enough, and how far beams moved since; none until then.
+    found: Option<([f32; 2], f32)>,
 }
 
 /// What speaks for a jolt, and the search for the displacement.
@@ -106,7 +111,7 @@ impl Jolts {
             self.before = core::mem::take(&mut self.now);
         }
         if let Some(trial) = &mut self.trial {
-            trial.for_s += dt_s;
+            trial.wait(dt_s, step, number);
         }
     }
 
@@ -160,11 +165,13 @@ impl Jolts {
             start: 0,
             best: Displacement::start(0),
             other: f32::NEG_INFINITY,
+            found: None,
         };
         (told > WORTH).then_some(trial)
     }
 
-    /// Goes on with the search where there is reason to: one of its starts a step. The displacement, once it is likely enough.
+    /// Goes on with the search where there is reason to: one of its starts a step. The displacement, once it is likely enough, and once
+    /// readings that it was not looked for in say so, too.
     pub fn search(&mut self, scene: &Scene, moment: &Moment) -> Option<Displacement> {
         // A step that updates with readings does not search, and one that searches does so once: each costs what it can.
         let Some(trial) = &mut self.trial else {
@@ -172,6 +179,19 @@ impl Jolts {
             return None;
         };
         let readings = self.recent.since(trial.onset, moment);
+        let is_late = trial.for_s > TRIAL_S;
+        if let Some(([x_m, y_m], moved_m)) = trial.found {
+            let found = trial.best.seen_from([moment.map.x_m - x_m, moment.map.y_m - y_m]);
+            let said = scene.said(&readings, &found);
+            let is_decided = is_late || moved_m > ELSEWHERE_M && said.abs() > SURE;
+            if is_decided {
+                self.trial = None;
+                self.now = Look::default();
+            }
+            // One that stands sees no other places.
+            let is_confirmed = said > 0.0 || moved_m <= ELSEWHERE_M;
+            return (is_decided && is_confirmed).then_some(found);
+        }
         if trial.start < STARTS {
             trial.rank(scene.improve(&readings, &Displacement::start(trial.start)));
             trial.start += 1;
@@ -182,17 +202,31 @@ impl Jolts {
         let other = core::mem::replace(&mut trial.other, f32::NEG_INFINITY);
         trial.start = 0;
         let log_odds = best.log_odds + trial.told - RARE;
-        let is_late = trial.for_s > TRIAL_S;
         let is_sure = log_odds > SURE && best.log_odds > other + SURE;
-        if is_sure || is_late || log_odds < -SURE {
+        if is_sure || is_late && log_odds > 0.0 {
+            // The likeliest of many displacements fits the readings that it was found by in any case.
+            trial.best = best;
+            trial.found = Some(([moment.map.x_m, moment.map.y_m], 0.0));
+            trial.for_s = 0.0;
+        } else if is_late || log_odds < -SURE {
             self.trial = None;
             self.now = Look::default();
         }
-        (is_sure || is_late && log_odds > 0.0).then_some(best)
+        None
     }
 }
 
 impl Trial {
+    /// Time goes on. Once a displacement is found, only readings of other places count.
+    fn wait(&mut self, dt_s: f32, step: &Step, number: u32) {
+        self.for_s += dt_s;
+        let Some((_, moved_m)) = &mut self.found else { return };
+        *moved_m += step.path_m + MIDDLE_M * step.increment.turn_rad.abs();
+        if *moved_m <= ELSEWHERE_M {
+            self.onset = number;
+        }
+    }
+
     /// Keeps the best displacement of this round, and how likely the best of the others is.
     fn rank(&mut self, found: Displacement) {
         let best = self.best;

@@ -69,6 +69,13 @@ impl Displacement {
         Self { by: [0.0, 0.0, turn_rad], covariance: [[0.0; 3]; 3], log_odds: f32::NEG_INFINITY }
     }
 
+    /// The same displacement about a robot that moved on by so much in the map, metres, since.
+    pub fn seen_from(&self, moved_m: [f32; 2]) -> Self {
+        let [x_m, y_m, turn_rad] = self.by;
+        let ((s, c), [x, y]) = (sin_cos(turn_rad), moved_m);
+        Self { by: [x_m + (c - 1.0) * x - s * y, y_m + s * x + (c - 1.0) * y, turn_rad], ..*self }
+    }
+
     /// The beam of a robot that was displaced so.
     fn of(&self, sighting: &Sighting) -> Beam {
         let [x_m, y_m, turn_rad] = self.by;
@@ -132,13 +139,22 @@ impl Scene<'_> {
             }
             found.covariance = covariance;
         }
-        found.log_odds = self.log_odds(&grid, readings, &found);
+        found.log_odds = self.log_odds(readings, &found);
         found
     }
 
     /// Log of the odds of a displacement against none: what the readings say, what is known of jolts, and how small a part of
     /// all jolts it is (Laplace's approximation).
-    fn log_odds(&self, grid: &ManhattanFrame, readings: &[Sighting], found: &Displacement) -> f32 {
+    fn log_odds(&self, readings: &[Sighting], found: &Displacement) -> f32 {
+        let known_of_jolts: f32 = found.by.iter().zip(SIZE).map(|(by, size)| -0.5 * (by / size) * (by / size)).sum();
+        let [a, b, c] = SIZE.map(|size| size * size);
+        let part = 0.5 * libm::logf((determinant(&found.covariance) / (a * b * c)).max(f32::MIN_POSITIVE));
+        self.said(readings, found) + known_of_jolts + part
+    }
+
+    /// Log of the odds of a displacement against none by what the readings say alone.
+    pub fn said(&self, readings: &[Sighting], found: &Displacement) -> f32 {
+        let grid = &ManhattanFrame::of(self.ekf);
         let none = Displacement::start(0);
         let mut surfaces = [Said::default(); SURFACES];
         let mut known = 0;
@@ -157,11 +173,7 @@ impl Scene<'_> {
                 *said = Said { wall, log_odds: said.log_odds + says(&with) - says(&without) };
             }
         }
-        let said: f32 = surfaces.iter().map(|said| said.log_odds.clamp(-SURFACE_SAYS, SURFACE_SAYS)).sum();
-        let known_of_jolts: f32 = found.by.iter().zip(SIZE).map(|(by, size)| -0.5 * (by / size) * (by / size)).sum();
-        let [a, b, c] = SIZE.map(|size| size * size);
-        let part = 0.5 * libm::logf((determinant(&found.covariance) / (a * b * c)).max(f32::MIN_POSITIVE));
-        said + known_of_jolts + part
+        surfaces.iter().map(|said| said.log_odds.clamp(-SURFACE_SAYS, SURFACE_SAYS)).sum()
     }
 
     /// A reading of a robot so displaced, held against the wall that it should have met, with so much more noise.
