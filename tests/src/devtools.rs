@@ -159,12 +159,17 @@ impl Page {
     }
 
     fn problem(&mut self) -> Value {
-        self.run("return document.getElementById('problem')?.textContent ?? document.body.innerText.slice(0, 500);")
+        self.run(
+            "const said = ['problem', 'status'].map((id) => document.getElementById(id)?.textContent);
+             return said[0] === undefined ? document.body.innerText.slice(0, 500) : said.join(' / ');",
+        )
     }
 
-    /// Presses the left button at the first place, moves through the others and lets go at the last, CSS pixels of the window.
-    pub fn drag(&mut self, places: &[[f64; 2]]) {
-        let mut mouse = |kind: &str, [x, y]: [f64; 2], buttons: u32| {
+    /// Moves the pointer to the first of these places of an element, shares of its width and height, presses it there, moves it over the
+    /// others, and lets go at the last. Where the element is is looked up for each of them: a page may move it meanwhile.
+    pub fn drag(&mut self, element: &str, places: &[[f64; 2]]) {
+        let mut mouse = |kind: &str, place: [f64; 2], buttons: u32| {
+            let [x, y] = self.place_on(element, place);
             let event = json!({ "type": kind, "x": x, "y": y, "button": "left", "buttons": buttons, "clickCount": 1 });
             self.call("Input.dispatchMouseEvent", &event);
         };
@@ -173,6 +178,15 @@ impl Page {
         mouse("mousePressed", *first, 1);
         places[1..].iter().for_each(|place| mouse("mouseMoved", *place, 1));
         mouse("mouseReleased", *last, 0);
+    }
+
+    /// Where a place of an element is in the window.
+    fn place_on(&mut self, element: &str, [x, y]: [f64; 2]) -> [f64; 2] {
+        let place = self.run(&format!(
+            "const box = document.getElementById('{element}').getBoundingClientRect();
+             return [box.x + {x} * box.width, box.y + {y} * box.height];"
+        ));
+        [0, 1].map(|axis| place[axis].as_f64().expect("a number"))
     }
 
     /// Gives a file input these files, as if the user had chosen them.

@@ -5,23 +5,6 @@ use tests::devtools::Page;
 
 use crate::{assert_sound, open, picture, scratch};
 
-/// Where a part of the map is in the window, shares of its width and height.
-fn on_map(page: &mut Page, [x, y]: [f64; 2]) -> [f64; 2] {
-    let place = page.run(&format!(
-        "const map = document.getElementById('map');
-         const frame = () => new Promise((done) => requestAnimationFrame(done));
-         let box = map.getBoundingClientRect();
-         for (let still = 0; still < 10; ) {{
-           await frame();
-           const now = map.getBoundingClientRect();
-           still = now.y === box.y && now.height === box.height ? still + 1 : 0;
-           box = now;
-         }}
-         return [box.x + {x} * box.width, box.y + {y} * box.height];"
-    ));
-    [0, 1].map(|axis| place[axis].as_f64().expect("a number"))
-}
-
 #[test]
 #[ignore = "needs the built page: cargo xtask test studio"]
 fn a_home_is_drawn_moved_and_typed_while_the_robot_drives() {
@@ -29,22 +12,19 @@ fn a_home_is_drawn_moved_and_typed_while_the_robot_drives() {
     page.run(
         "document.querySelector(\"[data-tool='wall']\").click(); document.getElementById('map').scrollIntoView();",
     );
-    let places = [[0.5, 0.75], [0.55, 0.75], [0.65, 0.75]].map(|place| on_map(&mut page, place));
     let before = page.run("return document.getElementById('plan-text').value;");
-    page.drag(&places);
+    page.drag("map", &[[0.5, 0.75], [0.55, 0.75], [0.65, 0.75]]);
     let after = page.run("return document.getElementById('plan-text').value;");
     let added = after.as_str().unwrap().strip_prefix(before.as_str().unwrap().trim_end()).unwrap();
     assert!(added.contains("[[wall]]") && added.contains("from_m") && added.contains("to_m"), "{added}");
     picture(&mut page, "draw");
     // The wall is where it was drawn: it can be taken hold of there, moved, and erased.
     page.run("document.querySelector(\"[data-tool='move']\").click();");
-    let places = [[0.55, 0.75], [0.55, 0.7], [0.55, 0.65]].map(|place| on_map(&mut page, place));
-    page.drag(&places);
+    page.drag("map", &[[0.55, 0.75], [0.55, 0.7], [0.55, 0.65]]);
     let moved = page.run("return document.getElementById('plan-text').value;");
     assert!(moved != after && moved.as_str().unwrap().matches("[[wall]]").count() == 1, "{moved}");
     page.run("document.querySelector(\"[data-tool='erase']\").click();");
-    let place = on_map(&mut page, [0.6, 0.65]);
-    page.drag(&[place, place]);
+    page.drag("map", &[[0.6, 0.65]; 2]);
     assert!(!page.run("return document.getElementById('plan-text').value;").as_str().unwrap().contains("[[wall]]"));
     // Typed, with a mistake, and without.
     let apply = |text: &str| {
@@ -148,23 +128,25 @@ fn an_area_to_stay_out_of_is_drawn_and_the_rest_is_swept() {
     page.run(
         "document.querySelector(\"[data-tool='keep_out']\").click(); document.getElementById('map').scrollIntoView();",
     );
+    // The drive waits: nothing on the page moves between the look at it and the pointer.
+    page.until("document.getElementById('play').getAttribute('aria-pressed') === 'true'");
+    page.run("document.getElementById('play').click();");
     let share =
         "return Number(document.getElementById('status').textContent.match(/([0-9.]+) % of the floor/)?.[1] ?? -1);";
-    let corners = [[0.55, 0.3], [0.6, 0.4], [0.68, 0.52]].map(|place| on_map(&mut page, place));
-    page.drag(&corners);
+    page.drag("map", &[[0.55, 0.3], [0.6, 0.4], [0.68, 0.52]]);
     let text = page.run("return document.getElementById('plan-text').value;");
     assert!(text.as_str().unwrap().contains("[[keep_out]]\npoints_m = [["), "{text}");
     assert_eq!(page.run("return document.getElementById('problem').textContent;"), json!(""));
-    page.run("document.querySelector(\"[data-speed='100']\").click();");
+    page.run("document.querySelector(\"[data-speed='100']\").click(); document.getElementById('play').click();");
     page.until("document.getElementById('status').textContent.includes('it is back where it started')");
     picture(&mut page, "keep-out");
     let swept = page.run(share).as_f64().expect("a share");
     assert!(swept > 90.0, "what is out of bounds does not count as floor: {swept} %");
     // It is taken hold of by its edge, which is still where it was drawn, whatever the robot has seen since.
     page.run("document.querySelector(\"[data-tool='erase']\").click();");
-    let edge = on_map(&mut page, [0.6, 0.3]);
-    page.drag(&[edge, edge]);
-    assert!(!page.run("return document.getElementById('plan-text').value;").as_str().unwrap().contains("[[keep_out]]"));
+    page.drag("map", &[[0.6, 0.3]; 2]);
+    let rest = page.run("return document.getElementById('plan-text').value;");
+    assert!(!rest.as_str().unwrap().contains("[[keep_out]]"), "{rest}");
     assert_sound(&mut page, &address);
 }
 
