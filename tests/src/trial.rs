@@ -117,19 +117,22 @@ impl LoadedLog {
 
     /// A drive that begins in a kept map, not knowing where, or without one.
     ///
+    /// # Errors
+    /// Why the robot cannot begin in this map.
+    ///
     /// # Panics
-    /// The trial's robot cannot be, or the map is not its.
-    pub fn drive_in(&self, map: Option<Vec<u8>>, trial: &Trial) -> Driven {
+    /// The trial's robot cannot be.
+    pub fn drive_in(&self, map: Option<Vec<u8>>, trial: &Trial) -> Result<Driven, String> {
         let mut session = Session::new(&trial.robot(&self.robot), trial.config, "").expect("a robot that can be");
         if let Some(map) = map {
-            session.begin_in(map).expect("this robot's map");
+            session.begin_in(map)?;
         }
         for row in &self.rows {
             session.push(row);
         }
         let times_s: Vec<f64> = self.rows.iter().map(|row| row.t_s).collect();
         let truth = self.truth.as_ref().map(|truth| truth::pair(&times_s, truth));
-        Driven { map: session.map(), recording: session.finish(), truth }
+        Ok(Driven { map: session.map(), recording: session.finish(), truth })
     }
 }
 
