@@ -40,7 +40,7 @@ const SURE: f32 = 3.0;
 /// For so long, seconds, it is looked for: a robot at walking pace has seen half a metre of other walls by then.
 const TRIAL_S: f32 = 2.0;
 
-/// Beams meet other places of what they met once they moved by so much, metres: a third of how often they come to something else.
+/// Once beams have moved by so much, metres, they meet other places of a wall than those in which the displacement was looked for.
 const ELSEWHERE_M: f32 = 0.25;
 
 /// What became of the sensors at a look, a bit each.
