@@ -25,6 +25,13 @@ fn floor(home: &Home, tasks: &mut Tasks<'_>, seconds: f64) -> Floor {
     home.heard().iter().rev().find_map(floor).expect("the floor is told")
 }
 
+/// It is told to clean after a reset: what it says of the floor then.
+fn after_reset(home: &Home, tasks: &mut Tasks<'_>) -> Floor {
+    tasks.drive(1.5);
+    home.command(Command::Clean { anew: false });
+    floor(home, tasks, 3.0)
+}
+
 #[test]
 fn what_was_swept_is_known_after_a_reset() {
     let plan = plan_file::load("l-shape").expect("a built-in plan");
@@ -44,9 +51,7 @@ fn what_was_swept_is_known_after_a_reset() {
 
     let home = home.restarted();
     run(&home, |tasks| {
-        tasks.drive(1.5);
-        home.command(Command::Clean { anew: false });
-        let after = floor(&home, tasks, 3.0);
+        let after = after_reset(&home, tasks);
         assert_eq!(after.state(), Some(FloorState::Lost), "it looks for itself");
         let lost_m2 = before.swept_m2 - after.swept_m2;
         assert!((-0.1..1.0).contains(&lost_m2), "but for the last seconds' it knows the floor: {before:?} {after:?}");
@@ -64,9 +69,7 @@ fn what_was_swept_is_known_after_a_reset() {
     // Done is done: the next time it begins anew.
     let home = home.restarted();
     run(&home, |tasks| {
-        tasks.drive(1.5);
-        home.command(Command::Clean { anew: false });
-        let anew = floor(&home, tasks, 3.0);
+        let anew = after_reset(&home, tasks);
         assert!(anew.swept_m2 < 1.0, "{anew:?}");
     });
 }

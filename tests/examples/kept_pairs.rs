@@ -6,10 +6,7 @@ use lab::evaluate::statistics::{max, median};
 use lab::recording::{Pose2, Recording};
 use slam_core::Config;
 use tests::real_logs::{CORRIDOR, CORRIDOR_5, DRONE_8, DRONE_12, FREIBURG, FREIBURG_WHEELS, HALLWAYS, INTEL, RealLog};
-use tests::trial::{Driven, LoadedLog, Trial};
-
-/// Factors of the range noise that the rig file states: changes that should not matter.
-const NOISES: [f32; 9] = [1.0, 0.98, 1.02, 0.96, 1.04, 0.99, 1.01, 0.97, 1.03];
+use tests::trial::{Driven, LoadedLog, NOISES, Trial};
 
 /// A claim that is farther off than this is wrong, metres: half the width of a narrow passage.
 const WRONG_M: f64 = 0.5;

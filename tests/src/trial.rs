@@ -12,6 +12,10 @@ use slam_core::{Config, DriveModel, Increment, Motion, Pose, RangeInput, RangeMo
 
 use crate::real_logs::RealLog;
 
+/// Factors of the range noise that a rig file states. Real logs are chaotic: a change that should not matter can decide which wall a
+/// reading goes to, so that a figure is the median and the worst of these replays.
+pub const NOISES: [f32; 9] = [1.0, 0.98, 1.02, 0.96, 1.04, 0.99, 1.01, 0.97, 1.03];
+
 /// What a replay differs in from the log's own rig file and the estimator's defaults.
 #[derive(Clone, Copy, Debug)]
 pub struct Trial {

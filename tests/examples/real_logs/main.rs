@@ -19,11 +19,7 @@ use lab::input::part::{PARTS, Part};
 use lab::recording::{Figures, Recording};
 use slam_core::Config;
 use tests::real_logs::{CORRIDOR, FREIBURG, HALLWAYS, RealLog};
-use tests::trial::{LoadedLog, Trial};
-
-/// Real logs are chaotic: a change that should not matter can decide which wall a reading goes to. So each row is the
-/// median and the worst of replays whose range noise is off by so much.
-const NOISES: [f32; 9] = [1.0, 0.99, 1.01, 0.98, 1.02, 0.97, 1.03, 0.96, 1.04];
+use tests::trial::{LoadedLog, NOISES, Trial};
 
 /// How the page begins.
 const HEAD: &str = r#"# Real logs

@@ -14,13 +14,10 @@ use lab::run::{RelativeSession, look_back};
 use relatives::{Kind, Setup};
 use slam_core::RangeModel;
 use tests::real_logs::{CORRIDOR, DRONE_8, DRONE_12, FREIBURG, FREIBURG_WHEELS, HALLWAYS, INTEL, RealLog};
-use tests::trial::{LoadedLog, Trial};
+use tests::trial::{LoadedLog, NOISES, Trial};
 
 /// The file of what was found.
 pub const FILE: &str = "logs.csv";
-
-/// Factors of the range noise that the rig file states: changes that should not matter.
-pub const NOISES: [f32; 9] = [1.0, 0.98, 1.02, 0.96, 1.04, 0.99, 1.01, 0.97, 1.03];
 
 /// The logs.
 pub const LOGS: [RealLog; 7] = [FREIBURG, HALLWAYS, CORRIDOR, FREIBURG_WHEELS, INTEL, DRONE_8, DRONE_12];

@@ -21,6 +21,7 @@ use std::path::{Path, PathBuf};
 use monte_carlo::file::Experiment;
 use monte_carlo::runner::{Runner, Shard};
 use monte_carlo::store;
+use tests::trial::NOISES;
 
 /// What is asked for on the command line.
 pub struct Asked {
@@ -35,7 +36,7 @@ impl Asked {
     fn read() -> Result<Self, String> {
         let jobs = std::thread::available_parallelism().map_or(1, usize::from);
         let out = root().join("out/relatives");
-        let mut asked = Self { seeds: 50, replays: logs::NOISES.len(), jobs, only_page: false, out };
+        let mut asked = Self { seeds: 50, replays: NOISES.len(), jobs, only_page: false, out };
         let mut arguments = std::env::args().skip(1);
         while let Some(argument) = arguments.next() {
             if argument == "--page" {
@@ -46,7 +47,7 @@ impl Asked {
             let number = || value.parse::<usize>().ok().filter(|n| *n > 0).ok_or(format!("{argument} needs a number"));
             match argument.as_str() {
                 "--seeds" => asked.seeds = number()? as u64,
-                "--replays" => asked.replays = number()?.min(logs::NOISES.len()),
+                "--replays" => asked.replays = number()?.min(NOISES.len()),
                 "--jobs" => asked.jobs = number()?,
                 "--out" => asked.out = PathBuf::from(value),
                 _ => return Err(format!("{argument} is not known; --seeds, --replays, --jobs, --out and --page are")),

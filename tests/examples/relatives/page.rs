@@ -9,8 +9,9 @@ use monte_carlo::file::Experiment;
 use monte_carlo::row::{Metric, RunRow};
 use monte_carlo::table::{self, Line};
 use relatives::Kind;
+use tests::trial::NOISES;
 
-use crate::logs::{Found, LOGS, NOISES, OURS};
+use crate::logs::{Found, LOGS, OURS};
 use crate::{verdict, words};
 
 /// A run whose aligned path is off by more than this is lost, metres: in another room beside a door.
