@@ -6,6 +6,7 @@ use super::near::free_ahead_m;
 use super::wave::{Aim, Target};
 use super::{FloorJob, Phase};
 use crate::contact::Contacts;
+use crate::pilot::memory::Cell;
 
 /// Backing off takes this long, microseconds.
 const BACK_US: u64 = 300_000;
@@ -135,16 +136,21 @@ impl<const S: usize> FloorJob<S> {
         (0.0, 0.0)
     }
 
-    /// Leaves the target aside, to be tried once more at the end.
+    /// Leaves the target aside, to be tried once more at the end: what is in the way may be gone then.
     pub(super) fn give_up(&mut self) {
-        let Some(target) = self.target.take() else { return };
-        let cell = match target {
+        if let Some(cell) = self.leave() {
+            let _ = self.given_up.push(self.sheet.picture.centre_m(cell));
+        }
+    }
+
+    /// Leaves the target for good; its cell, where there is floor left in it.
+    pub(super) fn leave(&mut self) -> Option<Cell> {
+        let cell = match self.target.take()? {
             Target::Open(cell) | Target::Place(cell) => cell,
             Target::Edge { at, .. } => at,
         };
-        if self.sheet.swept.left_in(cell) > 0 {
-            let _ = self.given_up.push(self.sheet.picture.centre_m(cell));
-            self.sheet.swept.set(cell, true);
-        }
+        let is_left = self.sheet.swept.left_in(cell) > 0;
+        self.sheet.swept.set(cell, true);
+        is_left.then_some(cell)
     }
 }

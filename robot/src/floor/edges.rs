@@ -8,6 +8,8 @@ use crate::pilot::PilotConfig;
 
 /// With nothing beside it for so long a path an edge is lost, metres.
 const LOST_M: f32 = 0.5;
+/// An edge that was come for has its floor where it begins: after a brush's width without any it is done, metres.
+const COME_FOR_M: f32 = 0.25;
 /// Something this near to the robot's centre is gone along, metres.
 const MEET_M: f32 = 0.32;
 
@@ -55,9 +57,9 @@ impl<const S: usize> FloorJob<S> {
         self.begin(Phase::Edge { side }, now_us);
     }
 
-    /// Without new floor for so long a path an edge is done, metres: one that was come for has its floor where it begins.
+    /// Without new floor for so long a path an edge is done, metres.
     pub(super) fn barren_m(&self) -> f32 {
-        if self.target.is_some() { 0.5 * BARREN_M } else { BARREN_M }
+        if self.target.is_some() { COME_FOR_M } else { BARREN_M }
     }
 
     pub(super) fn edge(&mut self, side: f32, pose: &Pose, now_us: u64) -> (f32, f32) {

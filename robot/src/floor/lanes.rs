@@ -9,6 +9,12 @@ use super::{FloorJob, Phase};
 use crate::pilot::memory::Cell;
 use crate::pilot::steer::limited;
 
+/// A lane is begun this near to where it begins, metres: from there the brush still covers the corners of its first quarters.
+const BEGUN_M: f32 = 0.02;
+/// Speed there, m/s, and how it grows with the distance from there, 1/s: within one step it comes no farther than that.
+const ARRIVAL_MPS: f32 = 0.04;
+const ARRIVAL_PER_S: f32 = 3.0;
+
 /// A lane: a straight line along an axis of the job's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Lane {
@@ -36,7 +42,7 @@ impl<const S: usize> FloorJob<S> {
     /// The lane along the border of the floor that is left about a cell, and where it begins: along the axis on which it sweeps more.
     pub(super) fn first_lane(&self, cell: Cell, pose: &Pose) -> Option<(Lane, [f32; 2])> {
         let centre_m = self.sheet.picture.centre_m(cell);
-        let mut best: Option<(u16, Lane, [f32; 2])> = None;
+        let mut best: Option<(i16, Lane, [f32; 2])> = None;
         for axis in [Axis::X, Axis::Y] {
             let [near, row] = self.sheet.place(axis, centre_m);
             let [here, _] = self.sheet.place(axis, [pose.x_m, pose.y_m]);
@@ -51,8 +57,8 @@ impl<const S: usize> FloorJob<S> {
             };
             let Some(stretch) = self.sheet.stretch(axis, across, near, 2) else { continue };
             let is_from_low = (here - stretch.from).abs() <= (here - stretch.to).abs();
-            let (first, sign) = if is_from_low { (stretch.from, 1) } else { (stretch.to, -1) };
-            let at_m = self.sheet.point_m(axis, first, across);
+            let sign = if is_from_low { 1 } else { -1 };
+            let at_m = self.sheet.begin_m(axis, across, &stretch, sign);
             let [_, across_m] = axis.split(at_m);
             let bonus = if axis == self.axis { stretch.count / 4 } else { 0 };
             if best.is_none_or(|(count, ..)| stretch.count + bonus > count) {
@@ -64,14 +70,15 @@ impl<const S: usize> FloorJob<S> {
 
     pub(super) fn enter(&mut self, lane: Lane, at_m: [f32; 2], pose: &Pose, now_us: u64) -> (f32, f32) {
         let [dx, dy] = [at_m[0] - pose.x_m, at_m[1] - pose.y_m];
-        let command = self.towards(at_m, pose, now_us);
-        let is_blocked = command.0 <= 0.01 && command.1.abs() < 0.1;
-        if libm::hypotf(dx, dy) < 0.03 {
+        let left_m = libm::hypotf(dx, dy);
+        let (forward_mps, turn_radps) = self.towards(at_m, pose, now_us);
+        let is_blocked = forward_mps <= 0.01 && turn_radps.abs() < 0.1;
+        if left_m < BEGUN_M {
             self.begin(Phase::Lane(lane), now_us);
         } else if is_blocked {
             self.finish_target(now_us);
         }
-        command
+        (forward_mps.min(ARRIVAL_MPS + ARRIVAL_PER_S * left_m), turn_radps)
     }
 
     pub(super) fn follow_lane(&mut self, lane: Lane, pose: &Pose, now_us: u64) -> (f32, f32) {
@@ -121,7 +128,7 @@ impl<const S: usize> FloorJob<S> {
             }
             let is_from_low = (along - stretch.from).abs() <= (along - stretch.to).abs();
             let (first, sign) = if is_from_low { (stretch.from, 1) } else { (stretch.to, -1) };
-            let at_m = self.sheet.point_m(lane.axis, first, across + shift);
+            let at_m = self.sheet.begin_m(lane.axis, across + shift, &stretch, sign);
             if (along - first).abs() <= 12 && self.sheet.is_open(here_m, at_m) {
                 let [_, across_m] = lane.axis.split(at_m);
                 let lane = Lane { across_m, sign, side: shift.signum(), ..lane };

@@ -16,6 +16,12 @@ const SWEPT_M: f32 = 0.12;
 /// Quarters that a robot comes for: 0.024 m^2, half of the largest piece that may be missed.
 const WORTHWHILE: u32 = 5;
 
+/// A lane that goes on by so many quarters without sweeping any ends.
+const GAP: i16 = 4;
+
+/// Quarters that a lane has to sweep for each that it goes on, of three under the brush: beyond a gap there has to be enough for the gap.
+const PAYS: i16 = 1;
+
 /// The border of what is left is looked for so many rows to each side.
 const BORDER: i16 = 4;
 
@@ -54,7 +60,7 @@ pub(super) struct Stretch {
     pub from: i16,
     pub to: i16,
     /// Quarters to sweep.
-    pub count: u16,
+    pub count: i16,
 }
 
 /// The picture of the home, and which of its floor was swept.
@@ -144,8 +150,8 @@ impl Sheet {
         left(cell) > 0 && around() >= WORTHWHILE
     }
 
-    fn left_in_band(&self, axis: Axis, along: i16, across: i16) -> u16 {
-        (across - 1..=across + 1).map(|across| u16::from(self.is_left(axis.quarter(along, across)))).sum()
+    fn left_in_band(&self, axis: Axis, along: i16, across: i16) -> i16 {
+        (across - 1..=across + 1).map(|across| i16::from(self.is_left(axis.quarter(along, across)))).sum()
     }
 
     /// A place along a lane near this one that has floor left, and between which rows near it there is floor left without a
@@ -175,16 +181,15 @@ impl Sheet {
         let first = (0..=reach).flat_map(|off| [near + off, near - off]).find(is_start)?;
         let mut stretch = Stretch { from: first, to: first, count: self.left_in_band(axis, first, across) };
         for direction in [-1, 1] {
-            let (mut along, mut gap) = (first + direction, 0);
-            while gap < 4 && self.is_way(axis, along, across) {
+            let (mut along, mut gap, mut worth, mut count) = (first + direction, 0, 0, 0);
+            while gap < GAP && self.is_way(axis, along, across) {
                 let left = self.left_in_band(axis, along, across);
-                if left > 0 {
-                    gap = 0;
-                    stretch.count += left;
+                (gap, worth, count) = (gap + 1, worth + left - PAYS, count + left);
+                if left > 0 && worth >= 0 {
+                    stretch.count += count;
                     stretch.from = stretch.from.min(along);
                     stretch.to = stretch.to.max(along);
-                } else {
-                    gap += 1;
+                    (gap, worth, count) = (0, 0, 0);
                 }
                 along += direction;
             }
@@ -192,12 +197,15 @@ impl Sheet {
         Some(stretch)
     }
 
-    /// Whether a lane that has come to this quarter has more to sweep just ahead.
+    /// Whether a lane that has come to this quarter has enough to sweep just ahead.
     pub(super) fn is_more_ahead(&self, axis: Axis, along: i16, across: i16, sign: i16) -> bool {
-        (0..=5)
-            .map(|step| along + sign * step)
-            .take_while(|&along| self.is_way(axis, along, across))
-            .any(|along| self.left_in_band(axis, along, across) > 0)
+        let mut worth = 0;
+        (0..=GAP + 1).take_while(|step| self.is_way(axis, along + sign * step, across)).any(|step| {
+            let left = self.left_in_band(axis, along + sign * step, across);
+            // The first two are under the brush as it is.
+            worth += if step > 1 { left - PAYS } else { left };
+            left > 0 && worth >= 0
+        })
     }
 
     /// Along and across a lane: the quarter at a point (metres).
@@ -207,6 +215,15 @@ impl Sheet {
             Axis::X => [col, row],
             Axis::Y => [row, col],
         }
+    }
+
+    /// Where a lane on a stretch begins that runs in this direction, metres: half a quarter within it, from where the brush covers the
+    /// corners of its first quarters with two centimetres to spare.
+    pub(super) fn begin_m(&self, axis: Axis, across: i16, stretch: &Stretch, sign: i16) -> [f32; 2] {
+        let first = if sign > 0 { stretch.from } else { stretch.to };
+        let second = if stretch.to - stretch.from > 1 { first + sign } else { first };
+        let [first_m, second_m] = [first, second].map(|along| self.point_m(axis, along, across));
+        [0, 1].map(|axis| 0.5 * (first_m[axis] + second_m[axis]))
     }
 
     /// Centre of the quarter at this place along and across a lane, metres.

@@ -53,7 +53,8 @@ impl<const S: usize> FloorJob<S> {
             _ => false,
         };
         if is_left {
-            self.give_up();
+            // It was there, nothing stood in its way, and the brush does not reach it.
+            self.leave();
         }
         self.target = None;
         self.go_about_from(2, now_us);
@@ -184,7 +185,7 @@ impl<const S: usize> FloorJob<S> {
             Target::Open(cell) => match self.first_lane(cell, pose) {
                 Some((lane, at_m)) => self.begin(Phase::Enter { lane, at_m }, now_us),
                 None => {
-                    self.give_up();
+                    self.leave();
                     self.plan(Aim::Floor, now_us);
                 }
             },
