@@ -1,11 +1,11 @@
 //! The diary: what a drive's path and walls are placed from, in bounded memory.
 
 use heapless::Vec;
-use slam_core::angle::{sin_cos, wrap};
+use slam_core::angle::wrap;
 use slam_core::hand_over::MOST_GAINS;
 use slam_core::{Calibration, DriveModel, Increment, Pose};
 
-use crate::frame::relative;
+use crate::frame::{Moving, relative};
 use crate::gains::Gains;
 use crate::group::Group;
 use crate::keyframe::Keyframe;
@@ -41,8 +41,8 @@ pub struct Hit {
     pub from_m: [f32; 2],
     /// Where it ended by what the sensor reported, in the robot's frame, metres.
     pub end_m: [f32; 2],
-    /// 1-sigma of that along the beam, metres.
-    pub sigma_m: f32,
+    /// Variance of that along the beam, m^2.
+    pub variance_m2: f32,
     /// Of so many hits that say the same it is one.
     pub alike: f32,
     /// The sensor.
@@ -85,7 +85,7 @@ pub struct Diary<const K: usize, const G: usize, const W: usize> {
     pub(crate) alpha_rad: Option<f32>,
     pub(crate) odometry: Odometry,
     /// The robot in the last keyframe's frame, by the odometry as it is calibrated at present.
-    robot: Pose,
+    robot: Moving,
     /// The filter's pose at the last keyframe.
     filter: Pose,
     /// Which keyframe of the drive was the last that a look back placed.
@@ -108,7 +108,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         gains: Gains::NONE,
         alpha_rad: None,
         odometry: Odometry::NONE,
-        robot: Pose::ORIGIN,
+        robot: Moving::NONE,
         filter: Pose::ORIGIN,
         placed: 0,
         revision: 0,
@@ -135,7 +135,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         self.gains = gains;
         self.alpha_rad = None;
         self.odometry = Odometry::of(drive);
-        (self.robot, self.filter) = (Pose::ORIGIN, start);
+        (self.robot, self.filter) = (Moving::ORIGIN, start);
         self.placed = 0;
         self.revision = self.revision.wrapping_add(1);
         self.losses = Losses::default();
@@ -161,7 +161,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         let Calibration { distance, turn, veer_rad_per_m } = self.calibration;
         let turned = turn * (moved.turn_rad + veer_rad_per_m * path_m);
         last.motion = last.motion.compose(&Pose::new(moved.forward_m, moved.left_m, moved.turn_rad));
-        self.robot = self.robot.compose(&Pose::new(distance * moved.forward_m, distance * moved.left_m, turned));
+        self.robot.go_on([distance * moved.forward_m, distance * moved.left_m], turned);
         last.path_m += path_m;
         last.turning_rad += moved.turn_rad.abs();
     }
@@ -180,7 +180,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         let pose = last.pose.compose(&relative(&self.filter, filter));
         if self.keyframes.push(Keyframe::at(last.serial.wrapping_add(1), pose)).is_ok() {
             self.filter = *filter;
-            self.robot = Pose::ORIGIN;
+            self.robot = Moving::ORIGIN;
         }
     }
 
@@ -193,21 +193,11 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
 
     /// Writes a hit down. One that is no number is passed over.
     pub fn hit(&mut self, hit: &Hit) {
-        self.hit_turned(hit, self.turn_of_robot());
-    }
-
-    /// Sine and cosine of the robot's heading in the last keyframe's frame.
-    pub(crate) fn turn_of_robot(&self) -> (f32, f32) {
-        sin_cos(self.robot.theta_rad)
-    }
-
-    /// The same for many hits of one moment.
-    pub(crate) fn hit_turned(&mut self, hit: &Hit, (s, c): (f32, f32)) {
-        let Hit { from_m, end_m, sigma_m, alike, sensor, wall } = *hit;
-        let robot = &self.robot;
-        let [from_m, end_m] = [from_m, end_m].map(|[x, y]| [robot.x_m + c * x - s * y, robot.y_m + s * x + c * y]);
-        let weight = 1.0 / (alike * sigma_m * sigma_m);
-        let is_number = [from_m[0], from_m[1], end_m[0], end_m[1], weight].iter().all(|value| value.is_finite());
+        let Hit { from_m, end_m, variance_m2, alike, sensor, wall } = *hit;
+        let [from_m, end_m] = [from_m, end_m].map(|point_m| self.robot.point(point_m));
+        let weight = 1.0 / (alike * variance_m2);
+        // A sum with something that is no number is none.
+        let is_number = (from_m[0] + from_m[1] + end_m[0] + end_m[1] + weight).is_finite();
         if !(is_number && weight > 0.0 && alike >= 1.0) {
             return;
         }
@@ -320,7 +310,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
 
     /// Where the robot is: the last keyframe's pose and the odometry since.
     pub fn robot(&self) -> Pose {
-        self.keyframes.last().map_or(Pose::ORIGIN, |last| last.pose.compose(&self.robot))
+        self.keyframes.last().map_or(Pose::ORIGIN, |last| last.pose.compose(&self.robot.pose()))
     }
 
     /// The walls whose line is known.

@@ -1,7 +1,7 @@
 //! A pose with the sine and cosine of its heading.
 
 use slam_core::Pose;
-use slam_core::angle::sin_cos;
+use slam_core::angle::{sin_cos, wrap};
 
 /// Where a frame is in the map, and how it is turned.
 #[derive(Clone, Copy, Debug)]
@@ -45,6 +45,40 @@ impl Frame {
         let cross = c * s * (xx - yy) + (c * c - s * s) * xy;
         let twice = 2.0 * c * s * xy;
         [c * c * xx - twice + s * s * yy, cross, s * s * xx + twice + c * c * yy]
+    }
+}
+
+/// A pose that goes on, step by step, with the sine and cosine of its heading.
+#[derive(Clone, Copy, Debug)]
+pub struct Moving {
+    frame: Frame,
+    theta_rad: f32,
+}
+
+impl Moving {
+    /// No pose yet; every byte is zero.
+    pub const NONE: Self = Self { frame: Frame { origin_m: [0.0; 2], sin: 0.0, cos: 0.0 }, theta_rad: 0.0 };
+
+    /// Not gone yet.
+    pub const ORIGIN: Self = Self { frame: Frame { origin_m: [0.0; 2], sin: 0.0, cos: 1.0 }, theta_rad: 0.0 };
+
+    /// Goes by so much in its own frame, metres and radians.
+    pub fn go_on(&mut self, by_m: [f32; 2], turn_rad: f32) {
+        let origin_m = self.point(by_m);
+        self.theta_rad = wrap(self.theta_rad + turn_rad);
+        let (sin, cos) = sin_cos(self.theta_rad);
+        self.frame = Frame { origin_m, sin, cos };
+    }
+
+    /// A point in its frame, in the frame that it is given in, metres.
+    pub fn point(&self, point_m: [f32; 2]) -> [f32; 2] {
+        self.frame.point(point_m)
+    }
+
+    /// Where it is.
+    pub fn pose(&self) -> Pose {
+        let [x_m, y_m] = self.frame.origin_m;
+        Pose::new(x_m, y_m, self.theta_rad)
     }
 }
 

@@ -14,7 +14,7 @@
 //! | solve | the step in slices |
 //! | place, survey, labels, twins | where a new wall is, what was seen of each, which group is on which, which two are one |
 //! | [`look_back`] | the order of all that, and what came of it |
-//! | record | what a step of the filter writes down |
+//! | record, power | what a step of the filter writes down |
 //! | posterior, present | what was found, brought up to the present and handed over to the filter |
 //! | back_end | a filter's companion: when it looks back, and for how long at a time |
 //!
@@ -46,6 +46,7 @@ mod names;
 mod packed;
 mod place;
 mod posterior;
+mod power;
 mod present;
 mod record;
 mod rows;

@@ -61,9 +61,15 @@ impl<const P: usize> Packed<P> {
 
     /// Takes factor y y^T off the first `rows` rows.
     pub fn subtract_scaled(&mut self, y: &[f32], factor: f32, rows: usize) {
+        let (others, _) = y.as_chunks::<4>();
         for (row, head) in self.rows_mut(rows).zip(y) {
             let scaled = factor * head;
-            row.iter_mut().zip(y).for_each(|(entry, other)| *entry -= scaled * other);
+            let (fours, rest) = row.as_chunks_mut::<4>();
+            let done = 4 * fours.len();
+            for (entries, others) in fours.iter_mut().zip(others) {
+                entries.iter_mut().zip(others).for_each(|(entry, other)| *entry -= scaled * other);
+            }
+            rest.iter_mut().zip(y.iter().skip(done)).for_each(|(entry, other)| *entry -= scaled * other);
         }
     }
 

@@ -41,6 +41,10 @@ impl<const B: usize, const P: usize> System<B, P> {
     /// Takes in one more residual of the last pose and of the border, whose covariance is known: one update of a Kalman
     /// filter. One that is off by more than `gate` variances is not taken.
     pub fn update(&mut self, row: &Row, gate: f32) {
+        // Hits on one point do not say how the wall is turned.
+        if row.weight <= 0.0 {
+            return;
+        }
         let pose = [0, 1, 2].map(|i| (LAST_POSE + i, row.here[i]));
         let all = || pose.into_iter().chain(row.border).filter(|(_, value)| *value != 0.0);
         let innovation = -row.residual - all().map(|(place, value)| value * self.increment(place)).sum::<f32>();

@@ -6,6 +6,7 @@ use slam_core::{
 
 use crate::diary::{Diary, Hit};
 use crate::frame::Frame;
+use crate::power::power;
 
 /// Of so many readings of a sensor that reports metres, which say the same, one is one: as the estimator finds on real logs,
 /// three to five. An analogue sensor's noise is new each time.
@@ -26,10 +27,10 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         if let Some(alpha_rad) = slam.filter_alpha() {
             self.grid(alpha_rad);
         }
-        let (robot, turn) = (Frame::of(&slam.pose()), self.turn_of_robot());
+        let robot = Frame::of(&slam.pose());
         for (number, (sensor, reading)) in slam.rig().sensors.iter().zip(&report.readings).enumerate() {
             if let Some(hit) = hit(&robot, slam.gain(number), number as u8, sensor, reading) {
-                self.hit_turned(&hit, turn);
+                self.hit(&hit);
             }
         }
     }
@@ -66,26 +67,24 @@ fn hit(robot: &Frame, gain: f32, number: u8, sensor: &RangeSensor, reading: &Rea
         Outcome::Missing | Outcome::Refused(_) => return None,
     };
     let end_m = robot.seen(reading.hit_m?);
-    let (sigma_m, alike) = noise(&sensor.model, reading.range_m?);
+    let (variance_m2, alike) = noise(&sensor.model, reading.range_m?);
     let [x, y] = [sensor.mount.x_m, sensor.mount.y_m];
     // What the sensor reported, before the filter's gain: gains are found here, too.
     let end_m = [x + gain * (end_m[0] - x), y + gain * (end_m[1] - y)];
-    Some(Hit { from_m: [x, y], end_m, sigma_m, alike, sensor: number, wall })
+    Some(Hit { from_m: [x, y], end_m, variance_m2, alike, sensor: number, wall })
 }
 
-/// 1-sigma of a reading at this range, metres, and of how many it is one.
+/// Variance of a reading at this range, m^2, and of how many it is one.
 fn noise(model: &RangeModel, range_m: f32) -> (f32, f32) {
     match *model {
         RangeModel::Metric { noise_m, noise_rel } => {
             let rel_m = noise_rel * range_m;
-            let square = noise_m * noise_m + rel_m * rel_m + BUILT_RELIEF_M * BUILT_RELIEF_M;
-            (libm::sqrtf(square), ALIKE)
+            (noise_m * noise_m + rel_m * rel_m + BUILT_RELIEF_M * BUILT_RELIEF_M, ALIKE)
         }
         RangeModel::Sharp { scale_m, exponent, noise_v } => {
-            // In place of a power, which takes twice as long.
-            let per_volt_m = range_m * libm::expf(-libm::logf(range_m / scale_m) / exponent);
+            let per_volt_m = range_m * power(range_m / scale_m, -1.0 / exponent);
             let own_m = exponent * per_volt_m * noise_v;
-            (libm::sqrtf(own_m * own_m + SURFACE_M * SURFACE_M), 1.0)
+            (own_m * own_m + SURFACE_M * SURFACE_M, 1.0)
         }
     }
 }

@@ -29,6 +29,8 @@ const BARS: &[(&str, u32)] = &[
     ("step_n79_8_updates", 200_000),
     ("step_worst", 350_000),
     ("step_worst_dbscan", 350_000),
+    // Two hundredths of a step.
+    ("diary_step", 3_857),
     ("look_back_full", 1_500_000_000),
     ("look_back_slice", 350_000),
     // Five seconds of an idle core.

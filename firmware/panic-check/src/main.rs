@@ -97,7 +97,7 @@ fn back_end() {
         diary.begin_keyframe(&black_box(Pose::ORIGIN));
     }
     diary.grid(black_box(0.1));
-    let hit = Hit { from_m: [0.0; 2], end_m: [1.0, 0.0], sigma_m: 0.01, alike: 1.0, sensor: 0, wall: Some(1) };
+    let hit = Hit { from_m: [0.0; 2], end_m: [1.0, 0.0], variance_m2: 1e-4, alike: 1.0, sensor: 0, wall: Some(1) };
     diary.hit(&black_box(hit));
     let mut look_back = black_box(RobotLookBack::new());
     look_back.begin(&diary);

@@ -95,6 +95,6 @@ fn see(diary: &mut RobotDiary, pose: &Pose, wall: i32) {
         let [x, y] = [at[0] - pose.x_m, at[1] - pose.y_m];
         let end_m = [c * x + s * y, c * y - s * x];
         let wall = u16::try_from(wall).ok();
-        diary.hit(&Hit { from_m: [0.0; 2], end_m, sigma_m: 0.02, alike: 1.0, sensor: 0, wall });
+        diary.hit(&Hit { from_m: [0.0; 2], end_m, variance_m2: 4e-4, alike: 1.0, sensor: 0, wall });
     }
 }

@@ -126,7 +126,7 @@ impl RobotLooksBack {
             self.diary.hit(&Hit {
                 from_m: [sensor.mount.x_m, sensor.mount.y_m],
                 end_m: [end.x_m as f32, end.y_m as f32],
-                sigma_m: noise.sigma_m as f32,
+                variance_m2: (noise.sigma_m * noise.sigma_m) as f32,
                 alike: noise.alike as f32,
                 sensor: number as u8,
                 wall,

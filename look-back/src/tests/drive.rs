@@ -78,8 +78,8 @@ impl Robot {
                 let range_m = range_m + SIGMA_M * self.random.normal();
                 let end_m = [(range_m * beam.cos()) as f32, (range_m * beam.sin()) as f32];
                 let wall = (range_m < 3.0).then_some(4 * self.laps.min(1) + wall);
-                let sigma_m = SIGMA_M as f32;
-                diary.hit(&Hit { from_m: [0.0; 2], end_m, sigma_m, alike: 1.0, sensor: sensor as u8, wall });
+                let variance_m2 = (SIGMA_M * SIGMA_M) as f32;
+                diary.hit(&Hit { from_m: [0.0; 2], end_m, variance_m2, alike: 1.0, sensor: sensor as u8, wall });
             }
         }
     }

@@ -125,9 +125,10 @@ fn what_is_no_number_is_not_written_down_and_nothing_is_not_placed() {
     let mut diary = SmallDiary::new(&DRIVE, Pose::ORIGIN);
     let mut look_back = Small::new();
     assert_eq!(finish(&mut look_back, &mut diary, u32::MAX), Progress::Nothing);
-    let good = crate::Hit { from_m: [0.0; 2], end_m: [1.0, 0.0], sigma_m: 0.01, alike: 1.0, sensor: 0, wall: Some(1) };
+    let good =
+        crate::Hit { from_m: [0.0; 2], end_m: [1.0, 0.0], variance_m2: 1e-4, alike: 1.0, sensor: 0, wall: Some(1) };
     diary.hit(&crate::Hit { end_m: [f32::NAN, 0.0], ..good });
-    diary.hit(&crate::Hit { sigma_m: 0.0, ..good });
+    diary.hit(&crate::Hit { variance_m2: 0.0, ..good });
     diary.hit(&crate::Hit { alike: 0.0, ..good });
     assert_eq!(diary.group_count(), 0);
     diary.hit(&good);

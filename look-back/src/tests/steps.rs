@@ -67,8 +67,8 @@ fn problem(seed: u64) -> (Problem, Dense) {
                 .collect();
             for hit in &hits {
                 let end_m = hit.map(|m| m as f32);
-                let (sigma_m, alike) = (SIGMA_M as f32, ALIKE as f32);
-                diary.hit(&Hit { from_m: [0.0; 2], end_m, sigma_m, alike, sensor: 0, wall: Some(wall as u16) });
+                let (variance_m2, alike) = ((SIGMA_M * SIGMA_M) as f32, ALIKE as f32);
+                diary.hit(&Hit { from_m: [0.0; 2], end_m, variance_m2, alike, sensor: 0, wall: Some(wall as u16) });
             }
             groups.push((key, wall, hits));
         }
