@@ -1,11 +1,12 @@
 //! The back end goes to and fro between the estimator and the task that looks back: who has it may write to it.
 //!
 //! ```text
-//! estimator   step n, tell ── record, hand over ─┐        step n + 1, tell ── record, hand over ─┐
-//! look back                                      └─ work of one step ─┘                          └─ ...
+//! estimator   step n, tell ── record ─┐        step n + 1, tell ── record ─┐                    ┌─ hand over ── step n + 2
+//! look back                           └─ work of one step ─┘               └─ work of one step ─┘
 //! ```
 //!
-//! The work between two steps is a fixed number of operations, not a time: so the host that repeats a drive gets the same bits.
+//! The work between two steps is a fixed number of operations, not a time: so the host that repeats a drive gets the same bits. A step
+//! waits for it only where something may be handed over before: once in eight metres, a few steps.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex as Raw;
@@ -41,6 +42,11 @@ impl LookBacks {
             // One task only counts.
             self.late.store(self.late().saturating_add(1), Ordering::Relaxed);
         }
+        self.done.wait().await
+    }
+
+    /// The same before the next step, which waits for what may be handed over.
+    pub async fn found(&self) -> &'static mut RobotBackEnd {
         self.done.wait().await
     }
 

@@ -1,5 +1,7 @@
 //! The back end beside a filter: what it writes down, when it looks back, and when it hands over.
 
+use core::ops::ControlFlow;
+
 use slam_core::{NotTaken, Slam, StepReport};
 
 use crate::diary::Diary;
@@ -35,6 +37,25 @@ pub struct Tally {
     pub outdated: u32,
 }
 
+/// What it does at present.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    /// Nothing: there is too little new to look at.
+    Resting,
+    /// Makes room in the diary for what is written down meanwhile.
+    MakingRoom,
+    /// Looks back.
+    LookingBack,
+    /// Has looked back, and waits for the keyframe that is being written to be closed.
+    Closing,
+    /// Takes in what was written down meanwhile, that keyframe, too.
+    CatchingUp,
+    /// Takes in the few steps that this took, the last one, too, before the next one.
+    Arriving,
+    /// Has something to hand over, before the next step.
+    Ready,
+}
+
 /// A diary and its look back, of K keyframes, G groups, W walls and the border's sizes B and P.
 #[derive(Clone, Debug)]
 pub struct BackEnd<const K: usize, const G: usize, const W: usize, const B: usize, const P: usize> {
@@ -44,7 +65,7 @@ pub struct BackEnd<const K: usize, const G: usize, const W: usize, const B: usiz
     epoch: Option<u32>,
     /// The keyframe at which the last look back began.
     begun_at: u32,
-    is_working: bool,
+    phase: Phase,
     tally: Tally,
 }
 
@@ -55,7 +76,7 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
         look_back: LookBack::new(),
         epoch: None,
         begun_at: 0,
-        is_working: false,
+        phase: Phase::Resting,
         tally: Tally { done: 0, fruitless: 0, outdated: 0 },
     };
 
@@ -67,7 +88,16 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
     ) {
         let before = self.epoch.replace(slam.epoch());
         if before == self.epoch {
-            self.diary.record(slam, report);
+            self.diary.record(slam, report, self.phase == Phase::Closing);
+            match self.phase {
+                Phase::Closing => {
+                    self.look_back.catch_up();
+                    self.phase = Phase::CatchingUp;
+                }
+                // It is of the step before.
+                Phase::Arriving | Phase::Ready => self.end_without_result(),
+                _ => {}
+            }
         } else if slam.is_elsewhere() && before.map(|epoch| epoch.wrapping_add(1)) == self.epoch {
             self.diary.go_on_elsewhere(&slam.filter_pose());
         } else {
@@ -75,15 +105,16 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
         }
     }
 
-    /// Hands over to a filter whose last step is written down, if a look back is done: what came of that.
+    /// Hands over to a filter whose last step is written down, if a look back has caught up with it: what came of that. Comes between
+    /// the work after a step and the next step.
     pub fn hand_over<const S: usize, const WALLS: usize, const O: usize, const ROWS: usize>(
         &mut self,
         slam: &mut Slam<S, WALLS, O, ROWS>,
     ) -> Option<Result<(), NotTaken>> {
-        if !(self.is_working && self.look_back.is_done()) {
+        if self.phase != Phase::Ready {
             return None;
         }
-        self.is_working = false;
+        self.phase = Phase::Resting;
         self.tally.done = self.tally.done.saturating_add(1);
         let taken = self.look_back.hand_over(&mut self.diary, slam, self.epoch.unwrap_or(0));
         if taken.is_ok() {
@@ -94,24 +125,63 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
 
     /// Looks back for the work of so much time, microseconds, where there is anything to look back on.
     pub fn work(&mut self, time_us: u32) {
-        let budget = WORK_PER_MS * time_us.min(LONGEST_US) / 1000;
-        if !self.is_working {
-            self.begin();
-        }
-        if self.is_working {
-            match self.look_back.work(&mut self.diary, budget) {
-                Progress::Working | Progress::Done => {}
-                Progress::Interrupted | Progress::Nothing | Progress::Unsolvable => {
-                    self.tally.fruitless = self.tally.fruitless.saturating_add(1);
-                    self.is_working = false;
-                }
-            }
+        self.work_by(time_us, Self::slice);
+    }
+
+    /// The same, slice by slice as somebody has them done who measures them.
+    pub fn work_by(&mut self, time_us: u32, mut slice: impl FnMut(&mut Self) -> Option<u32>) {
+        let (budget, mut spent) = (WORK_PER_MS * time_us.min(LONGEST_US) / 1000, 0u32);
+        // What the last steps saw is little, and taken in before the next one, whatever time is left.
+        while spent < budget || self.phase == Phase::Arriving {
+            let Some(cost) = slice(self) else { return };
+            spent = spent.saturating_add(cost);
         }
     }
 
-    /// Whether a look back is under way.
+    /// Goes on by the least that cannot be divided: its multiply-adds; none where there is nothing to do before the next step.
+    pub fn slice(&mut self) -> Option<u32> {
+        match self.phase {
+            Phase::Resting => {
+                let newest = self.diary.newest();
+                if self.epoch.is_none() || newest.wrapping_sub(self.begun_at) < EVERY {
+                    return None;
+                }
+                self.begun_at = newest;
+                self.phase = Phase::MakingRoom;
+                Some(0)
+            }
+            Phase::MakingRoom => {
+                let made = self.diary.make_some_room(K / FREE_KEYFRAMES, G / FREE_GROUPS);
+                if made.is_none() {
+                    self.look_back.begin(&self.diary);
+                    self.phase = Phase::LookingBack;
+                }
+                Some(made.unwrap_or(0))
+            }
+            Phase::LookingBack | Phase::CatchingUp | Phase::Arriving => match self.look_back.next(&mut self.diary) {
+                ControlFlow::Continue(cost) => Some(cost),
+                ControlFlow::Break(progress) => {
+                    self.end(progress);
+                    Some(0)
+                }
+            },
+            Phase::Closing | Phase::Ready => None,
+        }
+    }
+
+    /// Whether a look back is under way, or was not handed over yet.
     pub fn is_looking_back(&self) -> bool {
-        self.is_working
+        self.phase != Phase::Resting
+    }
+
+    /// Whether a hand-over may come before the next step.
+    pub fn is_catching_up(&self) -> bool {
+        self.phase == Phase::CatchingUp
+    }
+
+    /// Whether there is something to hand over.
+    pub fn is_ready(&self) -> bool {
+        self.phase == Phase::Ready
     }
 
     /// What it did so far.
@@ -133,24 +203,30 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
         &mut self,
         slam: &Slam<S, WALLS, O, ROWS>,
     ) {
-        if self.is_working {
+        if self.is_looking_back() {
             self.tally.outdated = self.tally.outdated.saturating_add(1);
         }
-        self.is_working = false;
+        self.phase = Phase::Resting;
         self.begun_at = 0;
         let gains = if slam.config().sensing.calibrate_gains { Gains::of_rig(slam.rig()) } else { Gains::KNOWN };
         self.diary.begin(&slam.rig().drive, gains, slam.filter_pose());
     }
 
-    /// Begins a look back where there is enough new to look at.
-    fn begin(&mut self) {
-        let newest = self.diary.newest();
-        if self.epoch.is_none() || newest.wrapping_sub(self.begun_at) < EVERY {
-            return;
+    /// What follows when a look back has ended.
+    fn end(&mut self, progress: Progress) {
+        match (progress, self.phase) {
+            (Progress::Done, Phase::LookingBack) => self.phase = Phase::Closing,
+            (Progress::Done, Phase::CatchingUp) => {
+                self.look_back.arrive();
+                self.phase = Phase::Arriving;
+            }
+            (Progress::Done, _) => self.phase = Phase::Ready,
+            _ => self.end_without_result(),
         }
-        self.begun_at = newest;
-        self.diary.make_room(K / FREE_KEYFRAMES, G / FREE_GROUPS);
-        self.look_back.begin(&self.diary);
-        self.is_working = true;
+    }
+
+    fn end_without_result(&mut self) {
+        self.tally.fruitless = self.tally.fruitless.saturating_add(1);
+        self.phase = Phase::Resting;
     }
 }

@@ -31,6 +31,9 @@ const MOST_LOOSE: usize = 4;
 const AT_ONCE: usize = 32;
 const MOST_COUNTED: usize = 32;
 
+/// Multiply-adds that making room takes for each keyframe and group.
+const LOOK_COST: u32 = 4;
+
 /// A wall that fewer hits met is noise, and makes room.
 pub(crate) const FEWEST: u32 = 10;
 
@@ -148,10 +151,13 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         }
     }
 
-    /// Makes two keyframes one, and forgets the smallest groups on no wall, until there is room for so many more.
-    pub fn make_room(&mut self, keyframes: usize, groups: usize) {
-        while self.keyframes.len() + keyframes > K && self.thin() {}
-        while self.groups.len() + groups > G && (self.drop_fewest() || self.thin()) {}
+    /// Makes two keyframes one, or forgets the smallest groups on no wall, where there is no room for so many more: the
+    /// multiply-adds that takes; none where there is room.
+    pub(crate) fn make_some_room(&mut self, keyframes: usize, groups: usize) -> Option<u32> {
+        let cost = LOOK_COST * (self.keyframes.len() + self.groups.len()) as u32;
+        let is_made = (self.keyframes.len() + keyframes > K && self.thin())
+            || (self.groups.len() + groups > G && (self.drop_fewest() || self.thin()));
+        is_made.then_some(cost)
     }
 
     /// The robot moved by so much, as the odometry sensed it.

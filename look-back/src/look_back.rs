@@ -3,6 +3,8 @@
 //! First every group is on the wall that the filter took it for, until walls that turn out to be one have become one; then on
 //! the wall that it ended on, in rounds, as the points of a scan are matched (Besl and McKay 1992).
 
+use core::ops::ControlFlow;
+
 use crate::diary::{Diary, FEWEST};
 use crate::labels::Labels;
 use crate::place::{is_on_grid, place};
@@ -69,6 +71,7 @@ enum Stage {
     Invert { row: usize },
     Square { row: usize },
     CatchUp,
+    Arrive,
     Ended(Progress),
 }
 
@@ -141,23 +144,46 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K,
     pub fn work<const G: usize>(&mut self, diary: &mut Diary<K, G, W>, budget: u32) -> Progress {
         let mut spent = 0u32;
         loop {
-            match self.stage {
-                Stage::Idle => return Progress::Nothing,
-                Stage::Ended(progress) => return progress,
-                _ => {}
+            match self.next(diary) {
+                ControlFlow::Continue(cost) => spent = spent.saturating_add(cost),
+                ControlFlow::Break(progress) => return progress,
             }
-            if self.revision != diary.revision {
-                self.stage = Stage::Ended(Progress::Interrupted);
-                return Progress::Interrupted;
-            }
-            let cost = self.slice(diary);
-            spent = spent.saturating_add(cost);
-            self.effort.cost += u64::from(cost);
-            self.effort.costliest = self.effort.costliest.max(cost);
             if spent >= budget {
                 return Progress::Working;
             }
         }
+    }
+
+    /// Goes on by one slice: its multiply-adds, or how the look back ended.
+    pub(crate) fn next<const G: usize>(&mut self, diary: &mut Diary<K, G, W>) -> ControlFlow<Progress, u32> {
+        match self.stage {
+            Stage::Idle => return ControlFlow::Break(Progress::Nothing),
+            Stage::Ended(progress) => return ControlFlow::Break(progress),
+            _ => {}
+        }
+        if !self.is_of(diary) {
+            self.stage = Stage::Ended(Progress::Interrupted);
+            return ControlFlow::Break(Progress::Interrupted);
+        }
+        let cost = self.slice(diary);
+        self.effort.cost += u64::from(cost);
+        self.effort.costliest = self.effort.costliest.max(cost);
+        ControlFlow::Continue(cost)
+    }
+
+    /// Whether this is the diary on which it began, but for what was added since.
+    pub(crate) fn is_of<const G: usize>(&self, diary: &Diary<K, G, W>) -> bool {
+        self.revision == diary.revision
+    }
+
+    /// Once done: takes in the keyframes that were closed since.
+    pub(crate) fn catch_up(&mut self) {
+        self.stage = Stage::CatchUp;
+    }
+
+    /// The same of the one that is being written, as it is: before it is handed over nothing may be added.
+    pub(crate) fn arrive(&mut self) {
+        self.stage = Stage::Arrive;
     }
 
     fn slice<const G: usize>(&mut self, diary: &mut Diary<K, G, W>) -> u32 {
@@ -208,13 +234,14 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K,
                 }
                 (at * self.solver.system.len().saturating_sub(at)) as u32
             }
-            Stage::CatchUp => {
-                let is_open = !self.present.go_on(diary, &mut self.solver);
-                if is_open {
-                    self.stage = Stage::Ended(Progress::Done);
-                }
-                (self.solver.system.len() * self.solver.system.len()) as u32
-            }
+            Stage::CatchUp => self.present.go_on(diary, &mut self.solver).unwrap_or_else(|| {
+                self.stage = Stage::Ended(Progress::Done);
+                0
+            }),
+            Stage::Arrive => self.present.arrive(diary, &mut self.solver).unwrap_or_else(|| {
+                self.stage = Stage::Ended(Progress::Done);
+                0
+            }),
             Stage::Idle | Stage::Ended(_) => 0,
         }
     }

@@ -17,6 +17,9 @@ use crate::solve::Solver;
 /// Residuals beyond five sigma are of something else.
 const GATE: f32 = 25.0;
 
+/// Multiply-adds of a stretch and of a group for each unknown, beside those for each entry of the covariance.
+const UNKNOWN_COST: usize = 40;
+
 /// The last pose on its way from the last keyframe that was placed to the robot: what was sensed meanwhile is taken in keyframe by
 /// keyframe, as a Kalman filter does. The walls and the calibration change with it; the diary's stay as they are.
 #[derive(Clone, Copy, Debug)]
@@ -53,48 +56,55 @@ impl Present {
         };
     }
 
-    /// Takes in the next group, or the stretch to the next keyframe; false at the last one, which is still being written.
+    /// Takes in the next group, or the stretch to the next keyframe, in so many multiply-adds; none at the last keyframe, which is still
+    /// being written.
     pub fn go_on<const K: usize, const G: usize, const W: usize, const B: usize, const P: usize>(
         &mut self,
         diary: &Diary<K, G, W>,
         solver: &mut Solver<K, W, B, P>,
-    ) -> bool {
-        self.key + 1 < diary.keyframes.len() && self.take_next(diary, solver)
+    ) -> Option<u32> {
+        let key = diary.keyframes.get(self.key).filter(|_| self.key + 1 < diary.keyframes.len())?;
+        self.take_next(diary, solver, key)
     }
 
-    /// The same to the end.
-    fn finish<const K: usize, const G: usize, const W: usize, const B: usize, const P: usize>(
+    /// The same of the last keyframe, as it is; none at the robot.
+    pub fn arrive<const K: usize, const G: usize, const W: usize, const B: usize, const P: usize>(
         &mut self,
         diary: &Diary<K, G, W>,
         solver: &mut Solver<K, W, B, P>,
-    ) {
-        while self.take_next(diary, solver) {}
+    ) -> Option<u32> {
+        self.take_next(diary, solver, diary.keyframes.get(self.key)?)
     }
 
-    /// False past the last stretch.
     fn take_next<const K: usize, const G: usize, const W: usize, const B: usize, const P: usize>(
         &mut self,
         diary: &Diary<K, G, W>,
         solver: &mut Solver<K, W, B, P>,
-    ) -> bool {
-        let Some(key) = diary.keyframes.get(self.key) else { return false };
+        key: &Keyframe,
+    ) -> Option<u32> {
+        let unknowns = solver.system.len();
         let Some(gone) = self.gone else {
             self.gone = Some(self.travel(diary, solver, key));
-            return true;
+            return Some((UNKNOWN_COST * unknowns) as u32);
         };
-        if self.taken < usize::from(key.groups) {
-            // What was seen on the way, seen from its end: the pose there is what it tells of.
-            if let Some(group) = diary.groups.get(self.group) {
-                self.see(diary, solver, &group.moved(&Frame::of(&gone.inverse())));
-            }
-            self.group += 1;
-            self.taken += 1;
-        } else {
+        if self.taken == usize::from(key.groups) {
             self.key += 1;
             self.gone = None;
             self.taken = 0;
+            return Some(1);
         }
-        true
+        // What was seen on the way, seen from its end: the pose there is what it tells of.
+        let group = diary.groups.get(self.group)?;
+        self.see(diary, solver, &group.moved(&Frame::of(&gone.inverse())));
+        self.group += 1;
+        self.taken += 1;
+        Some((unknowns * (unknowns + UNKNOWN_COST)) as u32)
+    }
+
+    /// Where it is.
+    #[cfg(test)]
+    pub fn pose(&self) -> Pose {
+        self.pose
     }
 
     fn see<const K: usize, const G: usize, const W: usize, const B: usize, const P: usize>(
@@ -142,23 +152,12 @@ fn calibration<const K: usize, const G: usize, const W: usize, const B: usize, c
 }
 
 impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K, W, B, P> {
-    /// Hands what was found over to a filter whose last step is written down. Once for each look back that is done.
+    /// Hands what was found over to a filter, once it has arrived where that is.
     ///
     /// # Errors
     /// Why the filter did not take it.
-    pub fn hand_over<const G: usize, const S: usize, const WALLS: usize, const O: usize, const ROWS: usize>(
-        &mut self,
-        diary: &mut Diary<K, G, W>,
-        slam: &mut Slam<S, WALLS, O, ROWS>,
-        epoch: u32,
-    ) -> Result<(), NotTaken> {
-        self.present.finish(diary, &mut self.solver);
-        self.give(diary, slam, epoch)
-    }
-
-    /// The same when the present is reached. What it lists is on the stack only while it runs, not beside what that took.
     #[inline(never)]
-    fn give<const G: usize, const S: usize, const WALLS: usize, const O: usize, const ROWS: usize>(
+    pub(crate) fn hand_over<const G: usize, const S: usize, const WALLS: usize, const O: usize, const ROWS: usize>(
         &self,
         diary: &mut Diary<K, G, W>,
         slam: &mut Slam<S, WALLS, O, ROWS>,

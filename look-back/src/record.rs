@@ -13,15 +13,17 @@ use crate::power::power;
 const ALIKE: f32 = 4.0;
 
 impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
-    /// Writes down what a filter's last step sensed, and what became of it.
+    /// Writes down what a filter's last step sensed, and what became of it. Where a look back `waits` for the last keyframe to be
+    /// closed, the next one begins.
     pub fn record<const S: usize, const WALLS: usize, const O: usize, const ROWS: usize>(
         &mut self,
         slam: &Slam<S, WALLS, O, ROWS>,
         report: &StepReport<S>,
+        waits: bool,
     ) {
         let moved = slam.last_motion();
         self.travel(&Increment { forward_m: moved.x_m, left_m: moved.y_m, turn_rad: moved.theta_rad });
-        if self.is_due() {
+        if waits || self.is_due() {
             self.begin_keyframe(&slam.filter_pose());
         }
         if let Some(alpha_rad) = slam.filter_alpha() {

@@ -41,8 +41,8 @@ fn worst_with_hand_overs(plan: &str, minutes: f64) -> (f64, u32) {
     let mut worst_m = 0.0f64;
     while robot.simulation.time_s() < 60.0 * minutes {
         let frame = robot.step(&mut |sample| {
-            let _ = back.hand_over(&mut slam);
             back.work(STEP_US);
+            let _ = back.hand_over(&mut slam);
             let report = slam.step(sample);
             back.record(&slam, &report);
             Estimate { pose: slam.pose(), ranges_m: report.readings.map(|reading| reading.range_m) }

@@ -33,6 +33,7 @@ const BARS: &[(&str, u32)] = &[
     ("diary_step", 3_857),
     ("look_back_full", 1_500_000_000),
     ("look_back_slice", 350_000),
+    ("back_end_slice", 350_000),
     // Five seconds of an idle core.
     ("search_full", 440_000_000),
     ("floor_job_average", 40_000),

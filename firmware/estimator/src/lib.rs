@@ -14,14 +14,15 @@ pub fn step(slam: &mut RobotSlam, sample: &Sample<8>) -> StepReport<8> {
     slam.step(sample)
 }
 
-/// Writes the estimator's last step down, then hands over what a look back found, if one is done.
+/// Writes the estimator's last step down.
 #[inline(never)]
-pub fn follow(
-    back_end: &mut RobotBackEnd,
-    slam: &mut RobotSlam,
-    report: &StepReport<8>,
-) -> Option<Result<(), NotTaken>> {
+pub fn record(back_end: &mut RobotBackEnd, slam: &RobotSlam, report: &StepReport<8>) {
     back_end.record(slam, report);
+}
+
+/// Hands over what a look back found, if one has caught up with the estimator.
+#[inline(never)]
+pub fn hand_over(back_end: &mut RobotBackEnd, slam: &mut RobotSlam) -> Option<Result<(), NotTaken>> {
     back_end.hand_over(slam)
 }
 

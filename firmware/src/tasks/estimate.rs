@@ -18,7 +18,7 @@ use wire::{Calibration, Estimate, Faults, Frame, LookBack, MapRequest, Sample, W
 const SLOW_FRAMES: u32 = 25;
 
 /// Estimates whenever ranges come; starts afresh with this configuration when the map is to be reset. Where the configuration
-/// has hand-overs, there is a back end among the look backs.
+/// has hand-overs, there is a back end among the look backs, which has its turn between two steps.
 pub async fn estimate<F: MapFlash>(
     slam: &mut RobotSlam,
     keeper: &mut Keeper<F>,
@@ -28,6 +28,7 @@ pub async fn estimate<F: MapFlash>(
 ) -> ! {
     let mut steps = 0_u32;
     let mut wanted = None;
+    let mut found = None;
     loop {
         let ranges = shared.ranges.receive().await;
         let late_us = Instant::now().as_micros().saturating_sub(ranges.time_us);
@@ -53,21 +54,30 @@ pub async fn estimate<F: MapFlash>(
         // Telemetry has its frames and goes first; twice, since the executor runs what was woken last before it.
         yield_now().await;
         yield_now().await;
-        let mut handed_over = None;
+        let mut hands_over = false;
         if config.hand_overs {
-            let back_end = look_backs.returned().await;
-            handed_over = estimator::follow(back_end, slam, &report);
+            let back_end = match found.take() {
+                Some(back_end) => back_end,
+                None => look_backs.returned().await,
+            };
+            estimator::record(back_end, slam, &report);
+            hands_over = back_end.is_catching_up();
             if is_slow {
                 shared.push_frame(Frame::LookBack(look_back(slam, back_end, look_backs)));
             }
             look_backs.lend(back_end);
         }
         // A hand-over and a slice of a search are too much for one step.
-        if handed_over.is_none() {
+        if !hands_over {
             let keeps = keeper.step(slam, &report, now);
             wanted = shared.map_request.try_take().or(wanted);
             wanted = wanted.filter(|request| !answer(slam, keeper, request, now, shared));
             shared.hold.store(keeps || wanted.is_some(), Ordering::Relaxed);
+        }
+        if hands_over {
+            let back_end = look_backs.found().await;
+            estimator::hand_over(back_end, slam);
+            found = Some(back_end);
         }
     }
 }

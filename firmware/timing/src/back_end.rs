@@ -34,7 +34,7 @@ fn main() -> ! {
     let (mut home, mut is_up) = (Drive::new(), true);
     // Writing down eight hits where nothing has to make room: times, and all of their cost; and the costliest where something has.
     let (mut times, mut cost) = (0, 0);
-    let (mut costliest, mut hand_over) = (0, 0);
+    let (mut costliest, mut hand_over, mut work) = (0, 0, Work::default());
     for _ in 0..STEPS {
         let report = slam.step(&home.next(false));
         let before = back_end.diary().losses();
@@ -45,10 +45,10 @@ fn main() -> ! {
             times += 1;
             cost += recorded;
         }
+        work.add(&bench, back_end);
         if let (Some(_), taken) = bench.measure(|| back_end.hand_over(slam)) {
             hand_over = hand_over.max(taken);
         }
-        back_end.work(STEP_US);
         if is_up && slam.walls().count() == WALLS {
             is_up = false;
             home.turn_back();
@@ -59,7 +59,33 @@ fn main() -> ! {
     bench.print("diary_step", cost / times);
     bench.print("diary_thin", costliest);
     bench.print("hand_over", hand_over);
+    bench.print("back_end_slice", work.slice);
+    bench.print("back_end_step", work.step);
     finish()
+}
+
+/// What the back end does between two steps.
+#[derive(Default)]
+struct Work {
+    /// The costliest slice.
+    slice: u32,
+    /// All slices between two steps, where these are costliest.
+    step: u32,
+}
+
+impl Work {
+    /// Does that of one step.
+    fn add(&mut self, bench: &Bench, back_end: &mut HalfBackEnd) {
+        let (mut longest, mut all) = (0, 0);
+        back_end.work_by(STEP_US, |back_end| {
+            let (operations, taken) = bench.measure(|| back_end.slice());
+            longest = longest.max(taken);
+            all += taken;
+            operations
+        });
+        self.slice = self.slice.max(longest);
+        self.step = self.step.max(all);
+    }
 }
 
 fn hits(report: &StepReport<8>) -> usize {

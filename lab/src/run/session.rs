@@ -144,16 +144,16 @@ impl Session {
         report
     }
 
-    /// Between two samples, as the robot does: takes over what a look back found, if one is done, then works on.
+    /// Between two samples, as the robot does: looks back, then takes over what was found, if there is anything.
     fn look_back(&mut self, next_us: u64) {
         let since_us = next_us.saturating_sub(self.last_us.replace(next_us).unwrap_or(next_us));
         let Some(back) = &mut self.back else { return };
+        back.work(u32::try_from(since_us).unwrap_or(u32::MAX));
         let before = self.slam.pose();
         if let Some(taken) = back.hand_over(&mut self.slam) {
             let moved = Pose2::from(before).relative(&self.slam.pose().into());
             self.recording.hand_overs.push(HandOver { step: self.recording.steps.len(), refused: taken.err(), moved });
         }
-        back.work(u32::try_from(since_us).unwrap_or(u32::MAX));
     }
 
     /// Records what came of the sample estimated last.

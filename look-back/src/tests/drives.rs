@@ -11,6 +11,10 @@ type Small = LookBack<64, W, B, { packed_len(B) }>;
 
 fn finish(look_back: &mut Small, diary: &mut SmallDiary, budget: u32) -> Progress {
     look_back.begin(diary);
+    go_on(look_back, diary, budget)
+}
+
+fn go_on(look_back: &mut Small, diary: &mut SmallDiary, budget: u32) -> Progress {
     loop {
         let progress = look_back.work(diary, budget);
         if progress != Progress::Working {
@@ -51,13 +55,24 @@ fn slices_of_any_size_give_the_same_bits() {
     let run = |budget| {
         let (mut robot, mut diary) = (Robot::new(2), SmallDiary::new(&DRIVE, Pose::ORIGIN));
         robot.drive(&mut diary, 400);
+        while diary.make_some_room(8, 32).is_some() {}
         let mut look_back = Small::new();
         assert_eq!(finish(&mut look_back, &mut diary, budget), Progress::Done);
-        (diary.robot(), look_back.effort())
+        let placed = look_back.effort();
+        // What was written down meanwhile is taken in in slices, too.
+        robot.drive(&mut diary, 12);
+        look_back.catch_up();
+        assert_eq!(go_on(&mut look_back, &mut diary, budget), Progress::Done);
+        look_back.arrive();
+        assert_eq!(go_on(&mut look_back, &mut diary, budget), Progress::Done);
+        let [x, theta] = [Unknown::X, Unknown::Theta].map(|unknown| look_back.covariance(unknown, Unknown::Offset(0)));
+        (diary.robot(), placed, look_back.effort(), x, theta, look_back.present.pose())
     };
     let (whole, sliced) = (run(u32::MAX), run(1));
     assert_eq!(whole, sliced);
-    assert!(u64::from(sliced.1.costliest) < sliced.1.cost / 50, "{:?}", sliced.1);
+    let (placed, caught_up) = (sliced.1, sliced.2);
+    assert!(u64::from(placed.costliest) < placed.cost / 50, "{placed:?}");
+    assert!(caught_up.cost > placed.cost && caught_up.costliest == placed.costliest, "{caught_up:?}");
 }
 
 /// A robot that was kicked is elsewhere, which the filter knows roughly.

@@ -192,7 +192,7 @@ fn what_is_found_when_the_filter_has_begun_anew_is_refused() {
     let mut handed = Vec::new();
     while handed.is_empty() {
         // Between the last slice of a look back and the hand-over.
-        if robot.back.look_back().is_done() {
+        if robot.back.is_ready() {
             robot.slam.restart_map();
         }
         handed = robot.drive(1);

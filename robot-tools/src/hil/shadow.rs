@@ -72,15 +72,18 @@ impl Shadow {
         self.shown = shown.contacts;
         let report = self.slam.step(&sample.to_slam());
         let ours = Estimate::of(&self.slam, sample.time_us);
-        let mut handed_over = None;
+        // In the order and with the work of the firmware's tasks.
+        let mut hands_over = false;
         if let Some(back_end) = &mut self.back_end {
-            // In the order and with the work of the firmware's tasks.
             back_end.record(&self.slam, &report);
-            handed_over = back_end.hand_over(&mut self.slam);
-            back_end.work(STEP_US);
+            hands_over = back_end.is_catching_up();
         }
-        if handed_over.is_none() {
+        if !hands_over {
             self.keep(sample, &report, answer.flash.as_deref());
+        }
+        if let Some(back_end) = &mut self.back_end {
+            back_end.work(STEP_US);
+            back_end.hand_over(&mut self.slam);
         }
         self.late_us.push(theirs.late_us);
         if ours.same_bits(&theirs) {
