@@ -2,7 +2,7 @@
 //!
 //! Both maps have a grid. Turned onto each other's, they leave four rotations and a shift, along x by the walls that
 //! face along x and along y by the others: two lists of candidates in place of an interpretation tree (Arras, Castellanos and
-//! Siegwart 2002). Every pair of candidates is a hypothesis, and *elsewhere* is one, too: a fresh map from another home has to
+//! Siegwart 2002). Every pair of candidates is a hypothesis, whose matches are judged together (Neira and Tardos 2001), and *elsewhere* is one, too: a fresh map from another home has to
 //! score worse than that.
 //!
 //! | part | what it makes |
@@ -18,7 +18,16 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+#[cfg(test)]
+extern crate std;
+#[cfg(test)]
+mod tests;
+
 mod agreement;
+mod crossings;
+mod extents;
+mod fresh;
+mod joint;
 mod locator;
 mod odds;
 mod search;

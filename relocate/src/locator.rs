@@ -11,8 +11,8 @@
 //! ```
 
 use heapless::Vec;
-use slam_core::Match;
 use slam_core::kept::Kept;
+use slam_core::{Match, Pose};
 
 use crate::PATH_POINTS;
 use crate::agreement::Agreement;
@@ -86,6 +86,8 @@ pub struct Locator {
     since_m: f32,
     next_search_m: f32,
     trail: Vec<[f32; 2], PATH_POINTS>,
+    /// Where the filter's frame was when the trail began.
+    anchor: Option<Pose>,
     spacing_m: f32,
     search: Search,
     is_searching: bool,
@@ -105,6 +107,7 @@ impl Locator {
             since_m: 0.0,
             next_search_m: 0.0,
             trail: Vec::new(),
+            anchor: None,
             spacing_m: POINTS_M,
             search: Search::IDLE,
             is_searching: false,
@@ -149,6 +152,11 @@ impl Locator {
     pub fn step(&mut self, own: &impl Kept, kept: &impl Kept, step: &Step, hypotheses: usize) -> Option<Event> {
         self.path_m += step.travelled_m;
         if self.state == State::Searching {
+            let anchor = own.frame().anchor.map(|(pose, _)| pose);
+            if core::mem::replace(&mut self.anchor, anchor) != anchor {
+                // Another frame.
+                self.trail.clear();
+            }
             self.remember(step.position_m);
             let found = self.work(own, kept, hypotheses)?;
             self.become_state(State::Probation);
@@ -207,7 +215,7 @@ impl Locator {
             self.next_search_m = self.path_m + SEARCH_EVERY_M;
             self.is_searching = self.search.begin(own, kept, &self.trail);
         }
-        if !self.is_searching || self.search.work(hypotheses) == Progress::Working {
+        if !self.is_searching || self.search.work(kept, hypotheses) == Progress::Working {
             return None;
         }
         self.is_searching = false;

@@ -3,7 +3,7 @@
 use heapless::Vec;
 
 use crate::FRESH_SIDES;
-use crate::side::Side;
+use crate::side::{ORIGIN_M, Side, is_one};
 
 /// Share of a fresh map's walls that stand where the kept one says: the others are furniture that was moved, doors, and walls
 /// that either map has wrong.
@@ -13,31 +13,32 @@ const SAME: f32 = 0.7;
 /// path of a place that could be right lies beside walls, too: chance puts a wall on a kept one far more often than in all the home.
 const REACH_M: f32 = 1.5;
 
-/// Walls across one axis that are nearer to each other than this have one origin, metres: a wall between rooms has two
-/// faces, and doors and furniture cut one face into several walls.
-const ORIGIN_M: f32 = 0.15;
-
 /// Two maps have the same wall up to this, metres, beyond what either knows: the relief of built walls, and how the maps are
 /// bent.
-const BENT_M: f32 = 0.02;
+pub(crate) const BENT_M: f32 = 0.02;
 
-/// Logarithm of the odds that a kept wall that the robot drove through is gone: a door that was shut, a thing that was moved.
-const CROSSED: f32 = -2.3;
+/// Share of ends of walls that are corners and doors, where another drive sees them end, too: the others end where the robot saw no more.
+const SAME_END: f32 = 0.5;
+
+/// How far the ends of one wall in two maps are apart, 1-sigma, metres: seen from elsewhere, a beam's width and a reading's distance later.
+const END_M: f32 = 0.15;
+
+/// Share of kept walls that are gone: doors that were shut, things that were moved.
+const GONE: f32 = 0.1;
 
 /// Odds of elsewhere beforehand: that the robot stands in a home, or in a part of this one, that the map does not have.
 const ELSEWHERE: f32 = 0.1;
 
-/// How much worse elsewhere explains a match than the rest of the model says, nats. It takes walls of one origin for one and chance to be as near as the
-/// reach; where both are at work they say some of the same. Over fourteen homes the best place of a search had modelled odds of 1 to
-/// e^2 in 22 % of searches in the home's own map and in 0.25 % of those in another's: with the prior, odds of 900 to 1 that it is right, e^5.8 times as
-/// high as modelled. Nearly two nats of that are left for homes that are not like those.
-const CHANCE: f32 = 4.0;
+/// How much worse elsewhere explains a match than the rest of the model says, nats. It takes walls of one origin for one, ends that are in one line, too,
+/// and chance to be as near as the reach; where these are at work they say some of the same. Over fourteen homes with four nats the best place of a
+/// search had modelled odds of 1 to e^2 in 3.2 % of searches in the home's own map and in 6.0 % of those in another's, of e^2 to e^4 in 6.1 % and 0.85 %:
+/// with the prior, e^1.7 and e^4.3. Another nat is for homes that are not like those.
+const CHANCE: f32 = 5.0;
 
 /// Log-likelihood ratio of a fresh wall, `off_m` from a kept one that faces the same way and reaches along `overlap` of it, against
 /// anything that stands anywhere.
 pub(crate) fn of_wall(off_m: f32, variance_m2: f32, overlap: f32) -> f32 {
-    let variance = variance_m2 + BENT_M * BENT_M;
-    let density = libm::expf(-0.5 * off_m * off_m / variance) / libm::sqrtf(core::f32::consts::TAU * variance);
+    let density = libm::expf(-0.5 * off_m * off_m / variance_m2) / libm::sqrtf(core::f32::consts::TAU * variance_m2);
     libm::logf(1.0 - SAME + SAME * overlap * density * REACH_M)
 }
 
@@ -46,31 +47,58 @@ pub(crate) fn of_nothing() -> f32 {
     libm::logf(1.0 - SAME)
 }
 
+/// What a wall says that is a kept one as likely as not.
+pub(crate) fn of_even() -> f32 {
+    libm::logf(2.0 * (1.0 - SAME))
+}
+
 /// How much each of a fresh map's walls counts, so that those of one origin together count as one: one that chance put on a kept one
 /// brings the others with it.
 pub(crate) fn weigh(fresh: &[Side], weights: &mut Vec<f32, FRESH_SIDES>) {
     weights.clear();
     for a in fresh {
-        let is_of_it = |b: &&Side| a.axis() == b.axis() && (a.at_m - b.at_m).abs() < ORIGIN_M;
+        let of_one = fresh.iter().filter(|b| is_one(a, b)).count();
         // There is room for as many weights as walls.
-        let _ = weights.push(1.0 / fresh.iter().filter(is_of_it).count().max(1) as f32);
+        let _ = weights.push(1.0 / of_one.max(1) as f32);
     }
 }
 
-/// Precision of a wall's position against another map's, 1/m^2.
-pub(crate) fn precision(variance_m2: f32) -> f32 {
-    1.0 / (variance_m2 + BENT_M * BENT_M)
+/// How much the ends of each count: an end at a corner is where the wall across stands, which counts itself, and ends that are in
+/// one line have one origin.
+pub(crate) fn weigh_ends(fresh: &[Side], weights: &mut Vec<[f32; 2], FRESH_SIDES>) {
+    weights.clear();
+    for a in fresh {
+        let of_end = |end_m: f32| {
+            let is_near = |at_m: f32| (at_m - end_m).abs() < ORIGIN_M;
+            let is_corner = fresh.iter().any(|b| b.axis() != a.axis() && is_near(b.at_m));
+            let ends = fresh.iter().filter(|b| b.axis() == a.axis()).flat_map(|b| b.extent_m);
+            if is_corner { 0.0 } else { 1.0 / ends.filter(|at_m| is_near(*at_m)).count().max(1) as f32 }
+        };
+        // There is room for as many weights as walls.
+        let _ = weights.push(a.extent_m.map(of_end));
+    }
 }
 
-/// Log-likelihood of kept walls that were driven through.
-pub(crate) fn of_crossings(count: usize) -> f32 {
-    CROSSED * count as f32
+/// Log-likelihood ratio of the first wall of an axis, which settles the shift along it: anywhere is as likely.
+pub(crate) fn of_seed(likeness: f32) -> f32 {
+    libm::logf(1.0 - SAME + SAME * REACH_M * likeness)
 }
 
-/// Logarithm of the share of all places, in four rotations over so much floor (m^2), that is this one within what is known of
-/// the shift (precisions, 1/m^2).
-pub(crate) fn of_place(precisions: [f32; 2], floor_m2: f32) -> f32 {
-    libm::logf(core::f32::consts::TAU / (libm::sqrtf(precisions[0] * precisions[1]) * 4.0 * floor_m2))
+/// Likelihood ratio of an end of a fresh wall that is so far from that of a kept one, against its being anywhere within reach.
+pub(crate) fn of_end(off_m: f32) -> f32 {
+    let sigmas = off_m * (1.0 / END_M);
+    let density = libm::expf(-0.5 * sigmas * sigmas) / (2.506_628 * END_M);
+    1.0 - SAME_END + SAME_END * density * 2.0 * REACH_M
+}
+
+/// Log-likelihood of a kept wall that the path goes through by so many sigmas.
+pub(crate) fn of_crossing(sigmas: f32) -> f32 {
+    libm::logf(GONE + (1.0 - GONE) * libm::expf(-0.5 * sigmas * sigmas))
+}
+
+/// Logarithm of the density of shifts, in four rotations over so much floor, m^2.
+pub(crate) fn of_place(floor_m2: f32) -> f32 {
+    -libm::logf(4.0 * floor_m2)
 }
 
 /// Logarithm of the odds of elsewhere, against a place as the walls say.

@@ -4,10 +4,13 @@ use heapless::Vec;
 use slam_core::Match;
 use slam_core::kept::Kept;
 
+use crate::crossings;
+use crate::fresh::Fresh;
+use crate::joint::{Joint, Pair};
 use crate::odds::{self, Verdict};
 use crate::shift::{SHIFTS, Shift, shifts};
 use crate::side::{ALPHA, Side, find_sides, path_on_grid, turned_point};
-use crate::{FRESH_SIDES, KEPT_SIDES, PATH_POINTS};
+use crate::{KEPT_SIDES, PATH_POINTS};
 
 /// Hypotheses that are remembered.
 const REMEMBERED: usize = 8;
@@ -15,34 +18,37 @@ const REMEMBERED: usize = 8;
 /// Hypotheses that differ by less than this along both axes are one, metres.
 const SAME_PLACE_M: f32 = 0.15;
 
+/// And so are those that differ by less than so many sigmas.
+const SAME_SIGMAS: f32 = 3.0;
+
 /// A hypothesis whose bound is so far below the best one's score adds nothing to the odds, natural logarithm.
 const NEGLIGIBLE: f32 = 16.0;
-
-/// An extent overlaps another one also where it ends so much before, metres.
-const ENDS_M: f32 = 0.15;
-
-/// A match that the robot is placed by is nearer than this, metres.
-const MATCHED_M: f32 = 0.10;
 
 /// A place of the fresh map in the kept one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hypothesis {
     /// Quarter turns from the fresh grid to the kept one.
     pub quarters: u8,
-    /// Shift of the turned fresh map, metres along the kept grid's x and y.
+    /// Shift of the turned fresh map where the robot is, metres along the kept grid's x and y.
     pub shift_m: [f32; 2],
+    /// Variance of that, m^2.
+    pub variance_m2: [f32; 2],
     /// Logarithm of its likelihood times its prior, against the fresh walls standing anywhere.
     pub score: f32,
     /// Fresh walls that stand where kept ones do, along x and along y.
     pub matched: [u8; 2],
-    /// The best matched walls of each axis: fresh, kept.
+    /// Of each axis, the matched walls that the robot's place is best known from: fresh, kept.
     pub pairs: [Option<(u16, u16)>; 2],
 }
 
 impl Hypothesis {
     /// Whether two are one place.
     pub fn is_same_place(&self, other: &Self) -> bool {
-        let near = |axis: usize| (self.shift_m[axis] - other.shift_m[axis]).abs() < SAME_PLACE_M;
+        let near = |axis: usize| {
+            let off_m = self.shift_m[axis] - other.shift_m[axis];
+            let variance = self.variance_m2[axis] + other.variance_m2[axis];
+            off_m * off_m < (SAME_PLACE_M * SAME_PLACE_M).max(SAME_SIGMAS * SAME_SIGMAS * variance)
+        };
         self.quarters == other.quarters && near(0) && near(1)
     }
 
@@ -64,15 +70,12 @@ pub enum Progress {
 /// A search of a fresh map in a kept one: some 5 KB, which therefore stays where it is from one search to the next.
 #[derive(Clone, Debug)]
 pub struct Search {
-    /// The fresh map's walls, turned by so many quarters.
-    fresh: Vec<Side, FRESH_SIDES>,
-    quarters: u8,
-    /// How much each of them counts.
-    weights: Vec<f32, FRESH_SIDES>,
+    fresh: Fresh,
     kept: Vec<Side, KEPT_SIDES>,
     /// On the fresh grid.
     path_m: Vec<[f32; 2], PATH_POINTS>,
-    floor_m2: f32,
+    /// Logarithm of the density of places.
+    of_place: f32,
     xs: Vec<Shift, SHIFTS>,
     ys: Vec<Shift, SHIFTS>,
     next: (usize, usize),
@@ -84,12 +87,10 @@ pub struct Search {
 impl Search {
     /// Not begun.
     pub const IDLE: Self = Self {
-        fresh: Vec::new(),
-        quarters: 0,
-        weights: Vec::new(),
+        fresh: Fresh::NONE,
         kept: Vec::new(),
         path_m: Vec::new(),
-        floor_m2: 0.0,
+        of_place: 0.0,
         xs: Vec::new(),
         ys: Vec::new(),
         next: (0, 0),
@@ -100,13 +101,11 @@ impl Search {
     /// Begins to search a fresh map, in whose frame the robot drove along this trail (metres), in a kept one; false where the fresh
     /// one has no walls on a grid.
     pub fn begin(&mut self, fresh: &impl Kept, kept: &impl Kept, trail_m: &[[f32; 2]]) -> bool {
-        find_sides(fresh, &mut self.fresh);
-        if self.fresh.is_empty() {
+        if !self.fresh.take(fresh) {
             return false;
         }
-        odds::weigh(&self.fresh, &mut self.weights);
         find_sides(kept, &mut self.kept);
-        self.floor_m2 = floor_m2(&self.kept);
+        self.of_place = odds::of_place(floor_m2(&self.kept));
         let alpha_rad = fresh.mean(ALPHA);
         self.path_m.clear();
         for point_m in trail_m {
@@ -115,117 +114,95 @@ impl Search {
         }
         self.best.clear();
         self.rest = f32::NEG_INFINITY;
-        self.quarters = 0;
-        self.find_shifts();
+        self.find_shifts(kept);
         true
     }
 
-    /// Turns the fresh map by another quarter.
-    fn turn(&mut self) {
-        self.quarters += 1;
-        self.fresh.iter_mut().for_each(|side| *side = side.turned());
-        self.find_shifts();
-    }
-
-    fn find_shifts(&mut self) {
-        shifts(&self.fresh, &self.weights, &self.kept, 0, &mut self.xs);
-        shifts(&self.fresh, &self.weights, &self.kept, 1, &mut self.ys);
+    fn find_shifts(&mut self, map: &impl Kept) {
+        shifts(&self.fresh, &self.kept, map, 0, &mut self.xs);
+        shifts(&self.fresh, &self.kept, map, 1, &mut self.ys);
         self.next = (0, 0);
     }
 
-    /// Scores about so many hypotheses, each of [`FRESH_SIDES`] x [`KEPT_SIDES`] comparisons at most.
-    pub fn work(&mut self, hypotheses: usize) -> Progress {
+    /// Scores about so many hypotheses in the kept map of [`begin`](Self::begin).
+    pub fn work(&mut self, map: &impl Kept, hypotheses: usize) -> Progress {
         for _ in 0..hypotheses {
             let (x, y) = self.next;
             let (Some(along_x), Some(along_y)) = (self.xs.get(x).copied(), self.ys.get(y).copied()) else {
                 if y == 0 || self.xs.get(x + 1).is_none() {
-                    if self.quarters == 3 {
+                    if self.fresh.quarters == 3 {
                         return Progress::Done;
                     }
-                    self.turn();
+                    self.fresh.turn();
+                    self.find_shifts(map);
                 } else {
                     self.next = (x + 1, 0);
                 }
                 continue;
             };
             let least = self.best.first().map_or(f32::NEG_INFINITY, |best| best.score - NEGLIGIBLE);
-            if along_x.bound + along_y.bound < least.max(-NEGLIGIBLE) {
+            if along_x.bound + along_y.bound + self.of_place < least.max(-NEGLIGIBLE) {
                 // Those that follow have lower bounds.
                 self.next = if y == 0 { (self.xs.len(), 0) } else { (x + 1, 0) };
                 continue;
             }
             self.next = (x, y + 1);
-            let hypothesis = self.score([along_x.by_m, along_y.by_m]);
+            let hypothesis = self.score(map, [along_x.pair, along_y.pair], least);
             self.remember(hypothesis);
         }
         Progress::Working
     }
 
-    /// A hypothesis near a shift: the shift is first settled by the walls that it matches.
-    fn score(&self, near_m: [f32; 2]) -> Hypothesis {
-        let (mut shift_m, mut precisions) = (near_m, [1.0; 2]);
-        for axis in 0..2 {
-            let (mut weights, mut sum_m) = (0.0, 0.0);
-            for a in self.fresh.iter().filter(|side| side.axis() == axis) {
-                if let Some((b, off_m)) = self.nearest(a, near_m)
-                    && off_m.abs() < MATCHED_M
-                {
-                    let weight = odds::precision(a.variance_m2 + b.variance_m2);
-                    weights += weight;
-                    sum_m += weight * off_m;
-                }
-            }
-            if weights > 0.0 {
-                shift_m[axis] += sum_m / weights;
-                precisions[axis] = weights;
-            }
+    /// The hypothesis of two matches that settle the shift. Where it is below `least` as it is, it is not asked what the path says
+    /// against it, too.
+    fn score(&self, map: &impl Kept, seeds: [Pair; 2], least: f32) -> Hypothesis {
+        let mut joint = Joint::new(&self.fresh, &self.kept, map, seeds.map(Some));
+        let mut found = Hypothesis {
+            quarters: self.fresh.quarters,
+            shift_m: seeds.map(|seed| seed.apart_m(&self.fresh, &self.kept)),
+            variance_m2: [f32::INFINITY; 2],
+            score: self.of_place + joint.match_all(),
+            matched: [0; 2],
+            pairs: [None; 2],
+        };
+        if found.score > least {
+            found.score += self.crossings(map, seeds, found.shift_m);
         }
-        let mut found = Hypothesis { quarters: self.quarters, shift_m, score: 0.0, matched: [0; 2], pairs: [None; 2] };
-        let mut least_m2 = [f32::INFINITY; 2];
-        for (a, weight) in self.fresh.iter().zip(&self.weights) {
-            let Some((b, off_m)) = self.nearest(a, shift_m) else {
-                found.score += weight * odds::of_nothing();
-                continue;
-            };
-            let variance = a.variance_m2 + b.variance_m2;
-            found.score += weight * odds::of_wall(off_m, variance, overlap(a, b, shift_m));
-            let axis = a.axis();
-            if off_m.abs() < MATCHED_M {
-                found.matched[axis] += 1;
-                if variance < least_m2[axis] {
-                    least_m2[axis] = variance;
-                    found.pairs[axis] = Some((a.id, b.id));
-                }
-            }
-        }
-        found.score += odds::of_crossings(self.crossings(shift_m)) + odds::of_place(precisions, self.floor_m2);
+        seeds.iter().chain(&joint.pairs).for_each(|pair| self.place(&mut found, *pair));
         found
     }
 
-    /// The kept wall that explains a fresh one best, and how far it is from that.
-    fn nearest(&self, a: &Side, shift_m: [f32; 2]) -> Option<(&Side, f32)> {
-        let off_m = |b: &Side| b.at_m - a.at_m - shift_m[a.axis()];
-        let same = self.kept.iter().filter(|b| b.facing == a.facing && overlap(a, b, shift_m) > 0.0);
-        same.map(|b| (b, off_m(b))).min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+    /// Takes a match into a hypothesis: the robot's place is that beside the walls that it knows itself beside best.
+    fn place(&self, found: &mut Hypothesis, Pair { fresh, kept }: Pair) {
+        let (fresh, kept) = (usize::from(fresh), usize::from(kept));
+        let (Some(a), Some(b)) = (self.fresh.sides.get(fresh), self.kept.get(kept)) else { return };
+        let variance_m2 = self.fresh.beside_m2(fresh) + odds::BENT_M * odds::BENT_M;
+        let axis = a.axis();
+        found.matched[axis] += 1;
+        if variance_m2 < found.variance_m2[axis] {
+            found.variance_m2[axis] = variance_m2;
+            found.shift_m[axis] = b.at_m - a.at_m;
+            found.pairs[axis] = Some((a.id, b.id));
+        }
     }
 
-    /// Kept walls that the driven path goes through.
-    fn crossings(&self, shift_m: [f32; 2]) -> usize {
+    /// What the kept walls say that the driven path goes through.
+    fn crossings(&self, map: &impl Kept, seeds: [Pair; 2], shift_m: [f32; 2]) -> f32 {
         let place = |point: &[f32; 2]| {
-            let [x, y] = turned_point(*point, self.quarters);
+            let [x, y] = turned_point(*point, self.fresh.quarters);
             [x + shift_m[0], y + shift_m[1]]
         };
-        let crosses = |side: &Side, from: [f32; 2], to: [f32; 2]| {
-            let (across, along) = (side.axis(), 1 - side.axis());
-            let (a, b) = (from[across] - side.at_m, to[across] - side.at_m);
-            if a * b >= 0.0 {
-                return false;
-            }
-            let at_m = from[along] + (to[along] - from[along]) * a / (a - b);
-            (side.extent_m[0]..=side.extent_m[1]).contains(&at_m)
+        let of_wall = |side: &Side| {
+            let Some(depth_m) = crossings::depth_m(side, self.path_m.iter().map(place)) else { return 0.0 };
+            let seed = seeds[side.axis()];
+            let Some(other) = self.kept.get(usize::from(seed.kept)) else { return 0.0 };
+            // Where the wall is beside the seed's kept one, and the path beside its fresh one.
+            let of = |a: &Side, b: &Side| a.sign() * b.sign() * map.covariance(usize::from(a.rho), usize::from(b.rho));
+            let walls_m2 = of(side, side) + of(other, other) - 2.0 * of(side, other);
+            let path_m2 = self.fresh.beside_m2(usize::from(seed.fresh));
+            odds::of_crossing(depth_m / libm::sqrtf(walls_m2.max(0.0) + path_m2 + odds::BENT_M * odds::BENT_M))
         };
-        let legs = || self.path_m.windows(2).filter_map(|leg| Some((place(leg.first()?), place(leg.last()?))));
-        self.kept.iter().filter(|side| legs().any(|(from, to)| crosses(side, from, to))).count()
+        self.kept.iter().map(of_wall).sum()
     }
 
     fn remember(&mut self, hypothesis: Hypothesis) {
@@ -250,7 +227,7 @@ impl Search {
         let against = odds::log_sum(others, odds::of_elsewhere());
         Some(Verdict {
             best,
-            walls: self.fresh.len() as u8,
+            walls: self.fresh.sides.len() as u8,
             log_odds: best.score - against,
             others: best.score - others,
         })
@@ -260,14 +237,6 @@ impl Search {
     pub fn hypotheses(&self) -> &[Hypothesis] {
         &self.best
     }
-}
-
-/// Share of a fresh wall's extent that a kept one reaches along.
-fn overlap(a: &Side, b: &Side, shift_m: [f32; 2]) -> f32 {
-    let along_m = shift_m[1 - a.axis()];
-    let [lo_m, hi_m] = a.extent_m.map(|end_m| end_m + along_m);
-    let common_m = hi_m.min(b.extent_m[1] + ENDS_M) - lo_m.max(b.extent_m[0] - ENDS_M);
-    (common_m / a.length_m().max(1e-3)).clamp(0.0, 1.0)
 }
 
 /// Floor that a map's walls enclose, m^2.

@@ -1,10 +1,11 @@
 //! Candidates for the shift along one axis.
 
 use heapless::Vec;
+use slam_core::kept::Kept;
 
-use crate::odds;
+use crate::fresh::Fresh;
+use crate::joint::{Joint, Pair};
 use crate::side::Side;
-use crate::{FRESH_SIDES, KEPT_SIDES};
 
 /// Shifts that differ by less than this are one, metres.
 const MERGE_M: f32 = 0.04;
@@ -12,30 +13,25 @@ const MERGE_M: f32 = 0.04;
 /// Most shifts along one axis.
 pub(crate) const SHIFTS: usize = 128;
 
-/// A shift along one axis, and the most that the walls across that axis can say for it.
+/// A match that settles the shift along an axis, and the most that the walls across that axis can say for it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shift {
-    pub by_m: f32,
+    pub pair: Pair,
     pub bound: f32,
 }
 
 /// Every shift along an axis that lays a fresh wall on a kept one that faces the same way; the best supported ones where there
 /// is no room for all, best first.
-pub(crate) fn shifts(
-    fresh: &Vec<Side, FRESH_SIDES>,
-    weights: &Vec<f32, FRESH_SIDES>,
-    kept: &Vec<Side, KEPT_SIDES>,
-    axis: usize,
-    found: &mut Vec<Shift, SHIFTS>,
-) {
+pub(crate) fn shifts(fresh: &Fresh, kept: &[Side], map: &impl Kept, axis: usize, found: &mut Vec<Shift, SHIFTS>) {
     found.clear();
-    for a in fresh.iter().filter(|side| side.axis() == axis) {
-        for b in kept.iter().filter(|side| side.facing == a.facing) {
+    for (i, a) in fresh.sides.iter().enumerate().filter(|(_, side)| side.axis() == axis) {
+        for (j, b) in kept.iter().enumerate().filter(|(_, side)| side.facing == a.facing) {
             let by_m = b.at_m - a.at_m;
-            if found.iter().any(|shift| (shift.by_m - by_m).abs() < MERGE_M) {
+            if found.iter().any(|shift| (shift.pair.apart_m(fresh, kept) - by_m).abs() < MERGE_M) {
                 continue;
             }
-            let shift = Shift { by_m, bound: bound(fresh, weights, kept, axis, by_m) };
+            let pair = Pair { fresh: i as u8, kept: j as u8 };
+            let shift = Shift { pair, bound: bound(fresh, kept, map, axis, pair) };
             if let Err(shift) = found.push(shift)
                 && let Some(worst) = found.iter_mut().min_by(|a, b| a.bound.total_cmp(&b.bound))
                 && worst.bound < shift.bound
@@ -47,18 +43,7 @@ pub(crate) fn shifts(
     found.sort_unstable_by(|a, b| b.bound.total_cmp(&a.bound));
 }
 
-/// The most that the walls across an axis can say for a shift: each at the nearest kept wall, wherever that reaches, within what
-/// merging leaves.
-fn bound(fresh: &[Side], weights: &[f32], kept: &[Side], axis: usize, by_m: f32) -> f32 {
-    let of_side = |a: &Side| {
-        kept.iter()
-            .filter(|b| b.facing == a.facing)
-            .map(|b| {
-                let off_m = ((b.at_m - a.at_m - by_m).abs() - MERGE_M).max(0.0);
-                odds::of_wall(off_m, a.variance_m2 + b.variance_m2, 1.0)
-            })
-            .fold(odds::of_nothing(), f32::max)
-    };
-    let across = fresh.iter().zip(weights).filter(|(side, _)| side.axis() == axis);
-    across.map(|(side, weight)| weight * of_side(side)).sum()
+/// The most that the walls across an axis can say for a shift.
+fn bound(fresh: &Fresh, kept: &[Side], map: &impl Kept, axis: usize, seed: Pair) -> f32 {
+    Joint::new(fresh, kept, map, [0, 1].map(|i| (i == axis).then_some(seed))).match_all()
 }

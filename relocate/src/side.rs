@@ -25,12 +25,12 @@ pub struct Side {
     pub id: u16,
     /// Direction of its normal: x, y, -x, -y for 0 to 3.
     pub facing: u8,
+    /// The state that is the distance of its line from the map's origin.
+    pub rho: u16,
     /// Where its line cuts the axis that its normal is along, metres.
     pub at_m: f32,
     /// Its extent along the other axis, metres.
     pub extent_m: [f32; 2],
-    /// Variance of `at_m`, m^2.
-    pub variance_m2: f32,
 }
 
 impl Side {
@@ -51,13 +51,12 @@ impl Side {
         let half_m = 0.5 * (wall.hi_m - wall.lo_m);
         // The normal of facing k is that of 0, turned k times; so is the direction along the wall.
         let (sign, along_sign) = [(1.0, 1.0), (1.0, -1.0), (-1.0, -1.0), (-1.0, 1.0)][usize::from(facing)];
-        let rho = usize::from(wall.rho);
         Some(Self {
             id: wall.id,
             facing,
+            rho: wall.rho,
             at_m: sign * across_m,
             extent_m: [along_sign * along_m - half_m, along_sign * along_m + half_m],
-            variance_m2: kept.covariance(rho, rho).max(0.0),
         })
     }
 
@@ -69,6 +68,11 @@ impl Side {
     /// The axis that its normal is along: 0 for x.
     pub fn axis(&self) -> usize {
         usize::from(self.facing & 1)
+    }
+
+    /// How `at_m` goes with the distance of its line from the map's origin.
+    pub(crate) fn sign(&self) -> f32 {
+        if self.facing < 2 { 1.0 } else { -1.0 }
     }
 
     /// Turned about the origin by a quarter turn, counter-clockwise.
@@ -84,6 +88,15 @@ impl Side {
         side.facing = (self.facing + 1) & 3;
         side
     }
+}
+
+/// Walls across one axis that are nearer to each other than this have one origin, metres: a wall between rooms has two
+/// faces, and doors and furniture cut one face into several walls.
+pub(crate) const ORIGIN_M: f32 = 0.15;
+
+/// Whether two walls of a map are of one origin.
+pub(crate) fn is_one(a: &Side, b: &Side) -> bool {
+    a.axis() == b.axis() && (a.at_m - b.at_m).abs() < ORIGIN_M
 }
 
 /// The walls of a map that stand on its grid, the longest where there is no room for all; none where it has no grid.

@@ -185,7 +185,7 @@ fn carry_there(there: &Home, kept: &Home, homes: &[Home], sensors: usize, seed: 
 fn verdict(slam: &HostSlam, home: &Home, trail_m: &[[f32; 2]]) -> Option<Verdict> {
     let mut search = Search::IDLE;
     search.begin(slam, &*home.kept, trail_m);
-    while search.work(1000) == Progress::Working {}
+    while search.work(&*home.kept, 1000) == Progress::Working {}
     search.verdict()
 }
 

@@ -8,7 +8,7 @@ use lab::input::log::{self, Row};
 use lab::input::rig_file::Robot;
 use lab::recording::{Pose2, Recording};
 use lab::run::Session;
-use slam_core::{Config, DriveModel, Increment, Motion, Pose, RangeInput, RangeModel};
+use slam_core::{Config, DriveModel, HostSlam, Increment, Motion, Pose, RangeInput, RangeModel};
 
 use crate::real_logs::RealLog;
 
@@ -117,6 +117,18 @@ impl LoadedLog {
         let first_s = self.rows.first().map_or(0.0, |row| row.t_s);
         let is_within = |row: &&Row| (from_s..to_s).contains(&(row.t_s - first_s));
         Self { rows: self.rows.iter().filter(is_within).cloned().collect(), ..self.clone() }
+    }
+
+    /// A drive without a map; `each` sees the estimator after every row.
+    ///
+    /// # Panics
+    /// The trial's robot cannot be.
+    pub fn drive_seen(&self, trial: &Trial, mut each: impl FnMut(&HostSlam)) {
+        let mut session = Session::new(&trial.robot(&self.robot), trial.config, "").expect("a robot that can be");
+        for row in &self.rows {
+            session.push(row);
+            each(session.slam());
+        }
     }
 
     /// A drive that begins in a kept map, not knowing where, or without one.
