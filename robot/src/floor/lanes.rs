@@ -76,6 +76,9 @@ impl<const S: usize> FloorJob<S> {
         if left_m < BEGUN_M {
             self.begin(Phase::Lane(lane), now_us);
         } else if is_blocked {
+            if self.is_target_left() {
+                self.give_up();
+            }
             self.finish_target(now_us);
         }
         (forward_mps.min(ARRIVAL_MPS + ARRIVAL_PER_S * left_m), turn_radps)

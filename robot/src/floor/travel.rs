@@ -45,14 +45,18 @@ impl<const S: usize> FloorJob<S> {
         Aim::Place(self.sheet.picture.cell_at(x_m, y_m))
     }
 
-    /// What it was after is done, or cannot be done from here: on to the next.
-    pub(super) fn finish_target(&mut self, now_us: u64) {
-        let is_left = match self.target {
+    /// Whether nothing came of what it was after.
+    pub(super) fn is_target_left(&self) -> bool {
+        match self.target {
             Some(Target::Edge { at, .. }) => self.sheet.swept.left_in(at) == 4,
             Some(Target::Open(cell)) => self.gained == 0 && self.sheet.swept.left_in(cell) > 0,
             _ => false,
-        };
-        if is_left {
+        }
+    }
+
+    /// What it was after is done, or cannot be done from here: on to the next.
+    pub(super) fn finish_target(&mut self, now_us: u64) {
+        if self.is_target_left() {
             // It was there, nothing stood in its way, and the brush does not reach it.
             self.leave();
         }
