@@ -49,9 +49,16 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         if !self.config.motion.find_holds || !matches!(self.rig.drive, DriveModel::Wheels { .. }) {
             return;
         }
-        let Some(found) = self.holds.judge(layout::pose(&self.ekf)) else { return };
-        // Half of what is in doubt was driven, give or take the other half.
-        let sigma = found.in_doubt.map(|value| 0.5 * value);
+        let moment = Moment { map: layout::pose(&self.ekf), reckoned: self.drive.dead_reckoning.pose };
+        let scene = Scene { ekf: &self.ekf, map: &self.map };
+        let confirmed = self.holds.confirm(&scene, self.jolts.recent(), &moment);
+        let Some(found) = confirmed.or_else(|| self.holds.judge(moment.map, self.counters.steps)) else {
+            if self.holds.is_in_doubt() {
+                self.jolts.give_up();
+            }
+            return;
+        };
+        let sigma = found.sigma;
         self.put(found.pose, &sigma.map(|a| sigma.map(|b| a * b)));
         self.jolts = Jolts::NONE;
         self.counters.add_hold(found.is_held);

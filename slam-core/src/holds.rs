@@ -10,9 +10,13 @@ use crate::filter::layout;
 use crate::geometry::angle::{sin_cos, wrap};
 use crate::geometry::line::Line;
 use crate::geometry::pose::Pose;
+use crate::jolts::confirmation::Confirmation;
+use crate::jolts::recent::{self, Recent};
+use crate::jolts::search::Scene;
 use crate::measurement::beam::Beam;
 use crate::measurement::data_association::{CHANGE_M, MIDDLE_M, density};
 use crate::measurement::sensor::Sensor;
+use crate::motion::step::Step;
 use crate::report::Outcome;
 use crate::sensing::latency::Timing;
 use crate::sensing::range::{Reading, SURFACE_M};
@@ -96,10 +100,18 @@ struct Moment {
 pub struct Correction {
     /// Where it is, in the map.
     pub pose: Pose,
-    /// The motion of its wheels that is in doubt, metres and radians, in the map.
-    pub in_doubt: [f32; 3],
+    /// 1-sigma vector of that, metres and radians: half of the motion of its wheels that is in doubt, for half of it was driven, give
+    /// or take the other half.
+    pub sigma: [f32; 3],
     /// Whether it is held from now on.
     pub is_held: bool,
+}
+
+/// What all sensors say together, until readings of other places confirm it.
+#[derive(Clone, Copy, Debug)]
+struct Claim {
+    correction: Correction,
+    confirmation: Confirmation,
 }
 
 /// Whether the robot is held, and what speaks for it.
@@ -112,6 +124,7 @@ pub struct Holds<const S: usize> {
     /// How far beams moved by them, metres, and for how long, seconds.
     at: (f32, f32),
     moment: Option<Moment>,
+    claim: Option<Claim>,
     is_held: bool,
 }
 
@@ -123,6 +136,7 @@ impl<const S: usize> Holds<S> {
         heading: (0.0, 1.0),
         at: (0.0, 0.0),
         moment: None,
+        claim: None,
         is_held: false,
     };
 
@@ -134,6 +148,11 @@ impl<const S: usize> Holds<S> {
     /// Forgets what was seen: where the robot is in the map is another place, or the map another one.
     pub fn forget(&mut self) {
         *self = Self { is_held: self.is_held, ..Self::NONE };
+    }
+
+    /// Whether it is in doubt where the robot is, so that readings are not to be used.
+    pub fn is_in_doubt(&self) -> bool {
+        self.claim.is_some()
     }
 
     /// Follows the wheels by a motion in the robot's frame.
@@ -162,6 +181,9 @@ impl<const S: usize> Holds<S> {
         (ekf, map): (&EkfView, &MapView),
         outcome: &Outcome,
     ) {
+        if self.claim.is_some() {
+            return;
+        }
         let Some(witness) = self.witnesses.get_mut(sensor.index) else { return };
         let wall = match outcome {
             Outcome::Updated { wall, innovation_m, .. } => Some((*wall, *innovation_m)),
@@ -204,8 +226,12 @@ impl<const S: usize> Holds<S> {
         *witness = Witness { met: Some(met), before, now: 0.0 };
     }
 
-    /// Judges by all readings so far, with the pose after the last of them.
-    pub fn judge(&mut self, map: Pose) -> Option<Correction> {
+    /// Judges by all readings so far, with the pose after the last of them, in the step of this number. That the robot is held has
+    /// to be confirmed; one that is held and says so no more is not.
+    pub fn judge(&mut self, map: Pose, number: u32) -> Option<Correction> {
+        if self.claim.is_some() {
+            return None;
+        }
         let said: f32 = self.witnesses.iter().map(Witness::says).sum();
         self.settle(said);
         let now = Moment { map, wheels: self.wheels, at_m: self.at.0 };
@@ -226,10 +252,34 @@ impl<const S: usize> Holds<S> {
         let moved = moment.wheels.inverse().compose(&self.wheels);
         let from = if self.is_held { map } else { moment.map };
         let to = from.compose(&moved);
-        let in_doubt = [to.x_m - from.x_m, to.y_m - from.y_m, moved.theta_rad];
-        let pose = if self.is_held { to } else { from };
-        *self = Self { is_held: !self.is_held, ..Self::NONE };
-        Some(Correction { pose, in_doubt, is_held: self.is_held })
+        let sigma = [to.x_m - from.x_m, to.y_m - from.y_m, moved.theta_rad].map(|in_doubt| 0.5 * in_doubt);
+        if self.is_held {
+            *self = Self::NONE;
+            return Some(Correction { pose: to, sigma, is_held: false });
+        }
+        let correction = Correction { pose: from, sigma, is_held: true };
+        self.claim = Some(Claim { correction, confirmation: Confirmation::since(number) });
+        None
+    }
+
+    /// Goes on with the confirmation where the robot seems to be held: by readings since, of one that stands against one that moved
+    /// as its wheels say.
+    pub fn confirm(&mut self, scene: &Scene, recent: &Recent, moment: &recent::Moment) -> Option<Correction> {
+        let Claim { correction, confirmation } = self.claim.as_ref()?;
+        let moved = recent.since(confirmation.onset(), moment);
+        let stayed = recent.standing_since(confirmation.onset(), &correction.pose);
+        let pairs = stayed.iter().map(|sighting| sighting.beam).zip(&moved);
+        let is_held = confirmation.verdict(scene.said(pairs, correction.sigma))?;
+        let found = is_held.then_some(*correction);
+        *self = Self { is_held, ..Self::NONE };
+        found
+    }
+
+    /// Time goes on by so much, seconds, to the step of this number.
+    pub fn wait(&mut self, dt_s: f32, step: &Step, number: u32) {
+        if let Some(claim) = &mut self.claim {
+            claim.confirmation.wait(dt_s, step, number);
+        }
     }
 
     /// What was said before tells no more where all of it speaks for what the robot is taken to do.

@@ -290,6 +290,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         };
         let spacing_m = Candidates::<B>::spacing_m(self.rig.sensors.len());
         self.jolts.wait(dt_s, &self.drive.step, self.counters.steps);
+        self.holds.wait(dt_s, &self.drive.step, self.counters.steps);
         let sensors = self.rig.sensors.iter().zip(&mut self.sensors).enumerate();
         for (((index, (limits, state)), input), report) in sensors.zip(inputs).zip(&mut report.readings) {
             if *input == RangeInput::Missing {
@@ -303,7 +304,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             } else if matches!(reading, Err(Refusal::TooFar | Refusal::Floor)) {
                 observer.judge_absence(&sensor);
             }
-            let is_in_doubt = self.jolts.is_in_doubt();
+            let is_in_doubt = self.jolts.is_in_doubt() || self.holds.is_in_doubt();
             let outcome = reading.and_then(|reading| match is_in_doubt {
                 true => Err(Refusal::Ambiguous),
                 false => observer.observe(&sensor, &reading),

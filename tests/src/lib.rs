@@ -6,6 +6,7 @@ pub mod devtools;
 pub mod frames;
 pub mod fuzzing;
 pub mod long_drive;
+pub mod mishaps;
 pub mod positivity;
 pub mod real_logs;
 pub mod report;

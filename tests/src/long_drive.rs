@@ -24,6 +24,10 @@ pub struct Hour {
     pub path_m: f64,
     /// Walls born.
     pub births: u32,
+    /// How often the robot was taken to be held or displaced, with and without reason.
+    pub holds: u32,
+    /// Displaced.
+    pub jolts: u32,
     /// Walls in the map at the end of the hour.
     pub walls: usize,
     /// Smallest pivot of the Cholesky factor of the correlation matrix with the jitter on its diagonal.
@@ -59,7 +63,7 @@ pub fn drive(plan: &Plan, hours: f64, seed: u64, mut each: impl FnMut(&Hour)) {
     let mut slam = HostSlam::with_config(rig.clone(), Config::default()).expect("a good rig");
     let mut robot = ClosedLoop::new(simulation, &rig, PilotConfig::default());
     let mut sums = Sums { hour: Hour { number: 1, least_pivot: f64::INFINITY, ..Hour::default() }, ..Sums::default() };
-    let mut births_before = 0;
+    let mut before = *slam.counters();
     let mut last = None;
     loop {
         let frame = robot.step(&mut |sample| {
@@ -89,16 +93,18 @@ pub fn drive(plan: &Plan, hours: f64, seed: u64, mut each: impl FnMut(&Hour)) {
         let time_h = robot.simulation.time_s() / 3600.0;
         let is_end = time_h >= hours - 1e-9;
         if is_end || time_h >= f64::from(sums.hour.number) - 1e-9 {
-            let births = slam.counters().births;
+            let counters = *slam.counters();
             let number = sums.hour.number;
             each(&Hour {
                 rmse_m: (sums.square_m2 / f64::from(sums.steps)).sqrt(),
                 nees: sums.nees / f64::from(sums.scored),
-                births: births - births_before,
+                births: counters.births - before.births,
+                holds: counters.holds - before.holds,
+                jolts: counters.jolts - before.jolts,
                 walls: slam.walls().count(),
                 ..sums.hour
             });
-            births_before = births;
+            before = counters;
             sums = Sums {
                 hour: Hour { number: number + 1, least_pivot: f64::INFINITY, ..Hour::default() },
                 ..Sums::default()

@@ -43,9 +43,7 @@ pub const PARTS: [Part; 16] = [
         config.sensing.calibrate_age = false;
     }),
     Part::new("slip", "the rig states all the noise of motion", |config| config.motion.slip = false),
-    Part::new("mean-travel", "scales multiply each step's odometry as it is", |config| {
-        config.motion.mean_travel = false
-    }),
+    Part::new("mean-travel", "scales multiply each step's motion as it is", |config| config.motion.mean_travel = false),
     Part::new("levels", "the noise is as large as the rig states", |config| config.sensing.learn_noise = false),
 ];
 

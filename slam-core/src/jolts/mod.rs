@@ -6,9 +6,11 @@
 //! robot is taken to be displaced where that is so much likelier that no chance of an hour explains it (a generalised
 //! likelihood ratio test for jumps, Willsky and Jones 1976, with the likelihood of readings that may be of anything).
 
+pub mod confirmation;
 pub mod recent;
 pub mod search;
 
+use crate::jolts::confirmation::{Confirmation, SURE, TRIAL_S};
 use crate::jolts::recent::{Moment, Recent, Seen};
 use crate::jolts::search::{Displacement, STARTS, Scene};
 use crate::measurement::data_association::{CHANGE_M, MIDDLE_M};
@@ -33,16 +35,6 @@ const RARE: f32 = 10.1;
 /// Log of the odds of a jolt by sensors that change at once from which on a displacement is looked for: fifty to one, two sensors of two.
 const WORTH: f32 = 4.0;
 
-/// Log of the odds at which the robot is taken to be displaced, twenty to one, and by which that displacement must be likelier
-/// than any other.
-const SURE: f32 = 3.0;
-
-/// For so long, seconds, it is looked for: a robot at walking pace has seen half a metre of other walls by then.
-const TRIAL_S: f32 = 2.0;
-
-/// Once beams have moved by so much, metres, they meet other places of a wall than those in which the displacement was looked for.
-const ELSEWHERE_M: f32 = 0.25;
-
 /// What became of the sensors at a look, a bit each.
 #[derive(Clone, Copy, Debug, Default)]
 struct Look {
@@ -66,8 +58,8 @@ struct Trial {
     best: Displacement,
     /// Log odds of the best of this round's others.
     other: f32,
-    /// Where the robot was, metres, when the best was found likely enough, and how far beams moved since; none until then.
-    found: Option<([f32; 2], f32)>,
+    /// Where the robot was, metres, when the best was found likely enough, and the wait for its confirmation; none until then.
+    found: Option<([f32; 2], Confirmation)>,
 }
 
 /// What speaks for a jolt, and the search for the displacement.
@@ -178,20 +170,15 @@ impl Jolts {
             self.trial = self.suspect();
             return None;
         };
+        if let Some(([x_m, y_m], confirmation)) = trial.found {
+            let found = trial.best.seen_from([moment.map.x_m - x_m, moment.map.y_m - y_m]);
+            let readings = self.recent.since(confirmation.onset(), moment);
+            let is_confirmed = confirmation.verdict(scene.said_of(&readings, &found))?;
+            self.give_up();
+            return is_confirmed.then_some(found);
+        }
         let readings = self.recent.since(trial.onset, moment);
         let is_late = trial.for_s > TRIAL_S;
-        if let Some(([x_m, y_m], moved_m)) = trial.found {
-            let found = trial.best.seen_from([moment.map.x_m - x_m, moment.map.y_m - y_m]);
-            let said = scene.said(&readings, &found);
-            let is_decided = is_late || moved_m > ELSEWHERE_M && said.abs() > SURE;
-            if is_decided {
-                self.trial = None;
-                self.now = Look::default();
-            }
-            // One that stands sees no other places.
-            let is_confirmed = said > 0.0 || moved_m <= ELSEWHERE_M;
-            return (is_decided && is_confirmed).then_some(found);
-        }
         if trial.start < STARTS {
             trial.rank(scene.improve(&readings, &Displacement::start(trial.start)));
             trial.start += 1;
@@ -204,26 +191,32 @@ impl Jolts {
         let log_odds = best.log_odds + trial.told - RARE;
         let is_sure = log_odds > SURE && best.log_odds > other + SURE;
         if is_sure || is_late && log_odds > 0.0 {
-            // The likeliest of many displacements fits the readings that it was found by in any case.
             trial.best = best;
-            trial.found = Some(([moment.map.x_m, moment.map.y_m], 0.0));
-            trial.for_s = 0.0;
+            trial.found = Some(([moment.map.x_m, moment.map.y_m], Confirmation::since(trial.onset)));
         } else if is_late || log_odds < -SURE {
-            self.trial = None;
-            self.now = Look::default();
+            self.give_up();
         }
         None
+    }
+
+    /// Ends the search, if there is one.
+    pub fn give_up(&mut self) {
+        self.trial = None;
+        self.now = Look::default();
+    }
+
+    /// The readings of the last moments.
+    pub fn recent(&self) -> &Recent {
+        &self.recent
     }
 }
 
 impl Trial {
-    /// Time goes on. Once a displacement is found, only readings of other places count.
+    /// Time goes on.
     fn wait(&mut self, dt_s: f32, step: &Step, number: u32) {
-        self.for_s += dt_s;
-        let Some((_, moved_m)) = &mut self.found else { return };
-        *moved_m += step.path_m + MIDDLE_M * step.increment.turn_rad.abs();
-        if *moved_m <= ELSEWHERE_M {
-            self.onset = number;
+        match &mut self.found {
+            Some((_, confirmation)) => confirmation.wait(dt_s, step, number),
+            None => self.for_s += dt_s,
         }
     }
 

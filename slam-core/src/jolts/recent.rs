@@ -18,6 +18,8 @@ pub const READINGS: usize = 20;
 pub struct Seen {
     /// Step in which it was made.
     pub step: u32,
+    /// Where the robot was then, in the frame of dead reckoning.
+    pub from: Pose,
     /// Where its beam began, metres, and its unit vector, in the frame of dead reckoning.
     pub origin_m: [f32; 2],
     /// Unit vector of the beam.
@@ -45,6 +47,7 @@ impl Seen {
         let beam = mount.beam([pose.x_m, pose.y_m], sin_cos(pose.theta_rad));
         Self {
             step,
+            from: *pose,
             origin_m: beam.origin,
             direction: beam.direction,
             range_m: reading.range_m / sensor.state.gain(ekf),
@@ -88,21 +91,28 @@ impl Recent {
         let _ = self.0.push_back(seen);
     }
 
-    /// Those from this step on, in the map.
+    /// Those from this step on, in the map, of a robot that went as it is reckoned to have gone.
     pub fn since(&self, step: u32, moment: &Moment) -> Vec<Sighting, READINGS> {
-        let Moment { map, reckoned } = moment;
+        self.seen_since(step).map(|seen| seen.in_map(moment)).collect()
+    }
+
+    /// The same of a robot that stood at this pose, whatever was reckoned.
+    pub fn standing_since(&self, step: u32, pose: &Pose) -> Vec<Sighting, READINGS> {
+        self.seen_since(step).map(|seen| seen.in_map(&Moment { map: *pose, reckoned: seen.from })).collect()
+    }
+
+    fn seen_since(&self, step: u32) -> impl Iterator<Item = &Seen> {
+        self.0.iter().filter(move |seen| seen.step >= step)
+    }
+}
+
+impl Seen {
+    /// As a beam in the map.
+    fn in_map(&self, Moment { map, reckoned }: &Moment) -> Sighting {
         let (s, c) = sin_cos(wrap(map.theta_rad - reckoned.theta_rad));
         let rotate = |[x, y]: [f32; 2]| [c * x - s * y, s * x + c * y];
-        let in_map = |seen: &Seen| {
-            let arm = rotate([seen.origin_m[0] - reckoned.x_m, seen.origin_m[1] - reckoned.y_m]);
-            let origin = [map.x_m + arm[0], map.y_m + arm[1]];
-            Sighting { beam: Beam { arm, origin, direction: rotate(seen.direction) }, seen: *seen }
-        };
-        let mut found = Vec::new();
-        for seen in self.0.iter().filter(|seen| seen.step >= step) {
-            // There is room for all that are kept.
-            let _ = found.push(in_map(seen));
-        }
-        found
+        let arm = rotate([self.origin_m[0] - reckoned.x_m, self.origin_m[1] - reckoned.y_m]);
+        let origin = [map.x_m + arm[0], map.y_m + arm[1]];
+        Sighting { beam: Beam { arm, origin, direction: rotate(self.direction) }, seen: *self }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::filter::ekf::EkfView;
 use crate::geometry::angle::sin_cos;
-use crate::jolts::recent::Sighting;
+use crate::jolts::recent::{Seen, Sighting};
 use crate::measurement::beam::{Beam, Prediction};
 use crate::measurement::data_association::density;
 use crate::measurement::line_of_sight::{Candidate, first_met};
@@ -121,7 +121,7 @@ impl Scene<'_> {
             let mut information = prior();
             let mut gradient: [f32; 3] = core::array::from_fn(|i| -information[i][i] * found.by[i]);
             for sighting in readings {
-                let Some(held) = self.hold(&grid, sighting, &found, round_m) else { continue };
+                let Some(held) = self.hold(&grid, &sighting.seen, &found.of(sighting), round_m) else { continue };
                 let [fits, anything] = likelihoods(&held, sighting);
                 let weight = fits / (fits + anything) / held.variance_m2;
                 let [by_x, by_y] = held.prediction.by_position;
@@ -149,18 +149,24 @@ impl Scene<'_> {
         let known_of_jolts: f32 = found.by.iter().zip(SIZE).map(|(by, size)| -0.5 * (by / size) * (by / size)).sum();
         let [a, b, c] = SIZE.map(|size| size * size);
         let part = 0.5 * libm::logf((determinant(&found.covariance) / (a * b * c)).max(f32::MIN_POSITIVE));
-        self.said(readings, found) + known_of_jolts + part
+        self.said_of(readings, found) + known_of_jolts + part
     }
 
     /// Log of the odds of a displacement against none by what the readings say alone.
-    pub fn said(&self, readings: &[Sighting], found: &Displacement) -> f32 {
+    pub fn said_of(&self, readings: &[Sighting], found: &Displacement) -> f32 {
+        self.said(readings.iter().map(|sighting| (found.of(sighting), sighting)), [0.0; 3])
+    }
+
+    /// Log of the odds of a robot that saw other beams against one that saw what the filter takes it to have seen, by what the readings
+    /// say alone. The other one's pose is known to a 1-sigma vector (metres, metres, radians), all of it at once.
+    pub fn said<'a>(&self, others: impl Iterator<Item = (Beam, &'a Sighting)>, sigma: [f32; 3]) -> f32 {
         let grid = &ManhattanFrame::of(self.ekf);
-        let none = Displacement::start(0);
         let mut surfaces = [Said::default(); SURFACES];
         let mut known = 0;
-        for sighting in readings {
-            let with = self.hold(grid, sighting, found, 0.0);
-            let without = self.hold(grid, sighting, &none, 0.0).map(|held| self.as_known(held, sighting));
+        for (other, sighting) in others {
+            let with = self.hold(grid, &sighting.seen, &other, 0.0).map(|held| held.give_or_take(sigma));
+            let without = self.hold(grid, &sighting.seen, &sighting.beam, 0.0);
+            let without = without.map(|held| self.as_known(held, sighting));
             let says = |held: &Option<Held>| {
                 let anything = ELSE / sighting.seen.span_m;
                 libm::logf(held.as_ref().map_or(anything, |held| likelihoods(held, sighting).iter().sum()))
@@ -176,12 +182,10 @@ impl Scene<'_> {
         surfaces.iter().map(|said| said.log_odds.clamp(-SURFACE_SAYS, SURFACE_SAYS)).sum()
     }
 
-    /// A reading of a robot so displaced, held against the wall that it should have met, with so much more noise.
-    fn hold(&self, grid: &ManhattanFrame, sighting: &Sighting, found: &Displacement, more_m: f32) -> Option<Held> {
-        let seen = &sighting.seen;
-        let beam = found.of(sighting);
+    /// A reading by this beam, held against the wall that it should have met, with so much more noise.
+    fn hold(&self, grid: &ManhattanFrame, seen: &Seen, beam: &Beam, more_m: f32) -> Option<Held> {
         let within_m = seen.range_m + seen.span_m;
-        let met = first_met(self.ekf, grid, self.map.walls(), &beam, 0.0, within_m, BEYOND_END_M)?;
+        let met = first_met(self.ekf, grid, self.map.walls(), beam, 0.0, within_m, BEYOND_END_M)?;
         let prediction = beam.predict(&met.line);
         let across_m2 = WALLS_M * WALLS_M + more_m * more_m;
         let variance_m2 =
@@ -196,6 +200,15 @@ impl Scene<'_> {
         let sigma_m = sighting.seen.sigma_m;
         let known_m2 = self.ekf.variance(&by_pose_and_wall(1.0, wall, &held.prediction, false));
         Held { variance_m2: known_m2 + sigma_m * sigma_m + SURFACE_M * SURFACE_M, ..held }
+    }
+}
+
+impl Held {
+    /// The same for a robot whose pose is known to a 1-sigma vector (metres, metres, radians), all of it at once.
+    fn give_or_take(self, [x_m, y_m, turn_rad]: [f32; 3]) -> Self {
+        let ([by_x, by_y], by_heading) = (self.prediction.by_position, self.prediction.by_heading);
+        let off_m = by_x * x_m + by_y * y_m + by_heading * turn_rad;
+        Self { variance_m2: self.variance_m2 + off_m * off_m, ..self }
     }
 }
 

@@ -5,14 +5,20 @@ use crate::geometry::pose::Pose;
 use crate::motion::MotionSettings;
 use crate::motion::dead_reckoning::DeadReckoning;
 use crate::motion::mean_motion::MeanMotion;
-use crate::motion::step::{self, Factor, Factors, Step};
+use crate::motion::step::{self, Factor, Factors, STEADY_S, Step};
 use crate::motion::travel::{Encoders, Travel};
 use crate::rig::DriveModel;
 use crate::sample::Motion;
 
-/// Time over which the motion that scales multiply is averaged, seconds: dead-reckoning noise of a fifteenth of a step's
-/// square, ten times a second, then lowers the scales by a hundredth (tests/paces.rs).
-const TRAVEL_S: f32 = 1.0;
+/// Time over which the motion that factors multiply is averaged, seconds. The longer it is, the later the filter sees a turn that a
+/// factor is to explain: for wheels, as long as they keep their speed. The noise of logged poses is up to a fifteenth of a step's square
+/// and goes on from one to the next (tests/paces.rs).
+const fn travel_s(model: &DriveModel) -> f32 {
+    match model {
+        DriveModel::Wheels { .. } => STEADY_S,
+        DriveModel::Odometry { .. } => 1.0,
+    }
+}
 
 /// Indices of the states that are a drive's calibration; a factor without one is known exactly.
 #[derive(Clone, Copy, Debug)]
@@ -62,7 +68,7 @@ pub struct Drive {
     /// Which states its calibration is.
     pub states: DriveStates,
     encoders: Encoders,
-    /// Motion as the odometry says it, before the scales.
+    /// Motion before this step as the wheels or the odometry say it, before the scales.
     travelled: MeanMotion,
     /// The last step.
     pub step: Step,
@@ -136,11 +142,15 @@ impl Drive {
         if settings.slip {
             step = step.slipping();
         }
-        let Travel::Body(raw) = *travel else { return step.unsteady(dt_s) };
         if settings.mean_travel {
-            self.travelled.follow(raw, dt_s, TRAVEL_S);
-            step.by_factor = step::by_factors(self.travelled.over(dt_s), factors);
+            // Of the steps before: this one's own noise has no part in it.
+            let mean = Travel::from_body(self.travelled.over(dt_s), model);
+            self.travelled.follow(travel.of_body(model), dt_s, travel_s(model));
+            step.by_factor = step::step(model, &mean, factors).by_factor;
         }
-        step
+        match travel {
+            Travel::Wheels { .. } => step.unsteady(dt_s),
+            Travel::Body(_) => step,
+        }
     }
 }

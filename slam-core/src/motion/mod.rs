@@ -17,7 +17,7 @@ pub struct MotionSettings {
     pub calibrate_track: bool,
     /// Wheels and dead reckoning slip in runs and in turns, beyond the noise that the rig states.
     pub slip: bool,
-    /// The scales of dead reckoning that comes as a pose multiply its mean over a second, which has less noise.
+    /// Scales, track and veer multiply the mean motion of the steps before, which does not have the noise of this one.
     pub mean_travel: bool,
     /// Odometry has no sign and says forwards where the robot drove backwards: the ranges of sensors that report metres tell.
     /// Off for odometry that may have one, since people who walk ahead of a robot look like a robot that drives backwards.
@@ -39,12 +39,12 @@ impl MotionSettings {
 
     /// For floors and odometry as they are.
     pub fn real_rooms() -> Self {
-        Self { slip: true, mean_travel: true, ..Self::default() }
+        Self { slip: true, ..Self::default() }
     }
 }
 
 impl Default for MotionSettings {
     fn default() -> Self {
-        Self { calibrate_scales: true, calibrate_track: true, find_holds: true, ..Self::IDLE }
+        Self { calibrate_scales: true, calibrate_track: true, mean_travel: true, find_holds: true, ..Self::IDLE }
     }
 }

@@ -124,7 +124,7 @@ pub fn step(drive: &DriveModel, travel: &Travel, factors: &Factors) -> Step {
 }
 
 /// d(forward, left, turn) by the scales of distance and of turning and by the veer, for this motion as the odometry says it.
-pub fn by_factors(raw: Increment, factors: &Factors) -> [[f32; 3]; 3] {
+fn by_factors(raw: Increment, factors: &Factors) -> [[f32; 3]; 3] {
     let Increment { forward_m, left_m, turn_rad } = raw;
     let (distance, veer) = (factors.first.value, factors.third.value);
     // Along the scaled path, and the turn that the veer makes of it.
@@ -170,7 +170,7 @@ fn wheel_step(track_m: f32, noise_m2_per_m: f32, left_m: f32, right_m: f32, fact
 }
 
 /// Time for which wheels keep their speed, seconds: a small gear motor's time constant is 50 to 100 ms.
-const STEADY_S: f32 = 0.1;
+pub const STEADY_S: f32 = 0.1;
 
 /// Slips come in runs: over ten seconds they add up to so many times the variance that steps of a second have. From the dead
 /// reckoning of olsson-demo, held against a path on which all its passes agree (docs/notes/real-logs.md).

@@ -44,6 +44,27 @@ impl Travel {
         }
     }
 
+    /// As a motion of the robot's middle; wheels do not go aside.
+    pub fn of_body(&self, drive: &DriveModel) -> Increment {
+        match self {
+            Self::Wheels { .. } => {
+                Increment { forward_m: self.forward_m(), left_m: 0.0, turn_rad: self.turn_rad(drive) }
+            }
+            Self::Body(i) => *i,
+        }
+    }
+
+    /// What this drive tells of such a motion: the inverse of [`Travel::of_body`].
+    pub fn from_body(motion: Increment, drive: &DriveModel) -> Self {
+        match drive {
+            DriveModel::Wheels { track_m, .. } => {
+                let aside_m = 0.5 * track_m * motion.turn_rad;
+                Self::Wheels { left_m: motion.forward_m - aside_m, right_m: motion.forward_m + aside_m }
+            }
+            DriveModel::Odometry { .. } => Self::Body(motion),
+        }
+    }
+
     /// The same turn, and the way backwards.
     pub fn reversed(&self) -> Self {
         match *self {

@@ -267,3 +267,18 @@ fn wheels_slide_in_turns_where_floors_are_real() {
         assert!(with >= 0.1 * SLIP_M2_PER_RAD && without < 1e-5, "{with} and {without} m^2");
     }
 }
+
+#[test]
+fn a_motion_of_the_body_is_that_of_its_wheels_and_back() {
+    let [wheels, odometry] = [
+        Travel::Wheels { left_m: 0.03, right_m: -0.01 },
+        Travel::Body(Increment { forward_m: 0.03, left_m: -0.01, turn_rad: 0.02 }),
+    ];
+    for (travel, drive) in [(wheels, WHEELS), (odometry, ODOMETRY)] {
+        let motion = travel.of_body(&drive);
+        assert!((motion.forward_m - travel.forward_m()).abs() < 1e-7 && motion.turn_rad == travel.turn_rad(&drive));
+        let back = Travel::from_body(motion, &drive).of_body(&drive);
+        assert!((back.forward_m - motion.forward_m).abs() < 1e-7 && (back.turn_rad - motion.turn_rad).abs() < 1e-6);
+        assert_eq!(back.left_m, motion.left_m);
+    }
+}

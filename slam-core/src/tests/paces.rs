@@ -2,7 +2,7 @@
 
 use super::random::Random;
 use crate::motion::mean_motion::MeanMotion;
-use crate::motion::step::{Factor, Factors, by_factors, step};
+use crate::motion::step::{Factor, Factors, step};
 use crate::motion::travel::Travel;
 use crate::{DriveModel, Increment};
 
@@ -44,13 +44,14 @@ fn found_scale(steps: usize, memory_s: Option<f32>) -> f64 {
         let raw = Increment { forward_m, ..Increment::default() };
         let known = Factor { value: 1.0, state: None };
         let factors = Factors { first: Factor { value: scale as f32, state: None }, second: known, third: known };
-        let mut step = step(&drive, &Travel::Body(raw), &factors);
-        if let Some(memory_s) = memory_s {
+        let made = step(&drive, &Travel::Body(raw), &factors);
+        let by_factor = memory_s.map_or(made.by_factor, |memory_s| {
+            let before = pace.over(0.1);
             pace.follow(raw, 0.1, memory_s);
-            step.by_factor = by_factors(pace.over(0.1), &factors);
-        }
-        let by = f64::from(step.by_factor[0][0]);
-        x += f64::from(step.increment.forward_m);
+            step(&drive, &Travel::Body(before), &factors).by_factor
+        });
+        let by = f64::from(by_factor[0][0]);
+        x += f64::from(made.increment.forward_m);
         p[0][0] += 2.0 * by * p[0][1] + by * by * p[1][1] + NOISE_M2;
         p[0][1] += by * p[1][1];
         let variance = p[0][0] + 1e-6;

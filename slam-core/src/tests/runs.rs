@@ -113,17 +113,19 @@ fn factor(slam: &RobotSlam, which: usize, state: &[f64]) -> f64 {
     layout[which].map_or(1.0, |i| state[i])
 }
 
-/// F P F^T + G W G^T over the exact arc. `first` is the pose that was predicted last.
-fn predict(oracle: &mut Oracle, slam: &RobotSlam, ticks: [f64; 2], first: &mut [f64; 3]) {
-    let raw = ticks.map(|t| t * f64::from(METRES_PER_TICK as f32));
-    let after = |s: &[f64]| {
+/// F P F^T + G W G^T over the exact arc. `steady` is what the wheels travelled in each of the steps before on average,
+/// which is what their factors multiply in F; `first` is the pose that was predicted last.
+fn predict(oracle: &mut Oracle, slam: &RobotSlam, raw: [f64; 2], steady: [f64; 2], first: &mut [f64; 3]) {
+    let after = |s: &[f64], raw: [f64; 2]| {
         let track = factor(slam, 2, s) * f64::from(TRACK_M as f32);
         arc([s[X], s[Y], s[THETA]], factor(slam, 0, s) * raw[0], factor(slam, 1, s) * raw[1], track)
     };
     let mean = oracle.mean.clone();
+    let factors = slam.drive.states.in_order();
+    let travelled = |state: usize| if factors.contains(&Some(state)) { steady } else { raw };
     let mut rows: [Vec<f64>; 3] =
-        [0, 1, 2].map(|i| (0..mean.len()).map(|j| slope(|s| after(s)[i], &mean, j)).collect());
-    let predicted = after(&mean);
+        [0, 1, 2].map(|i| (0..mean.len()).map(|j| slope(|s| after(s, travelled(j))[i], &mean, j)).collect());
+    let predicted = after(&mean, raw);
     if slam.config.measurement.linearisation == Linearisation::FirstEstimates {
         rows[X][THETA] = first[Y] - predicted[Y];
         rows[Y][THETA] = predicted[X] - first[X];
@@ -227,14 +229,17 @@ fn run(policy: WallPolicy, linearisation: Linearisation, seed: u64, steps: u64) 
     let mut first = [0.0; 3];
     let mut slam = RobotSlam::with_config(rig.clone(), config).unwrap();
     let mut oracle = Oracle::of(&slam.ekf);
-    let mut last: Option<[f64; 2]> = None;
+    let (mut last, mut steady) = (None::<[f64; 2]>, [0.0; 2]);
     let (mut updates, mut restarts, mut longest, mut alone) = (0, 0, 0, 0);
     let mut worst = (0.0f64, 0.0f64);
     for number in 0..steps {
         let sample = truth.step(&rig, number);
         let now = ticks(&sample);
-        if let Some([left, right]) = last {
-            predict(&mut oracle, &slam, [now[0] - left, now[1] - right], &mut first);
+        if let Some(last) = last {
+            let raw = [0, 1].map(|i| (now[i] - last[i]) * f64::from(METRES_PER_TICK as f32));
+            predict(&mut oracle, &slam, raw, steady, &mut first);
+            // A step is two fifths of the time over which motion is averaged.
+            steady = [0, 1].map(|i| steady[i] + 0.4 * (raw[i] - steady[i]));
         }
         last = Some(now);
         let (before, walls) = (structure(&slam), slam.map.walls().to_vec());

@@ -1,0 +1,54 @@
+//! What the last readings say of where the robot is, confirmed by readings of other places.
+//!
+//! The likeliest of many explanations fits the readings that it was found by in any case. So it has effect only once the robot has
+//! gone on, and beams that meet other places say so, too.
+
+use crate::measurement::data_association::MIDDLE_M;
+use crate::motion::step::Step;
+
+/// Once beams have moved by so much, metres, they meet other places of a wall.
+const ELSEWHERE_M: f32 = 0.25;
+
+/// Log of the odds at which it is decided, twenty to one.
+pub const SURE: f32 = 3.0;
+
+/// For so long, seconds, readings may say so: a robot at walking pace has seen half a metre of other walls by then.
+pub const TRIAL_S: f32 = 2.0;
+
+/// The wait for readings of other places.
+#[derive(Clone, Copy, Debug)]
+pub struct Confirmation {
+    /// Step since which readings count.
+    onset: u32,
+    moved_m: f32,
+    for_s: f32,
+}
+
+impl Confirmation {
+    /// It was found in the step of this number.
+    pub fn since(number: u32) -> Self {
+        Self { onset: number, moved_m: 0.0, for_s: 0.0 }
+    }
+
+    /// Time goes on by so much, seconds, to the step of this number.
+    pub fn wait(&mut self, dt_s: f32, step: &Step, number: u32) {
+        self.for_s += dt_s;
+        self.moved_m += step.path_m + MIDDLE_M * step.increment.turn_rad.abs();
+        if self.moved_m <= ELSEWHERE_M {
+            self.onset = number;
+        }
+    }
+
+    /// Step since which readings are of other places.
+    pub fn onset(&self) -> u32 {
+        self.onset
+    }
+
+    /// Whether it is so, by the log odds that those readings have for it; none while they have not said enough. A robot that
+    /// stands sees no other places, and it is.
+    pub fn verdict(&self, said: f32) -> Option<bool> {
+        let is_elsewhere = self.moved_m > ELSEWHERE_M;
+        let is_decided = self.for_s > TRIAL_S || is_elsewhere && said.abs() > SURE;
+        is_decided.then_some(said > 0.0 || !is_elsewhere)
+    }
+}

@@ -1,0 +1,98 @@
+//! Drives in which something holds or kicks the robot, and whether it finds out by its readings.
+
+use std::fmt;
+
+use hal_sim::mishap::{Hold, Kick};
+use hal_sim::{Plan, Pose2, plan_file};
+
+use crate::carries::{Driven, drive, rig};
+
+/// When it happens, seconds.
+pub const AT_S: f64 = 150.0;
+
+/// For how long it is held, seconds.
+const HELD_S: f64 = 4.0;
+
+/// What happens in a drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mishap {
+    /// Nothing.
+    Nothing,
+    /// The wheels turn for four seconds and the robot stays.
+    Hold,
+    /// The robot is moved by 10 cm and turned by 15 degrees.
+    Kick,
+}
+
+impl fmt::Display for Mishap {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Nothing => "nothing",
+            Self::Hold => "hold",
+            Self::Kick => "kick",
+        })
+    }
+}
+
+impl Mishap {
+    /// Until when the robot may be lost, seconds: ten after a hold, twenty after a kick.
+    fn until_s(self) -> f64 {
+        match self {
+            Self::Hold => AT_S + HELD_S + 10.0,
+            Self::Nothing | Self::Kick => AT_S + 20.0,
+        }
+    }
+}
+
+/// What a drive came to.
+#[derive(Clone, Copy, Debug)]
+pub struct Found {
+    /// Error of the pose in the start frame at the end of the drive, metres and radians.
+    pub off_m: f64,
+    /// Radians.
+    pub off_rad: f64,
+    /// How often the estimator took the robot to be held.
+    pub holds: u32,
+    /// How often it took it to be displaced.
+    pub jolts: u32,
+}
+
+impl Found {
+    /// Whether the robot knows where it is.
+    pub fn is_back(&self) -> bool {
+        self.off_m < 0.1 && self.off_rad < 0.1
+    }
+}
+
+/// A built-in home in which that happens.
+///
+/// # Panics
+/// Where there is no home of this name.
+pub fn home(name: &str, mishap: Mishap) -> Plan {
+    let mut plan = plan_file::load(name).unwrap_or_else(|error| panic!("{error}"));
+    match mishap {
+        Mishap::Nothing => {}
+        Mishap::Hold => plan.mishaps.holds.push(Hold { at_s: AT_S, held_s: HELD_S, is_jammed: false }),
+        Mishap::Kick => {
+            plan.mishaps.kicks.push(Kick { at_s: AT_S, slide_m: 0.10, turn_rad: 15.0_f64.to_radians() });
+        }
+    }
+    plan
+}
+
+/// A drive of the built-in robot in a home of this name.
+pub fn found(name: &str, mishap: Mishap, seed: u64) -> Found {
+    let plan = home(name, mishap);
+    let mut error = Pose2::default();
+    let slam = drive(&plan, &rig(8), mishap.until_s(), seed, |Driven { slam, in_plan, .. }| {
+        error = plan.start.relative(&in_plan).relative(&slam.pose().into());
+        true
+    });
+    let counters = slam.counters();
+    Found {
+        off_m: error.x_m.hypot(error.y_m),
+        off_rad: error.theta_rad.abs(),
+        holds: counters.holds,
+        jolts: counters.jolts,
+    }
+}
