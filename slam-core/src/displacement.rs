@@ -4,6 +4,7 @@ use crate::filter::ekf::{LEADING, MotionJacobian};
 use crate::filter::layout::{self, THETA, X, Y};
 use crate::geometry::angle::{sin_cos, wrap};
 use crate::geometry::pose::Pose;
+use crate::holds::Correction;
 use crate::jolts::Jolts;
 use crate::jolts::recent::Moment;
 use crate::jolts::search::Scene;
@@ -49,10 +50,9 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         if !self.config.motion.find_holds || !matches!(self.rig.drive, DriveModel::Wheels { .. }) {
             return;
         }
-        let moment = Moment { map: layout::pose(&self.ekf), reckoned: self.drive.dead_reckoning.pose };
-        let scene = Scene { ekf: &self.ekf, map: &self.map };
-        let confirmed = self.holds.confirm(&scene, self.jolts.recent(), &moment);
-        let Some(found) = confirmed.or_else(|| self.holds.judge(moment.map, self.counters.steps)) else {
+        let confirmed = if self.holds.is_in_doubt() { self.confirm_hold() } else { None };
+        let judged = || self.holds.judge(layout::pose(&self.ekf), self.counters.steps);
+        let Some(found) = confirmed.or_else(judged) else {
             if self.holds.is_in_doubt() {
                 self.jolts.give_up();
             }
@@ -62,6 +62,14 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.put(found.pose, &sigma.map(|a| sigma.map(|b| a * b)));
         self.jolts = Jolts::NONE;
         self.counters.add_hold(found.is_held);
+    }
+
+    /// Goes on with the confirmation of a hold.
+    #[cold]
+    fn confirm_hold(&mut self) -> Option<Correction> {
+        let moment = Moment { map: layout::pose(&self.ekf), reckoned: self.drive.dead_reckoning.pose };
+        let scene = Scene { ekf: &self.ekf, map: &self.map };
+        self.holds.confirm(&scene, self.jolts.recent(), &moment)
     }
 
     /// Puts the robot elsewhere in the map, as well known as before but for this covariance.

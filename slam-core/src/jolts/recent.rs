@@ -93,16 +93,21 @@ impl Recent {
 
     /// Those from this step on, in the map, of a robot that went as it is reckoned to have gone.
     pub fn since(&self, step: u32, moment: &Moment) -> Vec<Sighting, READINGS> {
-        self.seen_since(step).map(|seen| seen.in_map(moment)).collect()
+        self.sightings(step, |seen| seen.in_map(moment))
     }
 
     /// The same of a robot that stood at this pose, whatever was reckoned.
     pub fn standing_since(&self, step: u32, pose: &Pose) -> Vec<Sighting, READINGS> {
-        self.seen_since(step).map(|seen| seen.in_map(&Moment { map: *pose, reckoned: seen.from })).collect()
+        self.sightings(step, |seen| seen.in_map(&Moment { map: *pose, reckoned: seen.from }))
     }
 
-    fn seen_since(&self, step: u32) -> impl Iterator<Item = &Seen> {
-        self.0.iter().filter(move |seen| seen.step >= step)
+    fn sightings(&self, step: u32, in_map: impl Fn(&Seen) -> Sighting) -> Vec<Sighting, READINGS> {
+        let mut found = Vec::new();
+        for seen in self.0.iter().filter(|seen| seen.step >= step) {
+            // There is room for all that are kept.
+            let _ = found.push(in_map(seen));
+        }
+        found
     }
 }
 

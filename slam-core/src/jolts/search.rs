@@ -104,7 +104,7 @@ struct Held {
     prediction: Prediction,
 }
 
-/// What a reading, or all of them of one surface, say.
+/// What all readings of one surface say.
 #[derive(Clone, Copy, Default)]
 struct Said {
     wall: u16,
@@ -164,22 +164,34 @@ impl Scene<'_> {
         let mut surfaces = [Said::default(); SURFACES];
         let mut known = 0;
         for (other, sighting) in others {
-            let with = self.hold(grid, &sighting.seen, &other, 0.0).map(|held| held.give_or_take(sigma));
-            let without = self.hold(grid, &sighting.seen, &sighting.beam, 0.0);
-            let without = without.map(|held| self.as_known(held, sighting));
-            let says = |held: &Option<Held>| {
-                let anything = ELSE / sighting.seen.span_m;
-                libm::logf(held.as_ref().map_or(anything, |held| likelihoods(held, sighting).iter().sum()))
-            };
-            let Some(held) = with.as_ref().or(without.as_ref()) else { continue };
-            let wall = self.map.walls().get(held.met.index).map_or(0, |wall| wall.id);
+            let Some((wall, [with, without])) = self.said_by(grid, sighting, &other, sigma) else { continue };
             let place = surfaces.iter().take(known).position(|said| said.wall == wall).unwrap_or(known);
             known = known.max(place + 1).min(SURFACES);
             if let Some(said) = surfaces.get_mut(place) {
-                *said = Said { wall, log_odds: said.log_odds + says(&with) - says(&without) };
+                *said = Said { wall, log_odds: said.log_odds + with - without };
             }
         }
         surfaces.iter().map(|said| said.log_odds.clamp(-SURFACE_SAYS, SURFACE_SAYS)).sum()
+    }
+
+    /// The wall that one reading should have met, and the log of its density either way; none where it should have met no wall.
+    fn said_by(
+        &self,
+        grid: &ManhattanFrame,
+        sighting: &Sighting,
+        other: &Beam,
+        sigma: [f32; 3],
+    ) -> Option<(u16, [f32; 2])> {
+        let with = self.hold(grid, &sighting.seen, other, 0.0).map(|held| held.give_or_take(sigma));
+        let without = self.hold(grid, &sighting.seen, &sighting.beam, 0.0);
+        let without = without.map(|held| self.as_known(held, sighting));
+        let says = |held: &Option<Held>| {
+            let anything = ELSE / sighting.seen.span_m;
+            libm::logf(held.as_ref().map_or(anything, |held| likelihoods(held, sighting).iter().sum()))
+        };
+        let met = with.as_ref().or(without.as_ref())?.met.index;
+        let wall = self.map.walls().get(met).map_or(0, |wall| wall.id);
+        Some((wall, [says(&with), says(&without)]))
     }
 
     /// A reading by this beam, held against the wall that it should have met, with so much more noise.
