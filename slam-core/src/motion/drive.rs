@@ -143,10 +143,10 @@ impl Drive {
             step = step.slipping();
         }
         if settings.mean_travel {
-            // Of the steps before: this one's own noise has no part in it.
-            let mean = Travel::from_body(self.travelled.over(dt_s), model);
-            self.travelled.follow(travel.of_body(model), dt_s, travel_s(model));
-            step.by_factor = step::step(model, &mean, factors).by_factor;
+            let (now, memory_s) = (travel.of_body(model), travel_s(model));
+            let mean = self.travelled.expected(now, dt_s, memory_s);
+            self.travelled.follow(now, dt_s, memory_s);
+            step.by_factor = step::step(model, &Travel::from_body(mean, model), factors).by_factor;
         }
         match travel {
             Travel::Wheels { .. } => step.unsteady(dt_s),

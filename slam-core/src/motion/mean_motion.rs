@@ -26,6 +26,20 @@ impl MeanMotion {
         follow(&mut self.0.turn_rad, moved.turn_rad);
     }
 
+    /// The motion of a step as those before it tell, whose noise is another: of a step that is longer than the memory for that long, and
+    /// as it was `moved` for the rest. A long step has little noise for its length, and those before say little of it.
+    pub fn expected(&self, moved: Increment, dt_s: f32, memory_s: f32) -> Increment {
+        if dt_s <= memory_s {
+            return self.over(dt_s);
+        }
+        let (before, share) = (self.over(memory_s), 1.0 - memory_s / dt_s);
+        Increment {
+            forward_m: before.forward_m + share * moved.forward_m,
+            left_m: before.left_m + share * moved.left_m,
+            turn_rad: before.turn_rad + share * moved.turn_rad,
+        }
+    }
+
     /// The motion of so many seconds of this motion.
     pub fn over(&self, time_s: f32) -> Increment {
         let Increment { forward_m, left_m, turn_rad } = self.0;

@@ -22,6 +22,16 @@ fn a_pace_follows_the_motion() {
     assert!((pace.over(5.0).forward_m - 0.03).abs() < 1e-6, "a step longer than the memory is all there is");
 }
 
+#[test]
+fn a_gap_is_not_driven_at_the_pace_before_it() {
+    let mut pace = MeanMotion::STILL;
+    let moved = Increment { forward_m: 0.03, left_m: 0.0, turn_rad: 0.02 };
+    (0..200).for_each(|_| pace.follow(moved, 0.1, 1.0));
+    let gap = pace.expected(Increment::default(), 3600.0, 1.0);
+    assert!((gap.forward_m - 0.3).abs() < 1e-5 && (gap.turn_rad - 0.2).abs() < 1e-5, "one second of it: {gap:?}");
+    assert_eq!(pace.expected(Increment::default(), 0.1, 1.0), pace.over(0.1));
+}
+
 /// The scale of an odometry that is exact but for a noise of each step that does not grow with it, by a filter of position
 /// and scale on a line that measures its position in each step.
 fn found_scale(steps: usize, memory_s: Option<f32>) -> f64 {
@@ -46,7 +56,7 @@ fn found_scale(steps: usize, memory_s: Option<f32>) -> f64 {
         let factors = Factors { first: Factor { value: scale as f32, state: None }, second: known, third: known };
         let made = step(&drive, &Travel::Body(raw), &factors);
         let by_factor = memory_s.map_or(made.by_factor, |memory_s| {
-            let before = pace.over(0.1);
+            let before = pace.expected(raw, 0.1, memory_s);
             pace.follow(raw, 0.1, memory_s);
             step(&drive, &Travel::Body(before), &factors).by_factor
         });
