@@ -11,8 +11,8 @@ use crate::rig::DriveModel;
 use crate::sample::Motion;
 
 /// Time over which the motion that factors multiply is averaged, seconds. The longer it is, the later the filter sees a turn that a
-/// factor is to explain: for wheels, as long as they keep their speed. The noise of logged poses is up to a fifteenth of a step's square
-/// and goes on from one to the next (tests/paces.rs).
+/// factor is to explain: for wheels, as long as they keep their speed. The noise of logged poses is up to a fifteenth of a step's square,
+/// ten times a second: over a second it lowers the scales by a hundredth (tests/paces.rs).
 const fn travel_s(model: &DriveModel) -> f32 {
     match model {
         DriveModel::Wheels { .. } => STEADY_S,
@@ -68,7 +68,7 @@ pub struct Drive {
     /// Which states its calibration is.
     pub states: DriveStates,
     encoders: Encoders,
-    /// Motion before this step as the wheels or the odometry say it, before the scales.
+    /// Mean motion as the wheels or the odometry say it, before the scales.
     travelled: MeanMotion,
     /// The last step.
     pub step: Step,
@@ -144,8 +144,13 @@ impl Drive {
         }
         if settings.mean_travel {
             let (now, memory_s) = (travel.of_body(model), travel_s(model));
-            let mean = self.travelled.expected(now, dt_s, memory_s);
+            let before = self.travelled.expected(now, dt_s, memory_s);
             self.travelled.follow(now, dt_s, memory_s);
+            // What is wrong with a logged pose goes on to the next: a mean without the present one has as much of it, and is later.
+            let mean = match travel {
+                Travel::Wheels { .. } => before,
+                Travel::Body(_) => self.travelled.over(dt_s),
+            };
             step.by_factor = step::step(model, &Travel::from_body(mean, model), factors).by_factor;
         }
         match travel {

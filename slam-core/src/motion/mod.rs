@@ -17,7 +17,7 @@ pub struct MotionSettings {
     pub calibrate_track: bool,
     /// Wheels and dead reckoning slip in runs and in turns, beyond the noise that the rig states.
     pub slip: bool,
-    /// Scales, track and veer multiply the mean motion of the steps before, which does not have the noise of this one.
+    /// Scales, track and veer multiply the mean motion of the last while, which has less noise than that of a step.
     pub mean_travel: bool,
     /// Odometry has no sign and says forwards where the robot drove backwards: the ranges of sensors that report metres tell.
     /// Off for odometry that may have one, since people who walk ahead of a robot look like a robot that drives backwards.

@@ -56,9 +56,8 @@ fn found_scale(steps: usize, memory_s: Option<f32>) -> f64 {
         let factors = Factors { first: Factor { value: scale as f32, state: None }, second: known, third: known };
         let made = step(&drive, &Travel::Body(raw), &factors);
         let by_factor = memory_s.map_or(made.by_factor, |memory_s| {
-            let before = pace.expected(raw, 0.1, memory_s);
             pace.follow(raw, 0.1, memory_s);
-            step(&drive, &Travel::Body(before), &factors).by_factor
+            step(&drive, &Travel::Body(pace.over(0.1)), &factors).by_factor
         });
         let by = f64::from(by_factor[0][0]);
         x += f64::from(made.increment.forward_m);
