@@ -69,8 +69,9 @@ fn page() -> String {
     let mut text = String::from(
         "# Long drives\n\n\
          The built-in robot drives by its own estimate for a day through each of three homes, twice, and through one for three days. RMSE\n\
-         is that of the position in the start frame. NEES is that of the pose, 3 for an honest filter. Nobody holds or kicks the robot; in clutter it runs into chairs' legs. The covariance is looked at ten\n\
-         times a minute: the least pivot is that of the Cholesky factor of its correlations with 1e-3 on the diagonal.\n\n\
+         is that of the position in the start frame. NEES is that of the pose, 3 for an honest filter. Nobody holds or kicks the robot; in clutter it\n\
+         runs into chairs' legs. The covariance is looked at ten times a minute: the least pivot is that of the Cholesky factor of its\n\
+         correlations with 1e-3 on the diagonal.\n\n\
          Made by `cargo run --release -p tests --example long_drives -- docs/results/long-drives.md`.\n\n\
          | drive | RMSE, cm: first hour / last / worst | NEES: first hour / last / worst | births a metre after the first hour | holds / jolts | least pivot | hours with a flaw |\n\
          |---|---|---|---|---|---|---|\n",
