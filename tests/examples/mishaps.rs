@@ -48,7 +48,7 @@ fn row(name: &str, mishap: Mishap, all: &[Found]) -> String {
     off_m.sort_by(f64::total_cmp);
     let row = format!(
         "| {name} | {mishap} | {} of {} | {told} | {false_holds} / {false_jolts} | {:.1} / {:.0} |\n",
-        count(&Found::is_back),
+        count(&|found| found.is_within(0.1, 0.1)),
         all.len(),
         100.0 * off_m[off_m.len() / 2],
         100.0 * off_m[off_m.len() - 1],

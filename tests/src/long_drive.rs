@@ -24,9 +24,9 @@ pub struct Hour {
     pub path_m: f64,
     /// Walls born.
     pub births: u32,
-    /// How often the robot was taken to be held or displaced, with and without reason.
+    /// How often the robot was taken to be held, with and without reason.
     pub holds: u32,
-    /// Displaced.
+    /// How often it was taken to be displaced.
     pub jolts: u32,
     /// Walls in the map at the end of the hour.
     pub walls: usize,

@@ -47,9 +47,9 @@ impl Mishap {
 /// What a drive came to.
 #[derive(Clone, Copy, Debug)]
 pub struct Found {
-    /// Error of the pose in the start frame at the end of the drive, metres and radians.
+    /// Error of the position in the start frame at the end of the drive, metres.
     pub off_m: f64,
-    /// Radians.
+    /// Error of the heading there, radians.
     pub off_rad: f64,
     /// How often the estimator took the robot to be held.
     pub holds: u32,
@@ -58,9 +58,9 @@ pub struct Found {
 }
 
 impl Found {
-    /// Whether the robot knows where it is.
-    pub fn is_back(&self) -> bool {
-        self.off_m < 0.1 && self.off_rad < 0.1
+    /// Whether the robot knows where it is, to so many metres and radians.
+    pub fn is_within(&self, off_m: f64, off_rad: f64) -> bool {
+        self.off_m < off_m && self.off_rad < off_rad
     }
 }
 

@@ -2,19 +2,20 @@
 
 use tests::mishaps::{Found, Mishap, found};
 
-/// Drives in each home: a share of 0.6 is then known to 0.05.
-const DRIVES: u64 = 100;
+/// Drives with a hold in each home, by which a share of 0.6 is known to 0.02, and without one.
+const HELD: u64 = 500;
+const FREE: u64 = 100;
 
 #[test]
 fn most_holds_are_found_and_none_where_there_is_none() {
     for name in ["flat", "l-shape"] {
         // Without it the wheels carry the pose most of a metre away.
-        let all: Vec<Found> = (1..=DRIVES).map(|seed| found(name, Mishap::Hold, seed)).collect();
-        let stayed = all.iter().filter(|found| found.is_back() && found.holds > 0).count();
-        assert!(stayed >= 50, "{name}: {stayed} of {DRIVES}");
-        for seed in 1..=DRIVES {
+        let held = (1..=HELD).map(|seed| found(name, Mishap::Hold, seed));
+        let stayed = held.filter(|found| found.is_within(0.1, 0.1) && found.holds > 0).count() as u64;
+        assert!(8 * stayed >= 5 * HELD, "{name}: {stayed} of {HELD}");
+        for seed in 1..=FREE {
             let Found { off_m, holds, .. } = found(name, Mishap::Nothing, seed);
-            assert!(holds == 0, "{name}, seed {seed}: {holds} holds, {off_m} m");
+            assert!(holds == 0 && (seed > 4 || off_m < 0.06), "{name}, seed {seed}: {holds} holds, {off_m} m");
         }
     }
 }

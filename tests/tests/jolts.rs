@@ -9,18 +9,19 @@ use tests::mishaps::{AT_S, Found, Mishap, found, home};
 /// Until when it is to be back in its kept map, seconds.
 const BACK_S: f64 = AT_S + 100.0;
 
-/// Drives of each kind: a share of 0.6 is then known to 0.05.
-const DRIVES: u64 = 100;
+/// Drives with a kick, by which a share of 0.4 is known to 0.02, and without one.
+const KICKED: u64 = 500;
+const LEFT_ALONE: u64 = 100;
 
 #[test]
-fn most_kicks_are_found_and_undone_and_none_where_there_is_none() {
+fn kicks_are_found_and_undone_and_none_where_there_is_none() {
     // Without a search the robot is 10 cm and 15 degrees off, and more by and by.
-    let all: Vec<Found> = (1..=DRIVES).map(|seed| found("flat", Mishap::Kick, seed)).collect();
-    let undone = all.iter().filter(|found| found.is_back()).count();
-    assert!(undone >= 50, "{undone} of {DRIVES}");
-    for seed in 1..=DRIVES {
+    let kicked = (1..=KICKED).map(|seed| found("flat", Mishap::Kick, seed));
+    let undone = kicked.filter(|found| found.is_within(0.05, 0.05) && found.jolts > 0).count() as u64;
+    assert!(8 * undone >= 3 * KICKED, "{undone} of {KICKED}");
+    for seed in 1..=LEFT_ALONE {
         let Found { off_m, jolts, .. } = found("flat", Mishap::Nothing, seed);
-        assert!(jolts == 0, "seed {seed}: {jolts} jolts, {off_m} m");
+        assert!(jolts == 0 && (seed > 4 || off_m < 0.05), "seed {seed}: {jolts} jolts, {off_m} m");
     }
 }
 
