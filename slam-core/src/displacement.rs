@@ -35,7 +35,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     /// seen from elsewhere and is forgotten as far as it waits to become a wall; the map is of another epoch.
     pub(crate) fn recover_from_jolt(&mut self) {
         let moment = Moment { map: layout::pose(&self.ekf), reckoned: self.drive.dead_reckoning.pose };
-        let scene = Scene { ekf: &self.ekf, map: &self.map };
+        let scene = Scene { ekf: &self.ekf, map: &self.map, sensors: &self.rig.sensors };
         let Some(found) = self.jolts.search(&scene, &moment) else { return };
         let [x_m, y_m, turn_rad] = found.by;
         let Pose { x_m: x, y_m: y, theta_rad } = moment.map;
@@ -68,7 +68,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     #[cold]
     fn confirm_hold(&mut self) -> Option<Correction> {
         let moment = Moment { map: layout::pose(&self.ekf), reckoned: self.drive.dead_reckoning.pose };
-        let scene = Scene { ekf: &self.ekf, map: &self.map };
+        let scene = Scene { ekf: &self.ekf, map: &self.map, sensors: &self.rig.sensors };
         self.holds.confirm(&scene, self.jolts.recent(), &moment)
     }
 

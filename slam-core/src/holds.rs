@@ -205,7 +205,7 @@ impl<const S: usize> Holds<S> {
             } else if moved_m > REACH_M {
                 *witness = Witness::NONE;
             } else {
-                let span_m = sensor.limits.max_m - sensor.limits.min_m;
+                let span_m = sensor.limits.span_m();
                 witness.now = met.log_odds(&beam, range_m, reading.sigma_m(), moved_m, span_m);
             }
         }

@@ -220,6 +220,11 @@ impl DriveModel {
 }
 
 impl RangeSensor {
+    /// Length of its beam on which it sees something, metres.
+    pub fn span_m(&self) -> f32 {
+        self.max_m - self.min_m
+    }
+
     fn checks(&self) -> [Check; 8] {
         let model = match self.model {
             RangeModel::Sharp { scale_m, exponent, noise_v } => [

@@ -32,8 +32,9 @@ const DISPLACED: f32 = 0.6;
 /// Log of the odds against a jolt between two looks: one in an hour of driving.
 const RARE: f32 = 10.1;
 
-/// Log of the odds of a jolt by sensors that change at once from which on a displacement is looked for: fifty to one, two sensors of two.
-const WORTH: f32 = 4.0;
+/// Log of the odds of a jolt by sensors that change at once from which on a displacement is looked for, four to one: one sensor of one,
+/// where seldom one changes.
+const WORTH: f32 = 1.4;
 
 /// What became of the sensors at a look, a bit each.
 #[derive(Clone, Copy, Debug, Default)]
@@ -188,12 +189,12 @@ impl Jolts {
         let best = scene.improve(&readings, &core::mem::replace(&mut trial.best, Displacement::start(0)));
         let other = core::mem::replace(&mut trial.other, f32::NEG_INFINITY);
         trial.start = 0;
-        let log_odds = best.log_odds + trial.told - RARE;
-        let is_sure = log_odds > SURE && best.log_odds > other + SURE;
-        if is_sure || is_late && log_odds > 0.0 {
+        let log_odds = best.log_odds + trial.told;
+        let is_sure = log_odds > RARE + SURE && best.log_odds > other + SURE && best.is_apart_from(&Displacement::NONE);
+        if is_sure {
             trial.best = best;
             trial.found = Some(([moment.map.x_m, moment.map.y_m], Confirmation::since(trial.onset)));
-        } else if is_late || log_odds < -SURE {
+        } else if is_late || log_odds < SURE {
             self.give_up();
         }
         None

@@ -18,6 +18,8 @@ pub const READINGS: usize = 20;
 pub struct Seen {
     /// Step in which it was made.
     pub step: u32,
+    /// Index of its sensor.
+    pub sensor: usize,
     /// Where the robot was then, in the frame of dead reckoning.
     pub from: Pose,
     /// Where its beam began, metres, and its unit vector, in the frame of dead reckoning.
@@ -28,8 +30,6 @@ pub struct Seen {
     pub range_m: f32,
     /// Standard deviation of the sensor's noise there, metres.
     pub sigma_m: f32,
-    /// What else may be met, metres of the beam.
-    pub span_m: f32,
 }
 
 impl Seen {
@@ -47,12 +47,12 @@ impl Seen {
         let beam = mount.beam([pose.x_m, pose.y_m], sin_cos(pose.theta_rad));
         Self {
             step,
+            sensor: sensor.index,
             from: *pose,
             origin_m: beam.origin,
             direction: beam.direction,
             range_m: reading.range_m / sensor.state.gain(ekf),
             sigma_m: reading.sigma_m(),
-            span_m: sensor.limits.max_m - sensor.limits.min_m,
         }
     }
 }

@@ -2,11 +2,12 @@
 
 use crate::filter::ekf::EkfView;
 use crate::geometry::angle::sin_cos;
-use crate::jolts::recent::{Seen, Sighting};
+use crate::jolts::recent::{READINGS, Seen, Sighting};
 use crate::measurement::beam::{Beam, Prediction};
 use crate::measurement::data_association::density;
 use crate::measurement::line_of_sight::{Candidate, first_met};
 use crate::measurement::observe::by_pose_and_wall;
+use crate::rig::RangeSensor;
 use crate::sensing::range::SURFACE_M;
 use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::map::MapView;
@@ -21,9 +22,9 @@ const WALLS_M: f32 = 0.01;
 /// Share of readings of anything else than the wall: the odds of the gate, one to two, for a third.
 const ELSE: f32 = 0.3;
 
-/// What one surface can say, as log odds: in one look of so many thousands it is not the robot that moved but what it sees,
-/// a chair, a bin, a curtain, a door.
-const SURFACE_SAYS: f32 = 9.0;
+/// What a sensor's readings of one wall can say, as log odds: in one look of so many thousands it is not the robot that moved but what
+/// it sees, a chair, a bin, a curtain, a door. Another sensor sees another place of the wall.
+const WALL_SAYS: f32 = 9.0;
 
 /// Turns with which the search begins, in tenths of a radian: neighbours are half of what a beam at half its span can be off
 /// and meet its wall.
@@ -42,9 +43,6 @@ const ROUNDS_M: [f32; 6] = [0.12, 0.08, 0.05, 0.02, 0.0, 0.0];
 /// A wall met so little beyond its end is met.
 const BEYOND_END_M: f32 = 0.05;
 
-/// Walls of one map that readings can be told apart by: each has its own sum.
-const SURFACES: usize = 24;
-
 /// A displacement of the robot, in the map, about where it is now.
 #[derive(Clone, Copy, Debug)]
 pub struct Displacement {
@@ -57,6 +55,9 @@ pub struct Displacement {
 }
 
 impl Displacement {
+    /// None, by which nothing is likelier or less.
+    pub const NONE: Self = Self { by: [0.0; 3], covariance: [[0.0; 3]; 3], log_odds: 0.0 };
+
     /// Whether it is another one than this: beyond what both are known to.
     pub fn is_apart_from(&self, other: &Self) -> bool {
         let [x, y, turn] = core::array::from_fn(|i| (self.by[i] - other.by[i]).abs());
@@ -94,6 +95,8 @@ pub struct Scene<'a> {
     pub ekf: &'a EkfView,
     /// The walls.
     pub map: &'a MapView,
+    /// The robot's sensors.
+    pub sensors: &'a [RangeSensor],
 }
 
 /// A reading held against the wall that its beam meets.
@@ -104,11 +107,32 @@ struct Held {
     prediction: Prediction,
 }
 
-/// What all readings of one surface say.
+/// What a sensor meets by one pose or the other.
+#[derive(Clone, Copy, Default, PartialEq, Eq)]
+struct Surface {
+    wall: u16,
+    sensor: usize,
+    /// Whether a robot that is where the filter has it should see a wall there.
+    is_expected: bool,
+}
+
+/// What all of a sensor's readings of one surface say.
 #[derive(Clone, Copy, Default)]
 struct Said {
-    wall: u16,
+    of: Surface,
     log_odds: f32,
+    readings: f32,
+}
+
+impl Said {
+    /// All together. Where no wall was to be seen there is one that is not in the map yet: if its first reading fits by chance so do
+    /// the others, so that all say what one does.
+    fn together(&self) -> f32 {
+        match self.of.is_expected {
+            true => self.log_odds.max(-WALL_SAYS).min(WALL_SAYS),
+            false => self.log_odds / self.readings,
+        }
+    }
 }
 
 impl Scene<'_> {
@@ -122,7 +146,7 @@ impl Scene<'_> {
             let mut gradient: [f32; 3] = core::array::from_fn(|i| -information[i][i] * found.by[i]);
             for sighting in readings {
                 let Some(held) = self.hold(&grid, &sighting.seen, &found.of(sighting), round_m) else { continue };
-                let [fits, anything] = likelihoods(&held, sighting);
+                let [fits, anything] = self.likelihoods(&held, sighting);
                 let weight = fits / (fits + anything) / held.variance_m2;
                 let [by_x, by_y] = held.prediction.by_position;
                 let by = [by_x, by_y, held.prediction.by_heading];
@@ -161,42 +185,57 @@ impl Scene<'_> {
     /// say alone. The other one's pose is known to a 1-sigma vector (metres, metres, radians), all of it at once.
     pub fn said<'a>(&self, others: impl Iterator<Item = (Beam, &'a Sighting)>, sigma: [f32; 3]) -> f32 {
         let grid = &ManhattanFrame::of(self.ekf);
-        let mut surfaces = [Said::default(); SURFACES];
+        let mut all = [Said::default(); READINGS];
         let mut known = 0;
         for (other, sighting) in others {
-            let Some((wall, [with, without])) = self.said_by(grid, sighting, &other, sigma) else { continue };
-            let place = surfaces.iter().take(known).position(|said| said.wall == wall).unwrap_or(known);
-            known = known.max(place + 1).min(SURFACES);
-            if let Some(said) = surfaces.get_mut(place) {
-                *said = Said { wall, log_odds: said.log_odds + with - without };
+            let Some((of, [with, without])) = self.said_by(grid, sighting, &other, sigma) else { continue };
+            let place = all.iter().take(known).position(|said| said.of == of).unwrap_or(known);
+            known = known.max(place + 1);
+            if let Some(said) = all.get_mut(place) {
+                *said = Said { of, log_odds: said.log_odds + with - without, readings: said.readings + 1.0 };
             }
         }
-        surfaces.iter().map(|said| said.log_odds.clamp(-SURFACE_SAYS, SURFACE_SAYS)).sum()
+        all.iter().take(known).map(Said::together).sum()
     }
 
-    /// The wall that one reading should have met, and the log of its density either way; none where it should have met no wall.
+    /// What one reading should have met, and the log of its density either way; none where it should have met no wall.
     fn said_by(
         &self,
         grid: &ManhattanFrame,
         sighting: &Sighting,
         other: &Beam,
         sigma: [f32; 3],
-    ) -> Option<(u16, [f32; 2])> {
+    ) -> Option<(Surface, [f32; 2])> {
         let with = self.hold(grid, &sighting.seen, other, 0.0).map(|held| held.give_or_take(sigma));
         let without = self.hold(grid, &sighting.seen, &sighting.beam, 0.0);
         let without = without.map(|held| self.as_known(held, sighting));
         let says = |held: &Option<Held>| {
-            let anything = ELSE / sighting.seen.span_m;
-            libm::logf(held.as_ref().map_or(anything, |held| likelihoods(held, sighting).iter().sum()))
+            let anything = self.anything(&sighting.seen);
+            libm::logf(held.as_ref().map_or(anything, |held| self.likelihoods(held, sighting).iter().sum()))
         };
         let met = with.as_ref().or(without.as_ref())?.met.index;
         let wall = self.map.walls().get(met).map_or(0, |wall| wall.id);
-        Some((wall, [says(&with), says(&without)]))
+        let surface = Surface { wall, sensor: sighting.seen.sensor, is_expected: without.is_some() };
+        Some((surface, [says(&with), says(&without)]))
+    }
+
+    /// Densities of a reading that is the wall's, and of one that is of anything within the sensor's span.
+    fn likelihoods(&self, held: &Held, sighting: &Sighting) -> [f32; 2] {
+        [(1.0 - ELSE) * density(held.innovation_m, held.variance_m2), self.anything(&sighting.seen)]
+    }
+
+    fn anything(&self, seen: &Seen) -> f32 {
+        ELSE / self.span_m(seen)
+    }
+
+    /// Length of the beam on which its sensor sees something, metres.
+    fn span_m(&self, seen: &Seen) -> f32 {
+        self.sensors.get(seen.sensor).map_or(1.0, RangeSensor::span_m)
     }
 
     /// A reading by this beam, held against the wall that it should have met, with so much more noise.
     fn hold(&self, grid: &ManhattanFrame, seen: &Seen, beam: &Beam, more_m: f32) -> Option<Held> {
-        let within_m = seen.range_m + seen.span_m;
+        let within_m = seen.range_m + self.span_m(seen);
         let met = first_met(self.ekf, grid, self.map.walls(), beam, 0.0, within_m, BEYOND_END_M)?;
         let prediction = beam.predict(&met.line);
         let across_m2 = WALLS_M * WALLS_M + more_m * more_m;
@@ -222,11 +261,6 @@ impl Held {
         let off_m = by_x * x_m + by_y * y_m + by_heading * turn_rad;
         Self { variance_m2: self.variance_m2 + off_m * off_m, ..self }
     }
-}
-
-/// Densities of a reading that is the wall's, and of one that is of anything within the sensor's span.
-fn likelihoods(held: &Held, sighting: &Sighting) -> [f32; 2] {
-    [(1.0 - ELSE) * density(held.innovation_m, held.variance_m2), ELSE / sighting.seen.span_m]
 }
 
 /// Information of what is known of jolts.

@@ -258,7 +258,7 @@ impl Observer<'_> {
         let innovation_m = innovation.value_m;
         let square_m2 = innovation_m * innovation_m;
         let fits_m2 = known_m2 + level * own_m2;
-        let span_m = limits.max_m - limits.min_m;
+        let span_m = limits.span_m();
         let is_told = known_m2 <= TOLD_SHARE * TOLD_SHARE * span_m * span_m;
         let likelier = match self.settings.clutter {
             true => data_association::odds(innovation_m, fits_m2, span_m) >= 1.0,

@@ -239,7 +239,7 @@ impl Surface {
         }
         let motion_m2 = forward_m * forward_m * (STAMP_SHARE + INCIDENCE_SHARE * sin * sin);
         let variance_m2 = 2.0 * noise_m * noise_m + swept_m * swept_m + motion_m2;
-        let ratio = log_ratio(change_m, -forward_m * cos, variance_m2, sensor.max_m - sensor.min_m);
+        let ratio = log_ratio(change_m, -forward_m * cos, variance_m2, sensor.span_m());
         let most = MOST_OF_SURFACE / sin.abs().max(1e-3);
         let told = (self.told + ratio).clamp(-most, most);
         told - core::mem::replace(&mut self.told, told)
