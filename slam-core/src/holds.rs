@@ -10,7 +10,7 @@ use crate::filter::layout;
 use crate::geometry::angle::{sin_cos, wrap};
 use crate::geometry::line::Line;
 use crate::geometry::pose::Pose;
-use crate::jolts::confirmation::Confirmation;
+use crate::jolts::confirmation::{Confirmation, SURE};
 use crate::jolts::recent::{self, Recent};
 use crate::jolts::search::Scene;
 use crate::measurement::beam::Beam;
@@ -49,8 +49,9 @@ const LEAST_COS: f32 = 0.2;
 /// What one sensor can say, as log odds: it may be what it sees that goes with the robot, for as long as it does.
 const SENSOR_SAYS: f32 = 6.0;
 
-/// Log of the odds against the beginning of a hold from one look to the next: one in an hour of driving.
-const BEGINS: f32 = 10.0;
+/// Log of the odds against the beginning of a hold from one look to the next: one in an hour of driving, e^10, less what the
+/// confirmation has to say yet.
+const BEGINS: f32 = 10.0 - SURE;
 
 /// Log of the odds against its end from one look to the next: most last for some of them.
 const ENDS: f32 = 3.0;

@@ -1,5 +1,7 @@
 //! A robot that is kicked finds out by its readings, and goes on in its map.
 
+use std::ops::RangeInclusive;
+
 use hal_sim::Plan;
 use relocate::{Event, Locator, State, Step, agreement};
 use slam_core::HostSlam;
@@ -9,7 +11,7 @@ use tests::mishaps::{AT_S, Found, Mishap, found, home};
 /// Until when it is to be back in its kept map, seconds.
 const BACK_S: f64 = AT_S + 100.0;
 
-/// Drives with a kick, by which a share of 0.4 is known to 0.02, and without one.
+/// Drives with a kick, by which a share of 0.7 is known to 0.02, and without one.
 const KICKED: u64 = 500;
 const LEFT_ALONE: u64 = 100;
 
@@ -18,7 +20,7 @@ fn kicks_are_found_and_undone_and_none_where_there_is_none() {
     // Without a search the robot is 10 cm and 15 degrees off, and more by and by.
     let kicked = (1..=KICKED).map(|seed| found("flat", Mishap::Kick, seed));
     let undone = kicked.filter(|found| found.is_within(0.05, 0.05) && found.jolts > 0).count() as u64;
-    assert!(8 * undone >= 3 * KICKED, "{undone} of {KICKED}");
+    assert!(8 * undone >= 5 * KICKED, "{undone} of {KICKED}");
     for seed in 1..=LEFT_ALONE {
         let Found { off_m, jolts, .. } = found("flat", Mishap::Nothing, seed);
         assert!(jolts == 0 && (seed > 4 || off_m < 0.05), "seed {seed}: {jolts} jolts, {off_m} m");
@@ -45,12 +47,25 @@ fn lost_in_kept(plan: &Plan, kept: &HostSlam, seed: u64) -> (Option<f64>, u32) {
     (error_m, slam.counters().jolts)
 }
 
+/// The same of all drives of these seeds in a home, kicked, in the map of another drive there.
+fn kicked_in_kept(name: &str, seeds: RangeInclusive<u64>) -> Vec<(Option<f64>, u32)> {
+    let kept = drive(&home(name, Mishap::Nothing), &rig(8), 600.0, 1, |_| true);
+    seeds.map(|seed| lost_in_kept(&home(name, Mishap::Kick), &kept, seed)).collect()
+}
+
 #[test]
-fn a_kick_that_readings_do_not_tell_is_told_by_the_kept_map() {
-    let kept = drive(&home("flat", Mishap::Nothing), &rig(8), 600.0, 1, |_| true);
-    let kicked: Vec<_> = (2..=41).map(|seed| lost_in_kept(&home("flat", Mishap::Kick), &kept, seed)).collect();
-    let untold = kicked.iter().filter(|(_, jolts)| *jolts == 0).count();
-    assert!(untold >= 8, "most kicks were told by readings: {kicked:?}");
+fn a_kicked_robot_is_back_in_its_kept_map() {
+    let kicked = kicked_in_kept("flat", 2..=41);
     let back = kicked.iter().filter(|(off_m, _)| off_m.is_some_and(|off_m| off_m < 0.05)).count();
     assert!(back >= 36, "{back} of 40: {kicked:?}");
+}
+
+#[test]
+fn a_kick_that_readings_do_not_tell_is_told_by_the_kept_map() {
+    let kicked = kicked_in_kept("clutter", 2..=121);
+    let untold: Vec<_> = kicked.iter().filter(|(_, jolts)| *jolts == 0).collect();
+    assert!(untold.len() >= 8, "nearly all kicks were told by readings: {kicked:?}");
+    // The kept map of this drive is off by up to 10 cm itself.
+    let back = untold.iter().filter(|(off_m, _)| off_m.is_some_and(|off_m| off_m < 0.12)).count();
+    assert!(4 * back >= 3 * untold.len(), "{back} of {untold:?}");
 }
