@@ -36,8 +36,6 @@ pub(crate) struct Cleaning<const S: usize> {
     /// By which map it goes, since the first step.
     map: Option<Map>,
     world: Option<u32>,
-    /// The wall of the map that it is told of next; none where it knows all, or wants none.
-    next_wall: Option<u8>,
     /// Path without knowing where it is in its own map, metres.
     searched_m: f32,
     /// Where it was in the last step, in the map and by the wheels alone.
@@ -53,7 +51,6 @@ impl<const S: usize> Cleaning<S> {
         job: FloorJob::BLANK,
         map: None,
         world: None,
-        next_wall: None,
         searched_m: 0.0,
         last: None,
         bounds: Bounds::NONE,
@@ -98,7 +95,7 @@ impl<const S: usize> Cleaning<S> {
     /// One about to begin becomes the one that was saved.
     pub(crate) fn restore(&mut self, map: u32, memory: &impl LastingMemory) -> Result<(), FloorRecordError> {
         self.job.restore(map, memory)?;
-        (self.map, self.next_wall) = (Some(Map::Own), Some(0));
+        self.map = Some(Map::Own);
         Ok(())
     }
 
@@ -113,10 +110,6 @@ impl<const S: usize> Cleaning<S> {
         let speeds = self.job.step_within(&Senses { condition, ..*senses }, bounds);
         if let Some(grid_rad) = grid_rad.filter(|_| is_located || map == Map::Fresh) {
             self.job.align(grid_rad);
-        }
-        if let Some(wall) = whereabouts.wall.filter(|wall| is_located && self.next_wall == Some(wall.index)) {
-            self.job.know_wall(wall.ends_m);
-            self.next_wall = Some(wall.index + 1).filter(|next| *next < wall.of);
         }
         speeds
     }
@@ -155,7 +148,6 @@ impl<const S: usize> Cleaning<S> {
                 let now_in_fresh = pose.compose(&before.inverse().compose(&reckoned));
                 self.job.go_on_in(&now_in_fresh, &senses.pose);
                 self.job.go_home_to(start);
-                self.next_wall = Some(0);
             }
             (Some(Map::Fresh), _) if senses.contacts.lifted => self.begin_anew(),
             (Some(Map::Own), _) if !is_located && self.is_worth_less_than_the_search() => self.begin_anew(),
@@ -181,7 +173,7 @@ impl<const S: usize> Cleaning<S> {
             }
             _ => self.job.begin_anew(),
         }
-        (self.next_wall, self.searched_m) = (None, 0.0);
+        self.searched_m = 0.0;
         (self.bounds, self.next_corner) = (Bounds::NONE, 0);
     }
 }
@@ -244,7 +236,6 @@ mod tests {
         robot.step(&FOUND);
         let new_m2 = robot.swept_m2() - by_fresh_map_m2;
         assert!((0.0..0.08).contains(&new_m2), "neither jumped nor forgot: {new_m2}");
-        assert_eq!(robot.cleaning.next_wall, Some(0), "the kept map's walls are awaited");
     }
 
     #[test]
@@ -293,22 +284,6 @@ mod tests {
         assert_eq!(again.step(&LOST), FloorState::Lost);
         assert_ne!(again.step(&FOUND), FloorState::Lost);
         assert!((again.swept_m2() - robot.swept_m2()).abs() < 0.1);
-    }
-
-    #[test]
-    fn walls_of_the_kept_map_come_one_by_one_from_the_first() {
-        let wall = |index| {
-            let ends_m = [[0.0, f32::from(index)], [1.0, f32::from(index)]];
-            Whereabouts { wall: Some(crate::job::MapWall { index, of: 3, ends_m }), ..FOUND }
-        };
-        let mut robot = Robot::new();
-        robot.step(&LOST);
-        robot.step(&FOUND);
-        let awaited: [Option<u8>; 5] = [2, 0, 2, 1, 2].map(|index| {
-            robot.step(&wall(index));
-            robot.cleaning.next_wall
-        });
-        assert_eq!(awaited, [Some(0), Some(1), Some(1), Some(2), None]);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! What drives: the pilot, which explores, or the floor job, which cleans: one at a time, in one memory.
 
-use slam_core::{Pose, Rig, WallView};
+use slam_core::{Pose, Rig};
 
 use crate::cleaning::Cleaning;
 use crate::floor::{AreaKind, FLOOR_RECORD_BYTES, FloorConfig, FloorProgress, FloorRecordError, Notes};
@@ -22,9 +22,7 @@ pub struct Whereabouts {
     pub start: Pose,
     /// The pose by the wheels alone since the robot's start, whatever map it is in.
     pub reckoned: Pose,
-    /// A wall of the map: one after the other from step to step.
-    pub wall: Option<MapWall>,
-    /// A corner of the areas in the kept map, likewise.
+    /// A corner of the areas in the kept map: one after the other from step to step.
     pub corner: Option<AreaCorner>,
 }
 
@@ -37,7 +35,6 @@ impl Whereabouts {
         grid_rad: None,
         start: Pose::ORIGIN,
         reckoned: Pose::ORIGIN,
-        wall: None,
         corner: None,
     };
 }
@@ -55,26 +52,6 @@ pub struct AreaCorner {
     pub is_first: bool,
     /// Where it is in the map frame, metres.
     pub at_m: [f32; 2],
-}
-
-/// A wall of the map.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MapWall {
-    /// Its place in the map as it is now.
-    pub index: u8,
-    /// Walls in the map.
-    pub of: u8,
-    /// Its ends in the map frame, metres.
-    pub ends_m: [[f32; 2]; 2],
-}
-
-impl MapWall {
-    /// A wall of the map, number `index` of `of`.
-    pub fn of(wall: &WallView, index: u8, of: u8) -> Self {
-        let (s, c) = slam_core::angle::sin_cos(wall.beta_rad);
-        let end_m = |along_m: f32| [wall.rho_m * c - along_m * s, wall.rho_m * s + along_m * c];
-        Self { index, of, ends_m: [end_m(wall.lo_m), end_m(wall.hi_m)] }
-    }
 }
 
 /// The one that drives.

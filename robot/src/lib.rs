@@ -27,7 +27,7 @@ pub use floor::{
     AreaKind, Bounds, FLOOR_RECORD_BYTES, FloorConfig, FloorJob, FloorProgress, FloorRecordError, FloorState,
 };
 pub use h_bridge::{HBridge, HBridgeError, MotorPair};
-pub use job::{AreaCorner, Job, MapWall, Whereabouts};
+pub use job::{AreaCorner, Job, Whereabouts};
 pub use pilot::{Activity, Pilot, PilotConfig, Senses};
 pub use traits::{
     DriveMotors, Duty, LastingMemory, MetricSensor, RangeSensorBank, WheelCounter, WheelEncoders, WheelSpeeds,

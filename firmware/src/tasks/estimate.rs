@@ -10,7 +10,7 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use embassy_futures::yield_now;
 use embassy_time::Instant;
 use look_back::RobotBackEnd;
-use robot::{Condition, MapWall, Senses, Whereabouts};
+use robot::{Condition, Senses, Whereabouts};
 use slam_core::{Config, RobotSlam, StepReport, WallView};
 use wire::{Calibration, Estimate, Faults, Frame, LookBack, MapRequest, Sample, Wall};
 
@@ -40,7 +40,7 @@ pub async fn estimate<F: MapFlash>(
         let sample = raw_sample(&ranges, shared);
         let report = estimator::step(slam, &sample.to_slam());
         let wall = next_wall(slam);
-        let whereabouts = whereabouts(slam, keeper, wall.as_ref());
+        let whereabouts = whereabouts(slam, keeper);
         shared.told.signal(Told { senses: senses(slam, &sample, &report, shared), whereabouts });
         steps = steps.wrapping_add(1);
         let now = circumstances(&sample, shared);
@@ -122,11 +122,7 @@ fn next_wall(slam: &RobotSlam) -> Option<(WallView, [u8; 2])> {
 }
 
 /// What is known of the map that the pose is in.
-fn whereabouts<F: MapFlash>(
-    slam: &RobotSlam,
-    keeper: &mut Keeper<F>,
-    wall: Option<&(WallView, [u8; 2])>,
-) -> Whereabouts {
+fn whereabouts<F: MapFlash>(slam: &RobotSlam, keeper: &mut Keeper<F>) -> Whereabouts {
     Whereabouts {
         kept: keeper.kept(),
         world: keeper.world(),
@@ -134,7 +130,6 @@ fn whereabouts<F: MapFlash>(
         grid_rad: slam.alpha().map(|(alpha_rad, _)| alpha_rad),
         start: slam.start_pose(),
         reckoned: slam.dead_reckoning(),
-        wall: wall.map(|(wall, [index, of])| MapWall::of(wall, *index, *of)),
         corner: keeper.corner(slam.counters().steps),
     }
 }

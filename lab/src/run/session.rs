@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use kept_map::{Record, rig_hash};
 use look_back::RobotBackEnd;
-use robot::{Bounds, MapWall, Whereabouts};
+use robot::{Bounds, Whereabouts};
 use slam_core::{Config, DriveModel, HostSlam, Outcome, Parameter, RigError, Sample, StepReport, Unfit};
 
 use super::life::{Life, Place, Searched};
@@ -77,11 +77,6 @@ impl Session {
     /// What the robot's job is told of the map that the pose is in now.
     pub fn whereabouts(&self) -> Whereabouts {
         let slam = &self.slam;
-        let count = slam.walls().count();
-        let index = (slam.counters().steps as usize).checked_rem(count);
-        let wall = index.and_then(|index| {
-            Some(MapWall::of(&slam.walls().nth(index)?, u8::try_from(index).ok()?, u8::try_from(count).ok()?))
-        });
         Whereabouts {
             kept: None,
             world: self.life.world(),
@@ -89,7 +84,6 @@ impl Session {
             grid_rad: slam.alpha().map(|(alpha_rad, _)| alpha_rad),
             start: slam.start_pose(),
             reckoned: slam.dead_reckoning(),
-            wall,
             corner: self.life.corner(slam),
         }
     }

@@ -25,6 +25,11 @@ const JUMP_M: f32 = 0.1;
 const JUMP_RAD: f32 = 0.17;
 
 impl<const S: usize> FloorJob<S> {
+    /// Home is there, in the map frame, metres.
+    pub fn go_home_to(&mut self, home: Pose) {
+        self.home = Some(home);
+    }
+
     /// Stops on request: the robot stands until [`FloorJob::resume`].
     pub fn pause(&mut self) {
         if !self.is_over() {

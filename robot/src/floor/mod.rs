@@ -12,7 +12,6 @@ mod edges;
 mod errand;
 mod frame;
 mod hug;
-mod known;
 mod lanes;
 mod near;
 mod phase;
@@ -36,7 +35,6 @@ pub use config::FloorConfig;
 use dock::Stage;
 use errand::Errand;
 use frame::Frame;
-use known::Known;
 use near::Near;
 use phase::Phase;
 use progress::Tally;
@@ -123,8 +121,6 @@ pub struct FloorJob<const S: usize> {
     marked: u16,
     /// The robot is where it need not clean.
     is_elsewhere: bool,
-    /// Where a kept map lets floor be presumed.
-    known: Option<Known>,
     /// What was written down of it for after a reset is of these cells.
     is_noted: bool,
 }
@@ -171,7 +167,6 @@ impl<const S: usize> FloorJob<S> {
         tally: Tally::new(),
         marked: 0,
         is_elsewhere: false,
-        known: None,
         is_noted: false,
     };
 
@@ -264,7 +259,6 @@ impl<const S: usize> FloorJob<S> {
                 self.begin(Phase::Undock, senses.time_us);
             }
         }
-        self.presume_floor();
         self.watch_jumps(&pose, senses.time_us);
         self.look(senses, &pose);
         self.sweep(&pose, senses.time_us);

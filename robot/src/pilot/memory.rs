@@ -159,11 +159,6 @@ impl<const N: usize> Memory<N> {
         (-moves..=moves).any(|row| (-moves..=moves).any(|col| self.is_obstacle(cell.offset(col, row))))
     }
 
-    /// Nothing is known to be here: it is taken for free until two beams end here.
-    pub(crate) fn presume_free(&mut self, cell: Cell) {
-        self.edit(cell, |value| if value & EVIDENCE == 0 { value | NEUTRAL } else { value });
-    }
-
     /// A beam passed here.
     pub(crate) fn see_free(&mut self, cell: Cell) {
         self.edit(cell, |value| {
