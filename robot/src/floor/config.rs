@@ -24,7 +24,7 @@ impl FloorConfig {
     pub const DEFAULT: Self = Self {
         drive: PilotConfig { turn_radps: 1.2, ..PilotConfig::DEFAULT },
         open_mps: 0.3,
-        gap_m: 0.015,
+        gap_m: 0.012,
         reading_age_s: 0.038,
         // Three lithium cells: at 3.5 V a tenth of their charge is left, at 4.1 V they take up little more.
         low_v: 10.5,

@@ -13,14 +13,17 @@ pub(super) const QUARTER_M: f32 = 0.078;
 /// still are.
 const SWEPT_M: f32 = 0.12;
 
-/// Quarters that a robot comes for: 0.024 m^2, half of the largest piece that may be missed.
+/// Quarters that a robot comes for: 0.03 m^2, less than the largest piece that may be missed.
 const WORTHWHILE: u32 = 5;
+
+/// The same beside something that stands there, where the brush does not reach all of what looks free.
+const WORTHWHILE_BESIDE: u32 = 12;
 
 /// A lane that goes on by so many quarters without sweeping any ends.
 const GAP: i16 = 4;
 
-/// Quarters that a lane has to sweep for each that it goes on, of three under the brush: beyond a gap there has to be enough for the gap.
-const PAYS: i16 = 1;
+/// Quarters that two have to sweep by which a lane goes on, of six under the brush: beyond a gap there has to be enough for the gap.
+const PAYS: i16 = 3;
 
 /// The border of what is left is looked for so many rows to each side.
 const BORDER: i16 = 4;
@@ -138,16 +141,23 @@ impl Sheet {
         !self.swept.is_swept(quarter) && self.picture.is_free(quarter.cell())
     }
 
-    /// During a search: whether all of a cell is floor beside something that stands there, and nothing of it was swept.
+    /// During a search: whether all of a cell is floor beside something that stands there, and nothing of it was swept, with enough
+    /// beside it to come for.
     pub(super) fn is_edge_left(&self, cell: Cell) -> bool {
-        self.swept.left_in(cell) == 4 && self.picture.is_free(cell) && !self.picture.has_room(cell)
+        let is_whole = self.swept.left_in(cell) == 4 && self.picture.is_free(cell) && !self.picture.has_room(cell);
+        is_whole && self.left_around(cell, |cell| self.picture.is_free(cell)) >= WORTHWHILE_BESIDE
     }
 
     /// During a search: whether there is floor to sweep in this cell, where the body has room, and with what is beside it enough to come for.
     pub(super) fn is_open_left(&self, cell: Cell) -> bool {
-        let left = |cell: Cell| if self.picture.has_room(cell) { self.swept.left_in(cell) } else { 0 };
-        let around = || (-1..=1).flat_map(|row| (-1..=1).map(move |col| cell.offset(col, row))).map(left).sum::<u32>();
-        left(cell) > 0 && around() >= WORTHWHILE
+        let has_room = |cell: Cell| self.picture.has_room(cell);
+        self.swept.left_in(cell) > 0 && has_room(cell) && self.left_around(cell, has_room) >= WORTHWHILE
+    }
+
+    /// Quarters not swept in this cell and those around it that are such floor.
+    fn left_around(&self, cell: Cell, is_floor: impl Fn(Cell) -> bool) -> u32 {
+        let cells = (-1..=1).flat_map(|row| (-1..=1).map(move |col| cell.offset(col, row)));
+        cells.filter(|cell| is_floor(*cell)).map(|cell| self.swept.left_in(cell)).sum()
     }
 
     fn left_in_band(&self, axis: Axis, along: i16, across: i16) -> i16 {
@@ -184,7 +194,7 @@ impl Sheet {
             let (mut along, mut gap, mut worth, mut count) = (first + direction, 0, 0, 0);
             while gap < GAP && self.is_way(axis, along, across) {
                 let left = self.left_in_band(axis, along, across);
-                (gap, worth, count) = (gap + 1, worth + left - PAYS, count + left);
+                (gap, worth, count) = (gap + 1, worth + 2 * left - PAYS, count + left);
                 if left > 0 && worth >= 0 {
                     stretch.count += count;
                     stretch.from = stretch.from.min(along);
@@ -203,7 +213,7 @@ impl Sheet {
         (0..=GAP + 1).take_while(|step| self.is_way(axis, along + sign * step, across)).any(|step| {
             let left = self.left_in_band(axis, along + sign * step, across);
             // The first two are under the brush as it is.
-            worth += if step > 1 { left - PAYS } else { left };
+            worth += 2 * left - if step > 1 { PAYS } else { 0 };
             left > 0 && worth >= 0
         })
     }

@@ -14,7 +14,7 @@ const FRONT: usize = 240;
 
 /// How much farther an edge may be than open floor to be preferred, in cells: what is beside walls is swept first, for lanes
 /// overlap it on their way.
-const EDGE_PREFERENCE: u8 = 14;
+const EDGE_PREFERENCE: u8 = 8;
 
 /// Rows of the picture that are made ready in one step, and cells that are gone through.
 const ROWS: usize = 16;
