@@ -2,7 +2,7 @@
 
 use core::ops::ControlFlow;
 
-use slam_core::{NotTaken, Slam, StepReport};
+use slam_core::{NotTaken, Slam, StepReport, WallPolicy};
 
 use crate::diary::Diary;
 use crate::gains::Gains;
@@ -210,6 +210,7 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
         self.begun_at = 0;
         let gains = if slam.config().sensing.calibrate_gains { Gains::of_rig(slam.rig()) } else { Gains::KNOWN };
         self.diary.begin(&slam.rig().drive, gains, slam.filter_pose());
+        self.diary.has_exact_grid = slam.config().walls.policy == WallPolicy::Grid;
     }
 
     /// What follows when a look back has ended.

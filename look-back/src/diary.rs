@@ -82,10 +82,14 @@ pub struct Diary<const K: usize, const G: usize, const W: usize> {
     pub(crate) seen: [u8; MOST_GAINS],
     /// Where among those of the last keyframe the group is that the last hit of a sensor went to, where it still is there.
     last_groups: [u8; MOST_GAINS],
+    /// What each sensor read last, metres.
+    pub(crate) ranges_m: [f32; MOST_GAINS],
     pub(crate) calibration: Calibration,
     pub(crate) gains: Gains,
     /// Direction of the grid, radians.
     pub(crate) alpha_rad: Option<f32>,
+    /// The filter's walls stand on it exactly.
+    pub(crate) has_exact_grid: bool,
     pub(crate) odometry: Odometry,
     /// The robot in the last keyframe's frame, by the odometry as it is calibrated at present.
     robot: Moving,
@@ -107,9 +111,11 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         names: Vec::new(),
         seen: [0; MOST_GAINS],
         last_groups: [0; MOST_GAINS],
+        ranges_m: [0.0; MOST_GAINS],
         calibration: Calibration { distance: 0.0, turn: 0.0, veer_rad_per_m: 0.0 },
         gains: Gains::NONE,
         alpha_rad: None,
+        has_exact_grid: false,
         odometry: Odometry::NONE,
         robot: Moving::NONE,
         filter: Pose::ORIGIN,
@@ -137,6 +143,8 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         self.calibration = Calibration::EXACT;
         self.gains = gains;
         self.alpha_rad = None;
+        self.has_exact_grid = false;
+        self.ranges_m = [0.0; MOST_GAINS];
         self.odometry = Odometry::of(drive);
         (self.robot, self.filter) = (Moving::ORIGIN, start);
         self.placed = 0;

@@ -12,6 +12,9 @@ use crate::power::power;
 /// three to five. An analogue sensor's noise is new each time.
 const ALIKE: f32 = 4.0;
 
+/// Two readings of a sensor in a row that differ by less than this share are of one surface.
+const SAME_SURFACE: f32 = 0.25;
+
 impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     /// Writes down what a filter's last step sensed, and what became of it. Where a look back `waits` for the last keyframe to be
     /// closed, the next one begins.
@@ -31,7 +34,12 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         }
         let robot = Frame::of(&slam.pose());
         for (number, (sensor, reading)) in slam.rig().sensors.iter().zip(&report.readings).enumerate() {
-            if let Some(hit) = hit(&robot, slam.gain(number), number as u8, sensor, reading) {
+            let last_m = self.ranges_m.get_mut(number).map_or(0.0, |last_m| {
+                let before_m = *last_m;
+                *last_m = reading.range_m.unwrap_or(before_m);
+                before_m
+            });
+            if let Some(hit) = hit(&robot, (slam.gain(number), last_m), number as u8, sensor, reading) {
                 self.hit(&hit);
             }
         }
@@ -62,18 +70,37 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
 }
 
 /// What a reading ended on, seen from the robot; none where it ended on nothing.
-fn hit(robot: &Frame, gain: f32, number: u8, sensor: &RangeSensor, reading: &ReadingReport) -> Option<Hit> {
+fn hit(
+    robot: &Frame,
+    (gain, last_m): (f32, f32),
+    number: u8,
+    sensor: &RangeSensor,
+    reading: &ReadingReport,
+) -> Option<Hit> {
     let wall = match reading.outcome {
         Outcome::Updated { wall, .. } => Some(wall),
         Outcome::Gated { .. } | Outcome::Unexplained => None,
         Outcome::Missing | Outcome::Refused(_) => return None,
     };
     let end_m = robot.seen(reading.hit_m?);
-    let (variance_m2, alike) = noise(&sensor.model, reading.range_m?);
+    let (variance_m2, alike) = noise(&sensor.model, expected_m(sensor, reading, (gain, last_m))?);
     let [x, y] = [sensor.mount.x_m, sensor.mount.y_m];
     // What the sensor reported, before the filter's gain: gains are found here, too.
     let end_m = [x + gain * (end_m[0] - x), y + gain * (end_m[1] - y)];
     Some(Hit { from_m: [x, y], end_m, variance_m2, alike, sensor: number, wall })
+}
+
+/// The range at which a reading's noise is told, metres. That of an analogue one must not depend on the reading itself: those that came
+/// out short would count for more than those that came out long, and every wall would be pulled towards the robot. So it is what the
+/// filter expected; where that expected nothing, what the sensor read last on what seems to be the same surface.
+pub(crate) fn expected_m(sensor: &RangeSensor, reading: &ReadingReport, (gain, last_m): (f32, f32)) -> Option<f32> {
+    let range_m = reading.range_m?;
+    let is_analogue = matches!(sensor.model, RangeModel::Sharp { .. });
+    Some(match reading.outcome {
+        Outcome::Updated { innovation_m, .. } if is_analogue => range_m - innovation_m / gain,
+        _ if is_analogue && (last_m - range_m).abs() < SAME_SURFACE * last_m => last_m,
+        _ => range_m,
+    })
 }
 
 /// Variance of a reading at this range, m^2, and of how many it is one.

@@ -21,6 +21,10 @@ const NONE: (usize, f32) = (0, 0.0);
 /// What is known exactly is known to this.
 const LEAST_SIGMA: f32 = 1e-4;
 
+/// A wall on an exact grid stands on it to this, radians: two millimetres over two metres, and still a weight with which f32 tells
+/// the rest.
+const EXACT_RAD: f32 = 1e-3;
+
 /// One residual, its weight, and its derivatives by a pose, by the next one, and by entries of the border.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
@@ -159,11 +163,13 @@ pub fn of_group(group: &Group, gains: &Gains, pose: &Pose, frame: &Frame, wall: 
     [apart, turned]
 }
 
-/// A wall that stands on the grid stands as built walls do.
-pub fn of_grid(wall: &Wall, alpha_rad: f32, place: usize) -> Row {
+/// A wall that stands on the grid stands as built walls do, or exactly where the filter has it so: a wall that was turned on its own
+/// would be turned back as it is handed over, and what was seen at its ends would lie off it.
+pub fn of_grid(wall: &Wall, alpha_rad: f32, is_exact: bool, place: usize) -> Row {
+    let tolerance_rad = if is_exact { EXACT_RAD } else { BUILT_TOLERANCE };
     Row {
         residual: off_grid(wall.beta_rad, alpha_rad),
-        weight: 1.0 / (BUILT_TOLERANCE * BUILT_TOLERANCE),
+        weight: 1.0 / (tolerance_rad * tolerance_rad),
         here: [0.0; 3],
         next: [0.0; 3],
         border: [(place + 1, 1.0), (ALPHA, -1.0), NONE],

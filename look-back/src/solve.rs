@@ -117,7 +117,7 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> Solver<K, W
             self.system.damp(place, 1.0 / FREE_M2);
             self.system.damp(place + 1, 1.0 / FREE_RAD2);
             if let Some(alpha_rad) = diary.alpha_rad.filter(|_| wall.on_grid) {
-                self.system.add(&rows::of_grid(&wall, alpha_rad, place));
+                self.system.add(&rows::of_grid(&wall, alpha_rad, diary.has_exact_grid, place));
             }
         }
         self.system.reset_active();

@@ -4,5 +4,6 @@ mod groups;
 mod motions;
 mod presents;
 mod random;
+mod readings;
 mod sizes;
 mod steps;

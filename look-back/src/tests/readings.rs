@@ -1,0 +1,35 @@
+//! What a reading's noise is told by.
+
+use slam_core::{Mount, Outcome, RangeModel, RangeSensor, ReadingReport};
+
+use crate::record::expected_m;
+
+fn sensor(model: RangeModel) -> RangeSensor {
+    let mount = Mount { x_m: 0.06, y_m: 0.0, bearing_rad: 0.0 };
+    RangeSensor { mount, min_m: 0.15, max_m: 1.5, max_incidence_rad: 1.2, gain_sigma: 0.01, model }
+}
+
+fn read(range_m: f32, outcome: Outcome) -> ReadingReport {
+    ReadingReport { outcome, range_m: Some(range_m), hit_m: None }
+}
+
+/// Analogue readings of one range, short and long ones, have one variance: else they would pull their wall towards the robot.
+#[test]
+fn the_noise_of_an_analogue_reading_does_not_depend_on_the_reading() {
+    let sharp = sensor(RangeModel::Sharp { scale_m: 0.6, exponent: -1.16, noise_v: 0.012 });
+    for off_m in [-0.05, 0.0, 0.05] {
+        let met = Outcome::Updated { wall: 1, innovation_m: 1.01 * off_m, variance_m2: 1e-3 };
+        let found = expected_m(&sharp, &read(1.2 + off_m, met), (1.01, 0.0)).expect("a range");
+        assert!((found - 1.2).abs() < 1e-5, "{off_m}: {found}");
+        let new = read(1.2 + off_m, Outcome::Unexplained);
+        assert_eq!(expected_m(&sharp, &new, (1.0, 1.21)), Some(1.21));
+        assert_eq!(expected_m(&sharp, &new, (1.0, 0.6)), new.range_m, "another surface");
+    }
+}
+
+#[test]
+fn a_sensor_that_reports_metres_tells_its_noise() {
+    let metric = sensor(RangeModel::Metric { noise_m: 0.01, noise_rel: 0.01 });
+    let met = Outcome::Updated { wall: 1, innovation_m: 0.05, variance_m2: 1e-3 };
+    assert_eq!(expected_m(&metric, &read(1.2, met), (1.0, 1.21)), Some(1.2));
+}
