@@ -21,7 +21,8 @@ pub struct Config {
     pub measurement: MeasurementSettings,
     /// How new walls are found.
     pub births: BirthSettings,
-    /// What a look back finds while the robot drives is taken over.
+    /// What a look back finds while the robot drives is taken over. Walls hold the map frame then, whatever `walls` says: each
+    /// hand-over turns the map about the start.
     pub hand_overs: bool,
 }
 

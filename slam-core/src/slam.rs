@@ -25,7 +25,7 @@ use crate::sensing::latency::{Latency, Timing};
 use crate::sensing::noise_level::NoiseLevels;
 use crate::sensing::output_noise::OutputNoise;
 use crate::sensing::sign::Sign;
-use crate::walls::map::Map;
+use crate::walls::map::{Map, MapFrame};
 use crate::walls::upkeep::upkeep;
 use crate::walls::wall::WallPolicy;
 use heapless::Vec;
@@ -160,6 +160,10 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.ekf.clear();
         self.rig = rig;
         self.config = config;
+        // Every hand-over tells anew how the map lies to the start.
+        if config.hand_overs {
+            self.config.walls.frame = MapFrame::Walls;
+        }
         self.clock = Clock::NEW;
         self.drive = Drive::START;
         self.sign = if config.motion.find_sign { Sign::UNKNOWN } else { Sign::TRUE };
@@ -170,7 +174,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.correlation = SurfaceCorrelation::NEW;
         self.first = FirstEstimates::START;
         self.shortfall = Shortfall::NONE;
-        self.map.clear(config.walls.frame);
+        self.map.clear(self.config.walls.frame);
         self.candidates.clear();
         self.monitor = HealthMonitor::NEW;
         self.jolts = Jolts::NONE;

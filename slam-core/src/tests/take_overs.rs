@@ -9,7 +9,7 @@ use crate::filter::ekf::Jacobian;
 use crate::filter::layout::{self, THETA, X, Y};
 use crate::hand_over::{self, Calibration, HandOver, PlacedWall};
 use crate::walls::wall::Direction;
-use crate::{DriveModel, MapFrame, Mount, NotTaken, Pose, RangeModel, RangeSensor, Rig, RobotSlam};
+use crate::{Config, DriveModel, MapFrame, Mount, NotTaken, Pose, RangeModel, RangeSensor, Rig, RobotSlam};
 
 const TRACK_M: f64 = 0.3;
 
@@ -109,6 +109,16 @@ fn states(x: &[f64]) -> Vec<f64> {
         }
     }
     all
+}
+
+/// Each hand-over tells anew how the map lies to the start: with the start holding the frame it would turn under the robot.
+#[test]
+fn walls_hold_the_frame_of_a_map_that_is_taken_over() {
+    for hand_overs in [false, true] {
+        let config = Config { hand_overs, ..Config::for_rig(&rig()) };
+        let slam = RobotSlam::with_config(rig(), config).expect("a good rig");
+        assert_eq!(slam.config().walls.frame == MapFrame::Walls, hand_overs);
+    }
 }
 
 #[test]
