@@ -49,9 +49,9 @@ const LEAST_COS: f32 = 0.2;
 /// What one sensor can say, as log odds: it may be what it sees that goes with the robot, for as long as it does.
 const SENSOR_SAYS: f32 = 6.0;
 
-/// Log of the odds against the beginning of a hold from one look to the next: one in an hour of driving, e^10, less what the
-/// confirmation has to say yet.
-const BEGINS: f32 = 10.0 - SURE;
+/// Log of the odds against the beginning of a hold from one look to the next: one in an hour of driving, e^10, less half of what its
+/// confirmation says; half, for what makes readings agree by chance before does so after, too.
+const BEGINS: f32 = 10.0 - 0.5 * SURE;
 
 /// Log of the odds against its end from one look to the next: most last for some of them.
 const ENDS: f32 = 3.0;

@@ -129,7 +129,7 @@ impl Said {
     /// the others, so that all say what one does.
     fn together(&self) -> f32 {
         match self.of.is_expected {
-            true => self.log_odds.max(-WALL_SAYS).min(WALL_SAYS),
+            true => self.log_odds.clamp(-WALL_SAYS, WALL_SAYS),
             false => self.log_odds / self.readings,
         }
     }
