@@ -212,7 +212,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             self.map.put(&mut self.ekf, born);
         }
         self.first.begin_anew(layout::pose(&self.ekf), self.map.grid(&self.ekf));
-        self.map.redraw(&self.ekf, path_m);
+        self.map.redraw(&self.ekf);
         self.holds.forget();
     }
 

@@ -237,3 +237,16 @@ fn the_map_frame_stays_with_the_walls() {
     slam.replace(&found);
     assert!((drawn(&slam) - before).abs() < 0.05, "{} {before}", drawn(&slam));
 }
+
+#[test]
+fn a_wall_that_turned_does_not_take_the_map_frame_along() {
+    let mut slam = filter();
+    slam.map.frame = MapFrame::Walls;
+    slam.map.hold_frame(&slam.ekf, 20.0);
+    // The one in view turns by seventeen degrees about its middle.
+    let turned = PlacedWall { rho_m: 3.66, beta_rad: 1.29, anchor_m: 0.1, on_grid: false, ..WALLS[1] };
+    let entries = packed(&covariance(3));
+    let found = HandOver { walls: &[WALLS[0], turned, WALLS[2]], ..found(&slam, &entries) };
+    slam.replace(&found);
+    assert!(slam.start_pose().theta_rad.abs() < 0.05, "{:?}", slam.start_pose());
+}

@@ -35,6 +35,10 @@ const OUT_OF_VIEW: f32 = 0.1;
 /// Rounds of least absolute deviations where the map was changed as a whole.
 const REDRAW_ROUNDS: usize = 10;
 
+/// Walls that turned by more than this as the map was changed say nothing of where it lies, radians: six degrees. Their direction was
+/// not known.
+const TURNED_RAD: f32 = 0.1;
+
 /// The motion that brings lines closest to others, by weighted least squares: normal equations of (turn, dx, dy) about a
 /// pivot.
 pub struct CommonMotion {
@@ -95,21 +99,28 @@ impl MapView {
         if self.frame == MapFrame::Start {
             return;
         }
-        let motion = self.motion_of_drawn(ekf, path_m);
+        let importance = |wall: &Wall| if path_m - wall.seen_at_m < IN_VIEW_M { 1.0 } else { OUT_OF_VIEW };
+        let motion = self.motion_of_drawn(ekf, importance);
         self.draw_all(ekf, |wall| wall.drawn.is_none() && wall.updates >= DRAWN_AFTER);
         if let Some(motion) = motion {
             self.start = motion.compose(&self.start);
         }
     }
 
-    /// The map was changed as a whole: moves the start pose to where most walls stay where they were drawn, and draws all of
-    /// them anew.
-    pub fn redraw(&mut self, ekf: &EkfView, path_m: f32) {
+    /// The map was changed as a whole: moves the start pose to where most walls stay where they were drawn, in view or not, and draws
+    /// all of them anew.
+    pub fn redraw(&mut self, ekf: &EkfView) {
         if self.frame == MapFrame::Start {
             return;
         }
+        let (grid, origin_rad) = (ManhattanFrame::of(ekf), self.origin().map_or(0.0, |origin| origin.theta_rad));
+        let importance = |wall: &Wall| {
+            let beta_rad = wall.line(ekf, &grid).beta_rad + origin_rad;
+            let has_turned = wall.drawn.is_some_and(|drawn| wrap(drawn.beta_rad - beta_rad).abs() > TURNED_RAD);
+            if has_turned { 0.0 } else { 1.0 }
+        };
         for _ in 0..REDRAW_ROUNDS {
-            let Some(motion) = self.motion_of_drawn(ekf, path_m) else { break };
+            let Some(motion) = self.motion_of_drawn(ekf, importance) else { break };
             self.start = motion.compose(&self.start);
         }
         self.draw_all(ekf, |wall| wall.updates >= DRAWN_AFTER);
@@ -124,14 +135,13 @@ impl MapView {
         }
     }
 
-    /// The motion of the map that brings the walls back to where they were drawn.
-    fn motion_of_drawn(&self, ekf: &EkfView, path_m: f32) -> Option<Pose> {
+    /// The motion of the map that brings the walls back to where they were drawn, by how important each is.
+    fn motion_of_drawn(&self, ekf: &EkfView, importance: impl Fn(&Wall) -> f32) -> Option<Pose> {
         let grid = ManhattanFrame::of(ekf);
         let mut motion = CommonMotion::about(self.point_in_map([ekf.mean(X), ekf.mean(Y)]));
         for (wall, drawn) in self.walls().iter().filter_map(|wall| Some((wall, wall.drawn?))) {
             let (line, origin_m) = self.in_map(&wall.line(ekf, &grid));
-            let is_in_view = path_m - wall.seen_at_m < IN_VIEW_M;
-            let importance = if is_in_view { 1.0 } else { OUT_OF_VIEW };
+            let importance = importance(wall);
             motion.add(&line, &drawn, wall.lo_m + origin_m, importance);
             motion.add(&line, &drawn, wall.hi_m + origin_m, importance);
         }
