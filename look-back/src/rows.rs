@@ -3,7 +3,7 @@
 use slam_core::angle::wrap;
 use slam_core::{BUILT_TOLERANCE, Calibration, DriveModel, Pose, SLIP_M2_PER_RAD, SLIP_RUNS};
 
-use crate::frame::Frame;
+use crate::frame::{Frame, dot};
 use crate::gains::Gains;
 use crate::group::Group;
 use crate::keyframe::Keyframe;
@@ -132,16 +132,17 @@ impl Odometry {
 /// A group of hits on a wall whose offset is at `place` in the border: how far the mean is before the wall, and how the hits
 /// are turned against it. The two say of pose and wall what all the hits say one by one, for their cross terms vanish about
 /// the mean; the robust weight is the group's.
-/// A gain that is larger puts the mean nearer to where the beams began.
+/// A gain that is larger puts the mean nearer to where the beams began, by a share of the range that should have been read: times the
+/// noise of the range that was, every group would draw the gains up, and walls and odometry's scale down with them.
 pub fn of_group(group: &Group, gains: &Gains, pose: &Pose, frame: &Frame, wall: &Wall, place: usize) -> [Row; 2] {
     let line = wall.line();
     let group = gains.correct(group);
     let way = frame.turn([group.mean_m[0] - group.from_m[0], group.mean_m[1] - group.from_m[1]]);
+    let offset = group.offset(frame, &line);
     let by_gain = match gains.of(group.sensor) {
-        Some((number, gain)) => (GAINS + number, (line.normal[0] * way[0] + line.normal[1] * way[1]) / gain),
+        Some((number, gain)) => (GAINS + number, (dot(line.normal, way) - offset.behind_m) / gain),
         None => NONE,
     };
-    let offset = group.offset(frame, &line);
     let ([nx, ny], [tx, ty]) = (line.normal, line.tangent());
     let robust = 1.0 / (1.0 + offset.square / (HALF_AT * HALF_AT));
     let by_heading = tx * (offset.mean_m[0] - pose.x_m) + ty * (offset.mean_m[1] - pose.y_m);

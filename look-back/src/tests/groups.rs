@@ -1,11 +1,13 @@
 use std::vec::Vec;
 
-use slam_core::Pose;
+use slam_core::{DriveModel, Mount, Pose, RangeModel, RangeSensor, Rig};
 
 use super::random::Random;
 use crate::frame::Frame;
+use crate::gains::Gains;
 use crate::group::Group;
-use crate::wall::Line;
+use crate::rows::{GAINS, WALLS, of_group};
+use crate::wall::{Line, Wall};
 
 fn some(random: &mut Random, hits: usize) -> (Vec<[f32; 2]>, Group) {
     let at = |random: &mut Random| [3.0 + 0.3 * random.even() as f32, 4.0 + 0.02 * random.normal() as f32];
@@ -54,4 +56,27 @@ fn groups_put_together_are_the_group_of_all_hits() {
         assert!((one - other).abs() < 1e-3 * other.abs() + 1e-3, "{one} {other}");
     }
     assert!((first.mean_m[0] - all.mean_m[0]).abs() < 1e-6 && (first.independent - 8.5).abs() < 1e-6);
+}
+
+/// Hits that came out short or long tell as much of a gain: else their noise would draw it up.
+#[test]
+fn the_noise_of_hits_does_not_draw_gains() {
+    let mount = Mount { x_m: 0.0, y_m: 0.0, bearing_rad: 0.0 };
+    let model = RangeModel::Metric { noise_m: 0.01, noise_rel: 0.0 };
+    let sensor = RangeSensor { mount, min_m: 0.1, max_m: 2.0, max_incidence_rad: 1.2, gain_sigma: 0.01, model };
+    let drive = DriveModel::Wheels {
+        track_m: 0.2,
+        track_sigma: 0.0,
+        metres_per_tick: 1e-4,
+        scale_sigma: 0.0,
+        noise_m2_per_m: 1e-5,
+    };
+    let gains = Gains::of_rig::<1>(&Rig { drive, adc: None, sensors: [sensor].into_iter().collect() });
+    let wall = Wall { rho_m: 1.0, lo_m: -1.0, hi_m: 1.0, hits: 20, is_placed: true, ..Wall::NEW };
+    for off_m in [-0.05, 0.0, 0.05] {
+        let group = Group::of([0.0; 2], [1.0 + off_m, 0.0], 1e4, 1.0, 0);
+        let [apart, _] = of_group(&group, &gains, &Pose::ORIGIN, &Frame::of(&Pose::ORIGIN), &wall, WALLS);
+        let by_gain = apart.border.iter().find(|(place, _)| *place == GAINS).expect("a gain that is not known").1;
+        assert!((by_gain - 1.0).abs() < 1e-6, "{off_m}: {by_gain}");
+    }
 }
