@@ -86,6 +86,9 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
         slam: &Slam<S, WALLS, O, ROWS>,
         report: &StepReport<S>,
     ) {
+        if self.phase == Phase::Resting {
+            self.diary.odometry.position_level = slam.position_level();
+        }
         let before = self.epoch.replace(slam.epoch());
         if before == self.epoch {
             self.diary.record(slam, report, self.phase == Phase::Closing);

@@ -44,6 +44,8 @@ pub struct Row {
 #[derive(Clone, Copy, Debug)]
 pub struct Odometry {
     drive: DriveModel,
+    /// Factor of the variance of a logged pose's position, slips included, as the filter learned it.
+    pub position_level: f32,
 }
 
 impl Odometry {
@@ -56,11 +58,12 @@ impl Odometry {
             scale_sigma: 0.0,
             noise_m2_per_m: 0.0,
         },
+        position_level: 0.0,
     };
 
-    /// Of a drive.
+    /// Of a drive, as stated.
     pub fn of(drive: &DriveModel) -> Self {
-        Self { drive: *drive }
+        Self { drive: *drive, position_level: 1.0 }
     }
 
     /// Variance of each axis of the position, m^2, and of the heading, rad^2, after a keyframe's motion.
@@ -72,7 +75,7 @@ impl Odometry {
                 [0.5 * wheel_m2, 2.0 * wheel_m2 / (track_m * track_m)]
             }
             DriveModel::Odometry { noise_m2_per_m, noise_rad2_per_m, noise_rad2_per_rad, .. } => [
-                SLIP_RUNS * noise_m2_per_m * path_m + SLIP_M2_PER_RAD * turning_rad,
+                self.position_level * (SLIP_RUNS * noise_m2_per_m * path_m + SLIP_M2_PER_RAD * turning_rad),
                 noise_rad2_per_m * path_m + noise_rad2_per_rad * turning_rad,
             ],
         };

@@ -122,6 +122,11 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.drive.last_motion
     }
 
+    /// Factor of the variance of the position in motion, as it was learned: of what the rig states and slips add to it.
+    pub fn position_level(&self) -> f32 {
+        self.levels.position.factor()
+    }
+
     /// Whether something holds the robot, so that its wheels turn and it stays where it is.
     pub fn is_held(&self) -> bool {
         self.holds.is_held()

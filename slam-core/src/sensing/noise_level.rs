@@ -73,7 +73,7 @@ pub struct NoiseLevels {
     /// Of readings.
     pub readings: Level,
     /// Of the position in motion.
-    position: Level,
+    pub position: Level,
     /// Of the heading in motion.
     heading: Level,
 }
