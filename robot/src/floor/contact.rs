@@ -48,6 +48,9 @@ impl<const S: usize> FloorJob<S> {
         } else {
             1.0
         };
+        if matches!(self.phase, Phase::Transit { .. }) {
+            self.block_narrow();
+        }
         self.resume = self.phase;
         if self.strikes > MAX_STRIKES {
             self.resume = Phase::Over { is_home: false };

@@ -10,6 +10,7 @@ use super::swept::CELLS;
 use super::wave::{Aim, Slice, Target};
 use super::{FloorJob, Phase};
 use crate::pilot::memory::Cell;
+use crate::pilot::search::is_passable;
 use crate::pilot::steer::limited;
 
 /// A target whose way was blocked more often is given up.
@@ -23,7 +24,7 @@ const MAX_POCKETS: u8 = 12;
 const ANYWHERE: i16 = CELLS as i16;
 /// For so much floor (m^2) a way through narrow places is looked for, and so often.
 const SQUEEZE_M2: f32 = 0.5;
-const MAX_SQUEEZES: u8 = 6;
+const MAX_SQUEEZES: u8 = 12;
 /// A way home is looked for so often, every second time from farther along the walls.
 const MAX_RETURNS: u8 = 12;
 /// Home is this near, metres.
@@ -158,12 +159,21 @@ impl<const S: usize> FloorJob<S> {
             self.lose_patience(pose, now_us);
         } else if command.0 <= 0.01 && command.1.abs() < 0.1 {
             // Something stands in the way.
+            self.block_narrow();
             let [x_m, y_m] = pose.transform([self.config.drive.radius_m + 0.06, 0.0]);
             self.sheet.picture.block(self.sheet.picture.cell_at(x_m, y_m));
             self.blocked += 1;
             self.plan(aim, now_us);
         }
         command
+    }
+
+    /// The next cell of the way cannot be driven to: where it is narrow there is no way, and the next search finds another one.
+    pub(super) fn block_narrow(&mut self) {
+        let next = self.route.last().map(|cell| Cell::unpacked(*cell));
+        if let Some(cell) = next.filter(|cell| !is_passable(&self.sheet.picture, *cell)) {
+            self.sheet.picture.block(cell);
+        }
     }
 
     /// A forward speed and a turn rate straight to a point, metres.
