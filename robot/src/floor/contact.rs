@@ -1,12 +1,15 @@
 //! What the job does where it runs into something, or gets nowhere.
 
 use slam_core::Pose;
+use slam_core::angle::wrap;
 
 use super::near::free_ahead_m;
+use super::trail::APART_M;
 use super::wave::{Aim, Target};
 use super::{FloorJob, Phase};
 use crate::contact::Contacts;
 use crate::pilot::memory::Cell;
+use crate::pilot::steer::limited;
 
 /// Backing off takes this long, microseconds.
 const BACK_US: u64 = 300_000;
@@ -15,6 +18,11 @@ const AWAY_M: f32 = 0.12;
 const MAX_STRIKES: u8 = 60;
 /// It turns away by this much longer for each bump at one place, microseconds.
 const TURN_US: u64 = 150_000;
+/// So far it goes back the way that it came from where it is stuck, metres; a point of it is passed where it is this near, and left out
+/// after so long, microseconds.
+const RETREAT_M: f32 = 1.0;
+const PASSED_M: f32 = 0.08;
+const RETREAT_US: u64 = 4_000_000;
 /// So often the robot is held at one place until it stands for so long, microseconds: its motors stay cool.
 const MAX_HOLDS: u8 = 3;
 const HELD_US: u64 = 60_000_000;
@@ -54,13 +62,34 @@ impl<const S: usize> FloorJob<S> {
         self.resume = self.phase;
         if self.strikes > MAX_STRIKES {
             self.resume = Phase::Over { is_home: false };
-        } else if self.strikes > 8 && self.strikes.is_multiple_of(8) {
+        } else if self.strikes > 0 && self.strikes.is_multiple_of(8) {
+            // A place hardly wider than the body: it turns to where it cannot go.
             self.turn_sign = -self.turn_sign;
             self.give_up();
-            self.resume = Phase::Plan { aim: Aim::Floor, escape: 5, begun: false };
+            self.begin(Phase::Retreat { left_m: RETREAT_M }, now_us);
+            return;
         }
         self.phase = Phase::Back;
         self.since_us = now_us;
+    }
+
+    /// Backwards along the way that it came, whatever it touches, and on with the errand from there.
+    pub(super) fn retreat(&mut self, left_m: f32, pose: &Pose, now_us: u64) -> (f32, f32) {
+        let Some([x_m, y_m]) = self.trail.last_m().filter(|_| left_m > 0.0) else {
+            self.go_about(now_us);
+            return (0.0, 0.0);
+        };
+        let [dx, dy] = [x_m - pose.x_m, y_m - pose.y_m];
+        let is_there = libm::hypotf(dx, dy) < PASSED_M;
+        if is_there || now_us.saturating_sub(self.since_us) > RETREAT_US {
+            self.trail.drop_last();
+            self.begin(Phase::Retreat { left_m: left_m - APART_M }, now_us);
+        }
+        // Its back towards the point.
+        let drive = &self.config.drive;
+        let off_rad = wrap(libm::atan2f(-dy, -dx) - pose.theta_rad);
+        let forward_mps = if off_rad.abs() < 0.1 { -0.5 * drive.speed_mps } else { 0.0 };
+        (forward_mps, limited(3.0 * off_rad, drive.turn_radps))
     }
 
     /// Turns away from what was touched, farther each time.

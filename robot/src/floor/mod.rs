@@ -216,7 +216,7 @@ impl<const S: usize> FloorJob<S> {
             Phase::Transit { aim: Aim::Place(_), .. } | Phase::Home => FloorState::Return,
             Phase::Transit { .. } if self.retries > 0 => FloorState::Retry,
             Phase::Transit { .. } => FloorState::Transit,
-            Phase::Back | Phase::Turn { .. } => FloorState::BackingOff,
+            Phase::Back | Phase::Turn { .. } | Phase::Retreat { .. } => FloorState::BackingOff,
             Phase::Undock => FloorState::Undocking,
             Phase::Dock { stage: Stage::Staging | Stage::BackingOut, .. } => FloorState::Staging,
             Phase::Dock { stage: Stage::Aligning, .. } => FloorState::Aligning,
@@ -327,7 +327,9 @@ impl<const S: usize> FloorJob<S> {
         self.gained = self.gained.saturating_add(new);
         self.tally.add(new);
         let step_m = libm::hypotf(pose.x_m - last.x_m, pose.y_m - last.y_m);
-        self.trail.step([pose.x_m, pose.y_m], step_m);
+        if !matches!(self.phase, Phase::Retreat { .. }) {
+            self.trail.step([pose.x_m, pose.y_m], step_m);
+        }
         if self.traction.step(&self.beams, step_m) {
             self.holds = 0;
         }
@@ -361,6 +363,7 @@ impl<const S: usize> FloorJob<S> {
             Phase::Held => self.stay_held(now_us),
             Phase::Back => self.back(pose, now_us),
             Phase::Turn { sign } => self.turn_away(sign, now_us),
+            Phase::Retreat { left_m } => self.retreat(left_m, pose, now_us),
             Phase::Seek { to_m } => self.seek(to_m, pose, now_us),
             Phase::Edge { side } => self.edge(side, pose, now_us),
             Phase::Plan { aim, escape, begun } => self.search(aim, escape, begun, pose, now_us),

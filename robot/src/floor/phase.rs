@@ -23,6 +23,8 @@ pub(super) enum Phase {
     Lane(Lane),
     /// Backing off.
     Back,
+    /// Backwards along the way that it came, so far yet (metres).
+    Retreat { left_m: f32 },
     /// Turning away (1: counter-clockwise) from what was touched again and again.
     Turn { sign: f32 },
     /// The last metre home.

@@ -4,7 +4,7 @@ use super::sheet::Sheet;
 
 /// Points of the trail, and how far apart they are, metres: the last five metres.
 const POINTS: usize = 25;
-const APART_M: f32 = 0.2;
+pub(super) const APART_M: f32 = 0.2;
 /// What a metre is in the unit of the points.
 const CM: f32 = 100.0;
 
@@ -31,6 +31,16 @@ impl Trail {
             let _ = self.points.pop_front();
         }
         let _ = self.points.push_back(at_m.map(|value_m| (value_m * CM) as i16));
+    }
+
+    /// The last point, metres.
+    pub(super) fn last_m(&self) -> Option<[f32; 2]> {
+        self.points.back().map(|point| point.map(|value| f32::from(value) / CM))
+    }
+
+    /// Forgets the last point.
+    pub(super) fn drop_last(&mut self) {
+        let _ = self.points.pop_back();
     }
 
     /// What was swept there counts no more; how many quarters.
