@@ -36,6 +36,14 @@ const RARE: f32 = 10.1;
 /// where seldom one changes.
 const WORTH: f32 = 1.4;
 
+/// The same where searches have taken more than their [`SHARE`] of the time: fifty to one, two sensors of two.
+const WORTH_ALWAYS: f32 = 4.0;
+
+/// Share of the time that searches after weak signs may take, for no reading is used meanwhile; and by how much they may be ahead of
+/// it, seconds. Where much stands about that is not in the map such signs come often, and tell little.
+const SHARE: f32 = 0.02;
+const AHEAD_S: f32 = 1.0;
+
 /// What became of the sensors at a look, a bit each.
 #[derive(Clone, Copy, Debug, Default)]
 struct Look {
@@ -76,6 +84,8 @@ pub struct Jolts {
     before: Look,
     now: Look,
     trial: Option<Trial>,
+    /// Time that searches took beyond their share, seconds.
+    taken_s: f32,
 }
 
 impl Jolts {
@@ -91,6 +101,7 @@ impl Jolts {
             before: look,
             now: look,
             trial: None,
+            taken_s: 0.0,
         }
     };
 
@@ -103,7 +114,9 @@ impl Jolts {
             self.between_m = core::mem::take(&mut self.moved_m);
             self.before = core::mem::take(&mut self.now);
         }
+        self.taken_s = (self.taken_s - SHARE * dt_s).max(0.0);
         if let Some(trial) = &mut self.trial {
+            self.taken_s += dt_s;
             trial.wait(dt_s, step, number);
         }
     }
@@ -160,7 +173,8 @@ impl Jolts {
             other: f32::NEG_INFINITY,
             found: None,
         };
-        (told > WORTH).then_some(trial)
+        let worth = if self.taken_s > AHEAD_S { WORTH_ALWAYS } else { WORTH };
+        (told > worth).then_some(trial)
     }
 
     /// Goes on with the search where there is reason to: one of its starts a step. The displacement, once it is likely enough, and once
