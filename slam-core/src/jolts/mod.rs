@@ -62,7 +62,7 @@ struct Trial {
     /// For how long, seconds.
     for_s: f32,
     /// The next start of the search.
-    start: u8,
+    start: usize,
     /// The best displacement of this round.
     best: Displacement,
     /// Log odds of the best of this round's others.
@@ -202,9 +202,8 @@ impl Jolts {
         }
         let readings = self.recent.since(trial.onset, moment);
         let is_late = trial.for_s > TRIAL_S;
-        let start = usize::from(trial.start);
-        if start < STARTS {
-            trial.rank(scene.improve(&readings, &Displacement::start(start)));
+        if trial.start < STARTS {
+            trial.rank(scene.improve(&readings, &Displacement::start(trial.start)));
             trial.start += 1;
             return None;
         }
