@@ -36,6 +36,16 @@ impl Lane {
         };
         if self.sign > 0 { along_rad } else { along_rad - core::f32::consts::PI }
     }
+
+    /// How far across it a pose came that the wheels did not bring there, metres.
+    pub(super) fn jump_m(&self, from: &Pose, to: &Pose) -> f32 {
+        let (s, c) = slam_core::angle::sin_cos(to.theta_rad);
+        let aside_m = c * (to.y_m - from.y_m) - s * (to.x_m - from.x_m);
+        match self.axis {
+            Axis::X => c * aside_m,
+            Axis::Y => -s * aside_m,
+        }
+    }
 }
 
 impl<const S: usize> FloorJob<S> {
@@ -124,6 +134,8 @@ impl<const S: usize> FloorJob<S> {
         let Some(pose) = self.last else { return };
         let here_m = [pose.x_m, pose.y_m];
         let [along, across] = self.sheet.place(lane.axis, self.lane_point_m(&lane, &pose));
+        let missed = self.trail.settle(lane.axis, self.path_m - self.begun_m, &mut self.sheet);
+        self.tally.take_back(missed);
         for shift in [3 * lane.side, -3 * lane.side, 2 * lane.side, -2 * lane.side] {
             let Some(stretch) = self.sheet.stretch(lane.axis, across + shift, along, 6) else { continue };
             if stretch.count < 8 {

@@ -107,7 +107,8 @@ pub struct FloorJob<const S: usize> {
     strikes: u8,
     /// To which side it turns away next: 1 counter-clockwise, -1 clockwise.
     turn_sign: f32,
-    given_up: heapless::Vec<[f32; 2], GIVEN_UP>,
+    /// In centimetres of the job's frame.
+    given_up: heapless::Vec<[i16; 2], GIVEN_UP>,
     retries: u8,
     /// How often it left a pocket.
     pockets: u8,
@@ -329,6 +330,9 @@ impl<const S: usize> FloorJob<S> {
         let step_m = libm::hypotf(pose.x_m - last.x_m, pose.y_m - last.y_m);
         if !matches!(self.phase, Phase::Retreat { .. }) {
             self.trail.step([pose.x_m, pose.y_m], step_m);
+        }
+        if let Phase::Lane(lane) = self.phase {
+            self.trail.correct(lane.jump_m(&last, pose));
         }
         if self.traction.step(&self.beams, step_m) {
             self.holds = 0;

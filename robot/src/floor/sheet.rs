@@ -120,6 +120,20 @@ impl Sheet {
         under.into_iter().map(|quarter| u16::from(self.swept.unsweep(quarter))).sum()
     }
 
+    /// A robot that was on a lane here (metres) was so far beside it after all: what it did not come near enough to was not swept; how
+    /// many quarters that are.
+    pub(super) fn miss(&mut self, axis: Axis, at_m: [f32; 2], aside_m: f32) -> u16 {
+        let [_, across_m] = axis.split(at_m);
+        let mut count = 0;
+        for quarter in self.under_brush(at_m) {
+            let [_, row_m] = axis.split(self.centre_m(quarter));
+            if (row_m - across_m - aside_m).abs() > SWEPT_M {
+                count += u16::from(self.swept.unsweep(quarter));
+            }
+        }
+        count
+    }
+
     /// The quarters under the brush of a robot here, metres.
     fn under_brush(&self, [x_m, y_m]: [f32; 2]) -> heapless::Vec<Quarter, 25> {
         let here = self.quarter_at([x_m, y_m]);
