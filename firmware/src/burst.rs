@@ -3,6 +3,7 @@
 //! Supply spikes on a Sharp sensor's output go up only, so the mean of a burst is biased: it takes the median.
 
 use crate::SENSORS;
+use core::cmp::Ordering;
 use robot::RangeSensorBank;
 use slam_core::RangeInput;
 
@@ -19,6 +20,13 @@ pub trait Converter {
     /// # Errors
     /// The conversion failed.
     fn convert(&mut self, sensor: usize) -> Result<u16, Self::Error>;
+}
+
+/// The one with no more than half of the others below or above it. A sort takes more flash than all the rest here.
+fn median(counts: [u16; BURST]) -> u16 {
+    let others = |this: u16, beyond: Ordering| counts.iter().filter(|&other| other.cmp(&this) == beyond).count();
+    let is_median = |&this: &u16| others(this, Ordering::Less).max(others(this, Ordering::Greater)) <= BURST / 2;
+    counts.iter().copied().find(is_median).unwrap_or_default()
 }
 
 /// A bank of analogue range sensors.
@@ -48,12 +56,7 @@ impl<C: Converter> RangeSensorBank<SENSORS> for BurstBank<C> {
                 }
             }
         }
-        bursts.map(|burst| {
-            burst.map(|mut counts: [u16; BURST]| {
-                counts.sort_unstable();
-                RangeInput::Counts(counts[BURST / 2])
-            })
-        })
+        bursts.map(|burst| burst.map(|counts| RangeInput::Counts(median(counts))))
     }
 }
 

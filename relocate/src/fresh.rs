@@ -6,6 +6,7 @@ use slam_core::kept::Kept;
 
 use crate::FRESH_SIDES;
 use crate::odds;
+use crate::order::descending;
 use crate::side::{ALPHA, Side, find_sides};
 
 /// Entries of a symmetric matrix of so many rows, each once.
@@ -51,7 +52,7 @@ impl Fresh {
     /// Takes in the walls of a map; false where none stands on a grid.
     pub(crate) fn take(&mut self, map: &impl Kept) -> bool {
         find_sides(map, &mut self.sides);
-        self.sides.sort_unstable_by(|a, b| b.length_m().total_cmp(&a.length_m()));
+        descending(&mut self.sides, Side::length_m);
         self.quarters = 0;
         odds::weigh(&self.sides, &mut self.weights);
         odds::weigh_ends(&self.sides, &mut self.end_weights);

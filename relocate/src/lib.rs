@@ -30,6 +30,7 @@ mod fresh;
 mod joint;
 mod locator;
 mod odds;
+mod order;
 mod search;
 mod shift;
 mod side;

@@ -8,6 +8,7 @@ use crate::crossings;
 use crate::fresh::Fresh;
 use crate::joint::{Joint, Pair};
 use crate::odds::{self, Verdict};
+use crate::order::descending;
 use crate::shift::{SHIFTS, Shift, shifts};
 use crate::side::{ALPHA, Side, find_sides, path_on_grid, turned_point};
 use crate::{KEPT_SIDES, PATH_POINTS};
@@ -217,7 +218,7 @@ impl Search {
             };
             self.rest = odds::log_sum(self.rest, lost.score);
         }
-        self.best.sort_unstable_by(|a, b| b.score.total_cmp(&a.score));
+        descending(&mut self.best, |place| place.score);
     }
 
     /// What the search found so far.

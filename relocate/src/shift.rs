@@ -5,6 +5,7 @@ use slam_core::kept::Kept;
 
 use crate::fresh::Fresh;
 use crate::joint::{Joint, Pair};
+use crate::order::descending;
 use crate::side::Side;
 
 /// Shifts that differ by less than this are one, metres.
@@ -40,7 +41,7 @@ pub(crate) fn shifts(fresh: &Fresh, kept: &[Side], map: &impl Kept, axis: usize,
             }
         }
     }
-    found.sort_unstable_by(|a, b| b.bound.total_cmp(&a.bound));
+    descending(found, |shift| shift.bound);
 }
 
 /// The most that the walls across an axis can say for a shift.
