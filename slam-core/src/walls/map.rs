@@ -276,15 +276,14 @@ impl MapView {
             *slot = moved;
         }
         self.walls.truncate(last);
-        let mut states: Vec<usize, 2> = Vec::new();
-        let _ = states.push(wall.rho());
-        if let Some(theta) = wall.direction.state() {
-            let _ = states.push(theta);
-        }
+        let rho = wall.rho();
         // The higher index first: the state moved into its place is then never the other one.
-        states.sort_unstable_by(|a, b| b.cmp(a));
-        for state in states {
-            self.remove_state(ekf, state);
+        match wall.direction.state() {
+            None => self.remove_state(ekf, rho),
+            Some(theta) => {
+                self.remove_state(ekf, rho.max(theta));
+                self.remove_state(ekf, rho.min(theta));
+            }
         }
     }
 
