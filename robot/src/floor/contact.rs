@@ -4,7 +4,8 @@ use slam_core::Pose;
 use slam_core::angle::wrap;
 
 use super::near::free_ahead_m;
-use super::trail::{APART_M, CM};
+use super::place::Place;
+use super::trail::APART_M;
 use super::wave::{Aim, Target};
 use super::{FloorJob, Phase};
 use crate::contact::Contacts;
@@ -171,8 +172,7 @@ impl<const S: usize> FloorJob<S> {
     /// Leaves the target aside, to be tried once more at the end: what is in the way may be gone then.
     pub(super) fn give_up(&mut self) {
         if let Some(cell) = self.leave() {
-            let at_m = self.sheet.picture.centre_m(cell);
-            let _ = self.given_up.push(at_m.map(|value_m| (value_m * CM) as i16));
+            let _ = self.given_up.push(Place::of_m(self.sheet.picture.centre_m(cell)));
         }
     }
 

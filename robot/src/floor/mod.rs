@@ -15,6 +15,7 @@ mod hug;
 mod lanes;
 mod near;
 mod phase;
+mod place;
 mod progress;
 mod record;
 mod sheet;
@@ -37,6 +38,7 @@ use errand::Errand;
 use frame::Frame;
 use near::Near;
 use phase::Phase;
+use place::Place;
 use progress::Tally;
 pub use progress::{FloorProgress, FloorState};
 pub(crate) use record::Notes;
@@ -107,8 +109,7 @@ pub struct FloorJob<const S: usize> {
     strikes: u8,
     /// To which side it turns away next: 1 counter-clockwise, -1 clockwise.
     turn_sign: f32,
-    /// In centimetres of the job's frame.
-    given_up: heapless::Vec<[i16; 2], GIVEN_UP>,
+    given_up: heapless::Vec<Place, GIVEN_UP>,
     retries: u8,
     /// How often it left a pocket.
     pockets: u8,
@@ -323,11 +324,11 @@ impl<const S: usize> FloorJob<S> {
 
     fn sweep(&mut self, pose: &Pose, time_us: u64) {
         let last = self.last.unwrap_or(*pose);
-        self.path_m += libm::hypotf(pose.x_m - last.x_m, pose.y_m - last.y_m);
+        let step_m = libm::hypotf(pose.x_m - last.x_m, pose.y_m - last.y_m);
+        self.path_m += step_m;
         let new = self.sheet.sweep(pose);
         self.gained = self.gained.saturating_add(new);
         self.tally.add(new);
-        let step_m = libm::hypotf(pose.x_m - last.x_m, pose.y_m - last.y_m);
         if !matches!(self.phase, Phase::Retreat { .. }) {
             self.trail.step([pose.x_m, pose.y_m], step_m);
         }

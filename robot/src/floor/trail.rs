@@ -1,15 +1,14 @@
 //! Where the robot was of late: floor that is not sure to be swept where its pose turns out to have been wrong.
 //!
 //! Wheels do not move sideways. Where the pose does on a lane, it is corrected, and the robot was beside its lane for some time before:
-//! by all of the correction just now, by less the farther back. That tells two thirds of the gaps between lanes far from walls.
+//! by all of the correction just now, by less the farther back.
 
+use super::place::Place;
 use super::sheet::{Axis, Sheet};
 
 /// Points of the trail, and how far apart they are, metres: the last five metres.
 const POINTS: usize = 25;
 pub(super) const APART_M: f32 = 0.2;
-/// What a metre is in the unit of the points.
-pub(super) const CM: f32 = 100.0;
 /// What a metre is in the unit of ways aside, which are sums of corrections of many steps.
 const FINE: f32 = 100_000.0;
 /// What the pose is off by grows over about so much path, metres: of farther back a correction says nothing.
@@ -18,16 +17,9 @@ const FADES_M: f32 = 3.0;
 /// A point of the path.
 #[derive(Clone, Copy, Debug)]
 struct Point {
-    /// In centimetres of the job's frame.
-    at: [i16; 2],
+    place: Place,
     /// How far across its lane the robot was from there after all, in hundredths of a millimetre.
     aside: i16,
-}
-
-impl Point {
-    fn at_m(&self) -> [f32; 2] {
-        self.at.map(|value| f32::from(value) / CM)
-    }
 }
 
 /// The last metres of the path.
@@ -52,8 +44,7 @@ impl Trail {
         if self.points.is_full() {
             let _ = self.points.pop_front();
         }
-        let at = at_m.map(|value_m| (value_m * CM) as i16);
-        let _ = self.points.push_back(Point { at, aside: 0 });
+        let _ = self.points.push_back(Point { place: Place::of_m(at_m), aside: 0 });
     }
 
     /// On a lane, the pose was corrected across it by so much, metres.
@@ -72,7 +63,7 @@ impl Trail {
         for (index, point) in self.points.iter_mut().rev().enumerate() {
             let aside_m = f32::from(core::mem::take(&mut point.aside)) / FINE;
             if index as f32 * APART_M < path_m {
-                count += sheet.miss(axis, point.at_m(), aside_m);
+                count += sheet.miss(axis, point.place.at_m(), aside_m);
             }
         }
         count
@@ -80,7 +71,7 @@ impl Trail {
 
     /// The last point, metres.
     pub(super) fn last_m(&self) -> Option<[f32; 2]> {
-        self.points.back().map(Point::at_m)
+        self.points.back().map(|point| point.place.at_m())
     }
 
     /// Forgets the last point.
@@ -92,7 +83,7 @@ impl Trail {
     pub(super) fn undo(&mut self, sheet: &mut Sheet) -> u16 {
         let mut count = 0_u16;
         while let Some(point) = self.points.pop_back() {
-            count = count.saturating_add(sheet.unsweep(point.at_m()));
+            count = count.saturating_add(sheet.unsweep(point.place.at_m()));
         }
         self.since_m = f32::INFINITY;
         count

@@ -7,7 +7,6 @@ use super::dock::Stage;
 use super::errand::Errand;
 use super::near::free_ahead_m;
 use super::swept::CELLS;
-use super::trail::CM;
 use super::wave::{Aim, Slice, Target};
 use super::{FloorJob, Phase};
 use crate::pilot::memory::Cell;
@@ -131,7 +130,7 @@ impl<const S: usize> FloorJob<S> {
             self.retries = 1;
             self.sheet.picture.forget_visits();
             while let Some(place) = self.given_up.pop() {
-                let [x_m, y_m] = place.map(|value| f32::from(value) / CM);
+                let [x_m, y_m] = place.at_m();
                 self.sheet.swept.set(self.sheet.picture.cell_at(x_m, y_m), false);
             }
             self.plan(Aim::Floor, now_us);
