@@ -37,6 +37,10 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let moment = Moment { map: layout::pose(&self.ekf), reckoned: self.drive.dead_reckoning.pose };
         let scene = Scene { ekf: &self.ekf, map: &self.map, sensors: &self.rig.sensors };
         let Some(found) = self.jolts.search(&scene, &moment) else { return };
+        // What moves a robot changes its readings.
+        if self.holds.is_unturned() {
+            return;
+        }
         let [x_m, y_m, turn_rad] = found.by;
         let Pose { x_m: x, y_m: y, theta_rad } = moment.map;
         let pose = Pose { x_m: x + x_m, y_m: y + y_m, theta_rad: theta_rad + turn_rad };

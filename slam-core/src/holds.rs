@@ -3,13 +3,16 @@
 //! The readings of a held robot stay as they are while its wheels say that they must change. Each reading of a sensor that
 //! met a wall is held against two predictions: that of a robot that moved along that wall as its wheels say, and that of one
 //! that did not move. The log odds of all sensors are summed for as long as they speak for a hold (Page 1954, cumulative
-//! sums), and the other way round while the robot is held.
+//! sums), and the other way round while the robot is held. Where no wall tells, readings that stay while it should turn do.
+
+mod stillness;
 
 use crate::filter::ekf::EkfView;
 use crate::filter::layout;
 use crate::geometry::angle::{sin_cos, wrap};
 use crate::geometry::line::Line;
 use crate::geometry::pose::Pose;
+use crate::holds::stillness::Stillness;
 use crate::jolts::confirmation::{Confirmation, SURE};
 use crate::jolts::recent::{self, Recent};
 use crate::jolts::search::Scene;
@@ -55,6 +58,10 @@ const BEGINS: f32 = 10.0 - 0.5 * SURE;
 
 /// Log of the odds against its end from one look to the next: most last for some of them.
 const ENDS: f32 = 3.0;
+
+/// 1-sigma vector from where readings last changed to where the robot is held, metres and radians: in 76 of 80 holds it had driven less
+/// than 7 cm between.
+const STAYED: [f32; 3] = [0.05, 0.05, 0.1];
 
 /// Path after which all is forgotten, metres: sums of single precision are good to a tenth of a millimetre until then.
 const LONG_M: f32 = 1000.0;
@@ -126,6 +133,7 @@ pub struct Holds<const S: usize> {
     at: (f32, f32),
     moment: Option<Moment>,
     claim: Option<Claim>,
+    stillness: Stillness<S>,
     is_held: bool,
 }
 
@@ -138,6 +146,7 @@ impl<const S: usize> Holds<S> {
         at: (0.0, 0.0),
         moment: None,
         claim: None,
+        stillness: Stillness::NONE,
         is_held: false,
     };
 
@@ -151,6 +160,11 @@ impl<const S: usize> Holds<S> {
         *self = Self { is_held: self.is_held, ..Self::NONE };
     }
 
+    /// Whether the robot did not turn of late, whatever its wheels said.
+    pub fn is_unturned(&self) -> bool {
+        self.stillness.is_unturned()
+    }
+
     /// Whether it is in doubt where the robot is, so that readings are not to be used.
     pub fn is_in_doubt(&self) -> bool {
         self.claim.is_some()
@@ -161,6 +175,7 @@ impl<const S: usize> Holds<S> {
         let moved_m =
             libm::sqrtf(motion.x_m * motion.x_m + motion.y_m * motion.y_m) + MIDDLE_M * motion.theta_rad.abs();
         if moved_m > 0.0 {
+            self.stillness.follow(motion.theta_rad, moved_m);
             let ((s, c), Pose { x_m, y_m, theta_rad }) = (self.heading, self.wheels);
             let [ahead_m, left_m] = [motion.x_m, motion.y_m];
             let at_m = [x_m + c * ahead_m - s * left_m, y_m + s * ahead_m + c * left_m];
@@ -182,6 +197,9 @@ impl<const S: usize> Holds<S> {
         (ekf, map): (&EkfView, &MapView),
         outcome: &Outcome,
     ) {
+        let gain = sensor.state.gain(ekf);
+        let range_m = reading.range_m / gain;
+        self.stillness.note(sensor, range_m, reading.sigma_m());
         if self.claim.is_some() {
             return;
         }
@@ -197,8 +215,6 @@ impl<const S: usize> Holds<S> {
         }
         let mount = sensor.state.mount_then(&sensor.limits.model, timing, ekf);
         let beam = mount.beam([self.wheels.x_m, self.wheels.y_m], self.heading);
-        let gain = sensor.state.gain(ekf);
-        let range_m = reading.range_m / gain;
         if let Some(met) = &witness.met {
             let moved_m = self.at.0 - met.at.0;
             if is_other(met) {
@@ -230,6 +246,11 @@ impl<const S: usize> Holds<S> {
     /// Judges by all readings so far, with the pose after the last of them, in the step of this number. That the robot is held has
     /// to be confirmed; one that is held and says so no more is not.
     pub fn judge(&mut self, map: Pose, number: u32) -> Option<Correction> {
+        self.stillness.settle(map);
+        if let Some(pose) = self.stillness.held_at().filter(|_| !self.is_held) {
+            *self = Self { is_held: true, stillness: self.stillness.clone(), ..Self::NONE };
+            return Some(Correction { pose, sigma: STAYED, is_held: true });
+        }
         if self.claim.is_some() {
             return None;
         }
@@ -243,10 +264,14 @@ impl<const S: usize> Holds<S> {
             *moment = now;
         }
         let moment = *moment;
-        let has_changed = if self.is_held { said < -ENDS || since_m > REACH_M && !agrees } else { said > BEGINS };
+        let has_changed = if self.is_held {
+            !self.stillness.is_still() && (said < -ENDS || since_m > REACH_M && !agrees)
+        } else {
+            said > BEGINS
+        };
         if !has_changed {
             if since_m > REACH_M {
-                self.forget();
+                *self = Self { is_held: self.is_held, stillness: self.stillness.clone(), ..Self::NONE };
             }
             return None;
         }
@@ -258,7 +283,9 @@ impl<const S: usize> Holds<S> {
             *self = Self::NONE;
             return Some(Correction { pose: to, sigma, is_held: false });
         }
-        let correction = Correction { pose: from, sigma, is_held: true };
+        let (pose, sigma) =
+            self.stillness.begun(since_m + 0.5 * REACH_M).map_or((from, sigma), |begun| (begun, STAYED));
+        let correction = Correction { pose, sigma, is_held: true };
         self.claim = Some(Claim { correction, confirmation: Confirmation::since(number) });
         None
     }
@@ -272,12 +299,13 @@ impl<const S: usize> Holds<S> {
         let pairs = stayed.iter().map(|sighting| sighting.beam).zip(&moved);
         let is_held = confirmation.verdict(scene.said(pairs, correction.sigma))?;
         let found = is_held.then_some(*correction);
-        *self = Self { is_held, ..Self::NONE };
+        *self = Self { is_held, stillness: self.stillness.clone(), ..Self::NONE };
         found
     }
 
     /// Time goes on by so much, seconds, to the step of this number.
     pub fn wait(&mut self, dt_s: f32, step: &Step, number: u32) {
+        self.stillness.begin(number);
         if let Some(claim) = &mut self.claim {
             claim.confirmation.wait(dt_s, step, number);
         }
