@@ -122,6 +122,16 @@ struct Claim {
     confirmation: Confirmation,
 }
 
+/// What is watched.
+#[derive(Clone, Copy, Debug)]
+enum Watch {
+    Nothing,
+    /// What readings say since then.
+    Since(Moment),
+    /// Whether readings of other places confirm this.
+    Claim(Claim),
+}
+
 /// Whether the robot is held, and what speaks for it.
 #[derive(Clone, Debug)]
 pub struct Holds<const S: usize> {
@@ -131,8 +141,7 @@ pub struct Holds<const S: usize> {
     heading: (f32, f32),
     /// How far beams moved by them, metres, and for how long, seconds.
     at: (f32, f32),
-    moment: Option<Moment>,
-    claim: Option<Claim>,
+    watch: Watch,
     stillness: Stillness<S>,
     is_held: bool,
 }
@@ -144,8 +153,7 @@ impl<const S: usize> Holds<S> {
         wheels: Pose::ORIGIN,
         heading: (0.0, 1.0),
         at: (0.0, 0.0),
-        moment: None,
-        claim: None,
+        watch: Watch::Nothing,
         stillness: Stillness::NONE,
         is_held: false,
     };
@@ -157,7 +165,16 @@ impl<const S: usize> Holds<S> {
 
     /// Forgets what was seen: where the robot is in the map is another place, or the map another one.
     pub fn forget(&mut self) {
-        *self = Self { is_held: self.is_held, ..Self::NONE };
+        self.begin_anew(self.is_held);
+        self.stillness = Stillness::NONE;
+    }
+
+    /// Whether it is held is known, and walls are to speak anew.
+    #[inline(never)]
+    fn begin_anew(&mut self, is_held: bool) {
+        self.witnesses = [Witness::NONE; S];
+        (self.wheels, self.heading, self.at) = (Pose::ORIGIN, (0.0, 1.0), (0.0, 0.0));
+        (self.watch, self.is_held) = (Watch::Nothing, is_held);
     }
 
     /// Whether the robot did not turn of late, whatever its wheels said.
@@ -167,7 +184,7 @@ impl<const S: usize> Holds<S> {
 
     /// Whether it is in doubt where the robot is, so that readings are not to be used.
     pub fn is_in_doubt(&self) -> bool {
-        self.claim.is_some()
+        matches!(self.watch, Watch::Claim(_))
     }
 
     /// Follows the wheels by a motion in the robot's frame.
@@ -198,9 +215,9 @@ impl<const S: usize> Holds<S> {
         outcome: &Outcome,
     ) {
         let gain = sensor.state.gain(ekf);
-        let range_m = reading.range_m / gain;
-        self.stillness.note(sensor, range_m, reading.sigma_m());
-        if self.claim.is_some() {
+        let (range_m, sigma_m) = (reading.range_m / gain, reading.sigma_m());
+        self.stillness.note(sensor, range_m, sigma_m);
+        if self.is_in_doubt() {
             return;
         }
         let Some(witness) = self.witnesses.get_mut(sensor.index) else { return };
@@ -223,11 +240,11 @@ impl<const S: usize> Holds<S> {
                 *witness = Witness::NONE;
             } else {
                 let span_m = sensor.limits.span_m();
-                witness.now = met.log_odds(&beam, range_m, reading.sigma_m(), moved_m, span_m);
+                witness.now = met.log_odds(&beam, range_m, sigma_m, moved_m, span_m);
             }
         }
         let before = witness.says();
-        let mut met = Met { range_m, sigma_m: reading.sigma_m(), wall: None, at: self.at };
+        let mut met = Met { range_m, sigma_m, wall: None, at: self.at };
         if let Some((id, innovation_m)) = wall {
             let Some(wall) = map.walls().iter().find(|other| other.id == id) else { return };
             let (s, c) = sin_cos(wrap(wall.beta_rad(ekf) + self.wheels.theta_rad - ekf.mean(layout::THETA)));
@@ -248,22 +265,20 @@ impl<const S: usize> Holds<S> {
     pub fn judge(&mut self, map: Pose, number: u32) -> Option<Correction> {
         self.stillness.settle(map);
         if let Some(pose) = self.stillness.held_at().filter(|_| !self.is_held) {
-            *self = Self { is_held: true, stillness: self.stillness.clone(), ..Self::NONE };
+            self.begin_anew(true);
             return Some(Correction { pose, sigma: STAYED, is_held: true });
         }
-        if self.claim.is_some() {
+        if self.is_in_doubt() {
             return None;
         }
         let said: f32 = self.witnesses.iter().map(Witness::says).sum();
         self.settle(said);
         let now = Moment { map, wheels: self.wheels, at_m: self.at.0 };
-        let moment = self.moment.get_or_insert(now);
+        let moment = if let Watch::Since(moment) = self.watch { moment } else { now };
         let since_m = now.at_m - moment.at_m;
         let agrees = if self.is_held { said > 0.0 } else { said <= 0.0 };
-        if agrees && since_m > LOOK.0 {
-            *moment = now;
-        }
-        let moment = *moment;
+        let moment = if agrees && since_m > LOOK.0 { now } else { moment };
+        self.watch = Watch::Since(moment);
         let has_changed = if self.is_held {
             !self.stillness.is_still() && (said < -ENDS || since_m > REACH_M && !agrees)
         } else {
@@ -271,7 +286,7 @@ impl<const S: usize> Holds<S> {
         };
         if !has_changed {
             if since_m > REACH_M {
-                *self = Self { is_held: self.is_held, stillness: self.stillness.clone(), ..Self::NONE };
+                self.begin_anew(self.is_held);
             }
             return None;
         }
@@ -280,33 +295,33 @@ impl<const S: usize> Holds<S> {
         let to = from.compose(&moved);
         let sigma = [to.x_m - from.x_m, to.y_m - from.y_m, moved.theta_rad].map(|in_doubt| 0.5 * in_doubt);
         if self.is_held {
-            *self = Self::NONE;
+            self.begin_anew(false);
+            self.stillness = Stillness::NONE;
             return Some(Correction { pose: to, sigma, is_held: false });
         }
         let (pose, sigma) =
             self.stillness.begun(since_m + 0.5 * REACH_M).map_or((from, sigma), |begun| (begun, STAYED));
         let correction = Correction { pose, sigma, is_held: true };
-        self.claim = Some(Claim { correction, confirmation: Confirmation::since(number) });
+        self.watch = Watch::Claim(Claim { correction, confirmation: Confirmation::since(number) });
         None
     }
 
     /// Goes on with the confirmation where the robot seems to be held: by readings since, of one that stands against one that moved
     /// as its wheels say.
     pub fn confirm(&mut self, scene: &Scene, recent: &Recent, moment: &recent::Moment) -> Option<Correction> {
-        let Claim { correction, confirmation } = self.claim.as_ref()?;
+        let Watch::Claim(Claim { correction, confirmation }) = &self.watch else { return None };
         let moved = recent.since(confirmation.onset(), moment);
         let stayed = recent.standing_since(confirmation.onset(), &correction.pose);
         let pairs = stayed.iter().map(|sighting| sighting.beam).zip(&moved);
         let is_held = confirmation.verdict(scene.said(pairs, correction.sigma))?;
         let found = is_held.then_some(*correction);
-        *self = Self { is_held, stillness: self.stillness.clone(), ..Self::NONE };
+        self.begin_anew(is_held);
         found
     }
 
     /// Time goes on by so much, seconds, to the step of this number.
     pub fn wait(&mut self, dt_s: f32, step: &Step, number: u32) {
-        self.stillness.begin(number);
-        if let Some(claim) = &mut self.claim {
+        if let Watch::Claim(claim) = &mut self.watch {
             claim.confirmation.wait(dt_s, step, number);
         }
     }

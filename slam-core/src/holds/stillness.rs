@@ -28,23 +28,28 @@ const CHANGE: (f32, f32) = (0.01, 2.5);
 const NEAR: f32 = 1.3;
 
 /// A sensor that had no reading for so many steps sees something else with its next.
-const UNSEEN: u32 = 8;
+const UNSEEN: u8 = 8;
+
+/// Units in which ranges, metres, and turns, radians, are kept, in eight bytes a sensor: of up to 16 m, and two radians either way.
+const PER_M: f32 = 4000.0;
+const PER_RAD: f32 = 64.0;
 
 /// What a sensor read since a reading last changed.
 #[derive(Clone, Copy, Debug)]
 struct Kept {
-    first_m: f32,
-    mean_m: f32,
-    /// How far the wheels had turned the robot meanwhile, at least and at most, radians.
-    least_rad: f32,
-    most_rad: f32,
-    /// Step of its last reading.
-    step: u32,
-    /// How many of the first there were.
+    first: u16,
+    mean: u16,
+    /// How far the wheels had turned the robot meanwhile, at least and at most.
+    least: i8,
+    most: i8,
+    /// Steps since its last reading.
+    age: u8,
+    /// How many of the first there were, and whether the last was near.
     count: u8,
-    /// What it counts for, in halves of a witness.
-    halves: u8,
 }
+
+/// The bit of the count that says that the last reading was near.
+const IS_NEAR: u8 = 0x80;
 
 /// The readings of all sensors since one of them last changed.
 #[derive(Clone, Debug)]
@@ -56,18 +61,16 @@ pub struct Stillness<const S: usize> {
     /// Where it was then, in the map.
     begun: Option<Pose>,
     is_changed: bool,
-    step: u32,
 }
 
 impl<const S: usize> Stillness<S> {
     /// Nothing was read.
     pub const NONE: Self = Self {
-        kept: [Kept { first_m: 0.0, mean_m: 0.0, least_rad: 0.0, most_rad: 0.0, step: 0, count: 0, halves: 0 }; S],
+        kept: [Kept { first: 0, mean: 0, least: 0, most: 0, age: 0, count: 0 }; S],
         turned_rad: 0.0,
         moved_m: 0.0,
         begun: None,
         is_changed: false,
-        step: 0,
     };
 
     /// The wheels turn the robot by so much, radians, and its beams move by so much, metres.
@@ -76,39 +79,40 @@ impl<const S: usize> Stillness<S> {
         self.moved_m += moved_m;
     }
 
-    /// The step of this number begins.
-    pub fn begin(&mut self, step: u32) {
-        self.step = step;
-    }
-
     /// Takes in a range of a sensor, with its standard deviation, metres.
+    #[inline(never)]
     pub fn note(&mut self, sensor: &Sensor, range_m: f32, sigma_m: f32) {
         let Some(kept) = self.kept.get_mut(sensor.index) else { return };
-        if self.step.wrapping_sub(kept.step) > UNSEEN {
-            kept.count = 0;
-        }
-        kept.step = self.step;
-        kept.halves = if range_m < NEAR * sensor.limits.min_m { 1 } else { 2 };
-        if kept.count < FIRST {
-            kept.count += 1;
-            kept.mean_m += (range_m - kept.mean_m) / f32::from(kept.count);
-            (kept.first_m, kept.least_rad, kept.most_rad) = (kept.mean_m, self.turned_rad, self.turned_rad);
+        let count = if kept.age > UNSEEN { 0 } else { kept.count & !IS_NEAR };
+        let near = if range_m < NEAR * sensor.limits.min_m { IS_NEAR } else { 0 };
+        kept.age = 0;
+        let turned = (PER_RAD * self.turned_rad) as i8;
+        let share = if count < FIRST { 1.0 / f32::from(count + 1) } else { NEW_SHARE };
+        let mean = f32::from(kept.mean);
+        let mean = mean + share * (PER_M * range_m - mean);
+        kept.mean = (mean + 0.5) as u16;
+        kept.count = count.saturating_add(1).min(FIRST) | near;
+        if count < FIRST {
+            (kept.first, kept.least, kept.most) = (kept.mean, turned, turned);
             return;
         }
-        kept.mean_m += NEW_SHARE * (range_m - kept.mean_m);
-        kept.least_rad = kept.least_rad.min(self.turned_rad);
-        kept.most_rad = kept.most_rad.max(self.turned_rad);
-        self.is_changed |= (kept.mean_m - kept.first_m).abs() > CHANGE.0 + CHANGE.1 * sigma_m;
+        (kept.least, kept.most) = (kept.least.min(turned), kept.most.max(turned));
+        let off = mean - f32::from(kept.first);
+        self.is_changed |= off.abs() > PER_M * (CHANGE.0 + CHANGE.1 * sigma_m);
     }
 
     /// After the readings of a step, with the pose in the map.
     pub fn settle(&mut self, map: Pose) {
-        if self.is_changed || self.begun.is_none() {
-            self.begun = Some(map);
-            (self.turned_rad, self.moved_m, self.is_changed) = (0.0, 0.0, false);
-            for kept in &mut self.kept {
+        let begins = self.is_changed || self.begun.is_none();
+        for kept in &mut self.kept {
+            kept.age = kept.age.saturating_add(1);
+            if begins {
                 kept.count = 0;
             }
+        }
+        if begins {
+            self.begun = Some(map);
+            (self.turned_rad, self.moved_m, self.is_changed) = (0.0, 0.0, false);
         }
     }
 
@@ -133,11 +137,13 @@ impl<const S: usize> Stillness<S> {
     }
 
     /// Whether enough sensors said the same while beams should have moved by so much, metres, and over such a turn, radians.
+    #[inline(never)]
     fn is_same_over(&self, moved_m: f32, turn_rad: f32) -> bool {
         let says = |kept: &&Kept| {
-            let is_seen = kept.count == FIRST && self.step.wrapping_sub(kept.step) < UNSEEN;
-            is_seen && kept.most_rad - kept.least_rad >= turn_rad
+            let is_told = kept.count & !IS_NEAR == FIRST && kept.age < UNSEEN;
+            is_told && i16::from(kept.most) - i16::from(kept.least) >= (PER_RAD * turn_rad) as i16
         };
-        self.moved_m > moved_m && self.kept.iter().filter(says).map(|kept| kept.halves).sum::<u8>() >= 2 * WITNESSES
+        let halves = |kept: &Kept| if kept.count & IS_NEAR == 0 { 2 } else { 1 };
+        self.moved_m > moved_m && self.kept.iter().filter(says).map(halves).sum::<u8>() >= 2 * WITNESSES
     }
 }
