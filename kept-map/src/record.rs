@@ -8,11 +8,11 @@
 //! | 1 | sequence number of the save |
 //! | 1 | hash of the rig |
 //! | 2 | states, states that no wall has; walls, next identifier (16 bits each) |
-//! | 1 | grid founded, halvings of the grid's tolerance, direction of founding known, anchor known (8 bits each) |
-//! | 1 | direction of founding |
+//! | 1 | grid founded, log odds of an exact grid in quarters, nothing, anchor known (8 bits each) |
+//! | 1 | nothing |
 //! | 3 | where the first drive started: x, y, theta |
 //! | 9 | the anchor: x, y, theta; covariance xx, xy, xt, yy, yt, tt |
-//! | 8 a wall | identifier and state of rho; kind, quarter and state of the direction; lo; hi; updates; score, halvings, drawn; line as it was drawn: rho, beta |
+//! | 8 a wall | identifier and state of rho; kind, quarter and state of the direction; lo; hi; updates; score, nothing, drawn; line as it was drawn: rho, beta |
 //! | 1 a state but for the pose's | means |
 //! | n (n + 1) / 2 | covariance of those n, upper triangle by rows |
 //! | 1 an area and 2 a corner of it | [areas](crate::Areas), in version 2 alone: without any, a record is one of version 1 |
@@ -138,7 +138,7 @@ impl<'k, K: Kept> Writer<'k, K> {
         let f = &self.frame;
         let pair = |low: u16, high: u16| u32::from(low) | u32::from(high) << 16;
         let (anchor, p) = f.anchor.unwrap_or_default();
-        let flags = [f.has_grid as u8, f.halvings as u8, f.founded_rad.is_some() as u8, f.anchor.is_some() as u8];
+        let flags = [f.has_grid as u8, f.exactness as u8, 0, f.anchor.is_some() as u8];
         let [sx, sy, st] = bits(&f.start);
         let [ax, ay, at] = bits(&anchor);
         [
@@ -151,7 +151,7 @@ impl<'k, K: Kept> Writer<'k, K> {
             pair(f.states, f.common),
             pair(f.walls, f.next_id),
             u32::from_le_bytes(flags),
-            f.founded_rad.unwrap_or_default().to_bits(),
+            0,
             sx,
             sy,
             st,
@@ -198,7 +198,7 @@ fn words_of(wall: &KeptWall) -> [u32; WALL] {
         wall.lo_m.to_bits(),
         wall.hi_m.to_bits(),
         wall.updates,
-        u32::from_le_bytes([wall.score as u8, wall.halvings as u8, wall.drawn.is_some() as u8, 0]),
+        u32::from_le_bytes([wall.score as u8, 0, wall.drawn.is_some() as u8, 0]),
         drawn[0].to_bits(),
         drawn[1].to_bits(),
     ]
@@ -335,7 +335,7 @@ impl Kept for Record<'_> {
     fn frame(&self) -> KeptFrame {
         let halves = |word: u32| (word as u16, (word >> 16) as u16);
         let ((states, common), (walls, next_id)) = (halves(self.word(6)), halves(self.word(7)));
-        let [has_grid, halvings, is_founded, is_anchored] = self.word(8).to_le_bytes();
+        let [has_grid, exactness, _, is_anchored] = self.word(8).to_le_bytes();
         let pose =
             |place| Pose { x_m: self.float(place), y_m: self.float(place + 1), theta_rad: self.float(place + 2) };
         let [xx, xy, xt, yy, yt, tt] = [16, 17, 18, 19, 20, 21].map(|place| self.float(place));
@@ -345,8 +345,7 @@ impl Kept for Record<'_> {
             walls,
             next_id,
             has_grid: has_grid != 0,
-            halvings: halvings as i8,
-            founded_rad: (is_founded != 0).then(|| self.float(9)),
+            exactness: exactness as i8,
             start: pose(10),
             anchor: (is_anchored != 0).then(|| (pose(13), [[xx, xy, xt], [xy, yy, yt], [xt, yt, tt]])),
         }
@@ -359,7 +358,7 @@ impl Kept for Record<'_> {
         let place = HEAD + WALL * index;
         let [kind, quarter, t0, t1] = self.word(place + 1).to_le_bytes();
         let theta = u16::from_le_bytes([t0, t1]);
-        let [score, halvings, is_drawn, _] = self.word(place + 5).to_le_bytes();
+        let [score, _, is_drawn, _] = self.word(place + 5).to_le_bytes();
         Some(KeptWall {
             id: self.word(place) as u16,
             rho: (self.word(place) >> 16) as u16,
@@ -373,7 +372,6 @@ impl Kept for Record<'_> {
             hi_m: self.float(place + 3),
             updates: self.word(place + 4),
             score: score as i8,
-            halvings: halvings as i8,
             drawn: (is_drawn != 0).then(|| [self.float(place + 6), self.float(place + 7)]),
         })
     }

@@ -2,7 +2,7 @@
 
 use core::ops::ControlFlow;
 
-use slam_core::{NotTaken, Slam, StepReport, WallPolicy};
+use slam_core::{NotTaken, Slam, StepReport};
 
 use crate::diary::Diary;
 use crate::gains::Gains;
@@ -88,6 +88,7 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
     ) {
         if self.phase == Phase::Resting {
             self.diary.odometry.position_level = slam.position_level();
+            self.diary.has_exact_grid = slam.has_exact_grid();
         }
         let before = self.epoch.replace(slam.epoch());
         if before == self.epoch {
@@ -213,7 +214,6 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
         self.begun_at = 0;
         let gains = if slam.config().sensing.calibrate_gains { Gains::of_rig(slam.rig()) } else { Gains::KNOWN };
         self.diary.begin(&slam.rig().drive, gains, slam.filter_pose());
-        self.diary.has_exact_grid = slam.config().walls.policy == WallPolicy::Grid;
     }
 
     /// What follows when a look back has ended.

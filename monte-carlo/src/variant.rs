@@ -71,7 +71,7 @@ impl Variant {
         // The report's filter is a plain one.
         let slam = |walls: WallPolicy, calibrate: bool| {
             let linearisation = match walls {
-                WallPolicy::Grid | WallPolicy::NearGrid | WallPolicy::LearnedGrid => Linearisation::FirstEstimates,
+                WallPolicy::Grid | WallPolicy::NearGrid => Linearisation::FirstEstimates,
                 _ => Linearisation::Latest,
             };
             let mut config = Config { walls: walls.into(), ..Config::default() };

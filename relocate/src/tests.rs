@@ -53,8 +53,7 @@ impl Kept for Map {
             walls: WALLS.len() as u16,
             next_id: WALLS.len() as u16,
             has_grid: true,
-            halvings: 0,
-            founded_rad: Some(0.0),
+            exactness: 0,
             start: Pose::ORIGIN,
             anchor: None,
         }
@@ -76,7 +75,6 @@ impl Kept for Map {
             hi_m,
             updates: 100,
             score: 100,
-            halvings: 0,
             drawn: None,
         })
     }

@@ -79,7 +79,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     /// Puts the robot elsewhere in the map, as well known as before but for this covariance.
     fn put(&mut self, pose: Pose, covariance: &[[f32; 3]; 3]) {
         self.ekf.predict([pose.x_m, pose.y_m, pose.theta_rad], &UNMOVED, covariance);
-        self.first.follow(pose, self.map.grid(&self.ekf));
+        self.first.pose = pose;
         self.candidates.clear();
         self.map.begin_epoch_elsewhere();
     }
@@ -97,7 +97,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             }
         }
         self.ekf.predict([pose.x_m, pose.y_m, pose.theta_rad], &UNMOVED, &noise);
-        self.first.follow(pose, self.map.grid(&self.ekf));
+        self.first.pose = pose;
         self.holds.forget();
     }
 }

@@ -32,8 +32,6 @@ pub struct KeptWall {
     pub updates: u32,
     /// Confidence in its existence.
     pub score: i8,
-    /// How closely it was tied to the grid, in halvings of the first tolerance.
-    pub halvings: i8,
     /// Its line when it was first drawn, where walls hold the map frame: distance from the origin (metres) and direction of the
     /// normal (radians).
     pub drawn: Option<[f32; 2]>,
@@ -52,10 +50,8 @@ pub struct KeptFrame {
     pub next_id: u16,
     /// The grid was founded.
     pub has_grid: bool,
-    /// How closely the home's walls stand on its grid, in halvings of the first tolerance.
-    pub halvings: i8,
-    /// The grid's direction at which models are differentiated, radians, in the filter's frame.
-    pub founded_rad: Option<f32>,
+    /// How likely the home's grid is exact by the walls that were put onto it: log of the odds, in quarters.
+    pub exactness: i8,
     /// Where the first drive started, in the map frame.
     pub start: Pose,
     /// Where the filter's frame is in that of the start pose, with its covariance; none where they are one.
@@ -102,8 +98,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Kept for
             walls: self.map.walls().len() as u16,
             next_id: self.map.next_id(),
             has_grid: self.map.has_grid,
-            halvings: self.map.squareness.halvings(),
-            founded_rad: self.first.grid.map(|grid| grid.alpha_rad),
+            exactness: self.map.exactness.quarters(),
             start: self.map.start,
             anchor: self.map.anchor.map(|anchor| (anchor.pose, anchor.covariance)),
         }
@@ -118,8 +113,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Kept for
             hi_m: wall.hi_m,
             updates: wall.updates,
             score: wall.score,
-            halvings: wall.squareness.halvings(),
-            drawn: wall.drawn.map(|line| [line.rho_m, line.beta_rad]),
+            drawn: wall.drawn,
         })
     }
 

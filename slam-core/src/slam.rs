@@ -266,7 +266,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             Linearisation::Latest => jacobian,
             Linearisation::FirstEstimates => self.first.of_motion(jacobian, &pose),
         };
-        self.first.follow(pose, self.map.grid(ekf));
+        self.first.pose = pose;
         ekf.predict([pose.x_m, pose.y_m, pose.theta_rad], &jacobian, &noise);
         let now = drive.dead_reckoning.pose;
         self.sign.moved([now.x_m - seen.x_m, now.y_m - seen.y_m]);
@@ -355,6 +355,11 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         .extend(dt_s);
         let (number, path_m) = (self.counters.steps as usize, self.drive.dead_reckoning.path_m);
         let tidied = upkeep(&mut self.map, &mut self.ekf, self.config.walls.policy, number, path_m);
+        if self.config.measurement.linearisation == Linearisation::FirstEstimates
+            && let Some(wall) = number.checked_rem(self.map.walls().len()).and_then(|index| self.map.wall_mut(index))
+        {
+            self.first.renew(wall, &mut self.ekf);
+        }
         for changes in [born, tidied] {
             self.counters.add_changes(&changes);
             report.add(&changes);

@@ -11,13 +11,14 @@ use heapless::Vec;
 
 use crate::filter::ekf::{EkfView, Jacobian};
 use crate::filter::layout::{self, ALPHA, THETA, X, Y};
-use crate::geometry::angle::{sin_cos, wrap};
+use crate::geometry::angle::{normal, sin_cos, wrap};
 use crate::geometry::pose::Pose;
 use crate::hand_over::{self, HandOver, PlacedWall};
 use crate::motion::drive::DriveStates;
 use crate::report::NotTaken;
 use crate::rig::DriveModel;
 use crate::slam::Slam;
+use crate::walls::decision::looseness;
 use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::map::MapView;
 use crate::walls::wall::{Direction, Wall, WallPolicy};
@@ -116,6 +117,7 @@ impl Newborn {
             theta as u16
         };
         wall.set_rho(rho);
+        wall.first_normal = [c, s];
         wall.direction = match wall.direction {
             Direction::Grid(quarter) => Direction::Grid(quarter),
             Direction::NearGrid(_, quarter) => Direction::NearGrid(add_direction(), quarter),
@@ -211,7 +213,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         for born in &newborn {
             self.map.put(&mut self.ekf, born);
         }
-        self.first.begin_anew(layout::pose(&self.ekf), self.map.grid(&self.ekf));
+        self.first.pose = layout::pose(&self.ekf);
         self.map.redraw(&self.ekf);
         self.holds.forget();
     }
@@ -241,8 +243,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         }
         let is_new = |id: u16| newborn.iter().any(|born| born.id == id);
         self.map.keep_one_of_each(found, is_new);
-        let deviation = self.map.deviation(self.config.walls.policy);
         let policy = self.config.walls.policy;
+        let deviation = if self.has_exact_grid() { 0.0 } else { looseness(policy) };
         self.map.allot(&mut self.ekf, found, policy, deviation, &mut add);
     }
 }
@@ -342,17 +344,18 @@ impl MapView {
     }
 
     fn place(&mut self, known: Option<usize>, placed: &PlacedWall, rho: usize, direction: Direction) {
-        let squareness = self.squareness;
+        let (lo_m, hi_m, first_normal) = (placed.lo_m, placed.hi_m, normal(placed.beta_rad));
         let index = match known {
             Some(index) => index,
             None => {
-                self.add(rho, direction, (placed.lo_m, placed.hi_m), placed.hits, f32::NEG_INFINITY);
+                let wall = Wall { first_normal, ..Wall::at(rho, direction, (lo_m, hi_m)) };
+                self.add(wall, placed.hits, f32::NEG_INFINITY);
                 return self.rename_last(placed.id);
             }
         };
         if let Some(wall) = self.wall_mut(index) {
             wall.set_rho(rho);
-            (wall.direction, wall.squareness, wall.lo_m, wall.hi_m) = (direction, squareness, placed.lo_m, placed.hi_m);
+            (wall.direction, wall.lo_m, wall.hi_m, wall.first_normal) = (direction, lo_m, hi_m, first_normal);
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::filter::ekf::{EkfView, Jacobian};
 use crate::filter::layout::{self, ALPHA, THETA, X, Y};
-use crate::geometry::angle::{sin_cos, wrap};
+use crate::geometry::angle::{normal, sin_cos, wrap};
 use crate::geometry::line::Line;
 use crate::geometry::pose::Pose;
 use crate::kept::{Kept, KeptFrame, KeptWall, POSE_STATES};
@@ -11,9 +11,9 @@ use crate::rig::DriveModel;
 use crate::slam::Slam;
 use crate::walls::anchor::Anchor;
 use crate::walls::decision::relative_variance;
+use crate::walls::exactness::Exactness;
 use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::map::MapFrame;
-use crate::walls::squareness::Squareness;
 use crate::walls::wall::{Direction, Wall};
 use core::f32::consts::FRAC_PI_2;
 
@@ -83,7 +83,6 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.doubt_calibration();
         pose.initialise(&mut self.ekf);
         self.first.pose = layout::pose(&self.ekf);
-        self.first.grid = frame.founded_rad.map(|alpha_rad| ManhattanFrame { alpha_rad, sin_cos: sin_cos(alpha_rad) });
         self.shortfall = Shortfall::NONE;
         self.candidates.clear();
         self.holds.forget();
@@ -178,22 +177,19 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         }
         map.clear(config.walls.frame);
         map.has_grid = frame.has_grid;
-        map.squareness = Squareness::of_halvings(frame.halvings);
+        map.exactness = Exactness::of_quarters(frame.exactness);
         if config.walls.frame == MapFrame::Walls {
             map.start = frame.start;
         }
         map.anchor = frame.anchor.map(|(pose, covariance)| Anchor { pose, covariance });
         let seen_at_m = drive.dead_reckoning.path_m;
         let walls = (0..usize::from(frame.walls)).filter_map(|i| kept.wall(i));
-        map.restore(walls.map(|wall| restored(&wall, seen_at_m)), frame.next_id);
+        // Its readings are differentiated at where it is now.
+        map.restore(walls.map(|wall| restored(&wall, kept.line(&wall)[1], seen_at_m)), frame.next_id);
     }
 }
 
-fn restored(kept: &KeptWall, seen_at_m: f32) -> Wall {
-    let line = |[rho_m, beta_rad]: [f32; 2]| {
-        let (s, c) = sin_cos(beta_rad);
-        Line { rho_m, beta_rad, normal: [c, s] }
-    };
+fn restored(kept: &KeptWall, beta_rad: f32, seen_at_m: f32) -> Wall {
     Wall {
         id: kept.id,
         rho: kept.rho,
@@ -207,8 +203,8 @@ fn restored(kept: &KeptWall, seen_at_m: f32) -> Wall {
         updates: kept.updates,
         score: kept.score,
         seen_at_m,
-        squareness: Squareness::of_halvings(kept.halvings),
-        drawn: kept.drawn.map(line),
+        first_normal: normal(beta_rad),
+        drawn: kept.drawn,
     }
 }
 

@@ -7,7 +7,7 @@ use crate::report::{Counters, Health};
 use crate::rig::{DriveModel, Rig};
 use crate::slam::Slam;
 use crate::walls::manhattan::ManhattanFrame;
-use crate::walls::wall::WallKind;
+use crate::walls::wall::{WallKind, WallPolicy};
 use nalgebra::Matrix3;
 
 /// A calibration state.
@@ -68,6 +68,11 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     /// The rig.
     pub fn rig(&self) -> &Rig<S> {
         &self.rig
+    }
+
+    /// Whether walls on the grid are taken to stand on it exactly, as far as its walls tell by now.
+    pub fn has_exact_grid(&self) -> bool {
+        self.config.walls.policy == WallPolicy::Grid && self.map.exactness.is_likely()
     }
 
     /// The settings.

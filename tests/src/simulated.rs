@@ -6,6 +6,7 @@ use hal_sim::SimOptions;
 use lab::evaluate::score;
 use lab::input::built_in_robot;
 use lab::input::log::Row;
+use lab::input::rig_file::Robot;
 use lab::recording::{Figures, Recording};
 use lab::run::Drive;
 use lab::run::Session;
@@ -13,13 +14,15 @@ use slam_core::Config;
 
 /// The built-in robot's drive through a built-in plan.
 pub fn drive(plan: &str, minutes: f64, seed: u64) -> Recording {
-    drive_with(plan, minutes, seed, |_| ())
+    let (robot, _) = built_in_robot().expect("the built-in rig is good");
+    drive_of(&robot, plan, minutes, seed, |_| ())
 }
 
 /// The log of such a drive, with the true poses.
 pub fn rows(plan: &str, minutes: f64, seed: u64) -> Vec<Row> {
+    let (robot, _) = built_in_robot().expect("the built-in rig is good");
     let mut rows = Vec::new();
-    drive_with(plan, minutes, seed, |row| rows.push(row.clone()));
+    drive_of(&robot, plan, minutes, seed, |row| rows.push(row.clone()));
     rows
 }
 
@@ -36,11 +39,11 @@ pub fn estimated(rows: &[Row], config: Config) -> Figures {
     recording.figures
 }
 
-fn drive_with(plan: &str, minutes: f64, seed: u64, mut see: impl FnMut(&Row)) -> Recording {
-    let (robot, _) = built_in_robot().expect("the built-in rig is good");
+/// Any robot's drive through a built-in plan.
+pub fn drive_of(robot: &Robot, plan: &str, minutes: f64, seed: u64, mut see: impl FnMut(&Row)) -> Recording {
     let home = hal_sim::plan_file::load(plan).expect("a built-in plan");
-    let mut drive = Drive::new(&home, &robot, SimOptions::default(), seed).expect("the robot fits");
-    let mut session = Session::new(&robot, Config::default(), plan).expect("a good rig");
+    let mut drive = Drive::new(&home, robot, SimOptions::default(), seed).expect("the robot fits");
+    let mut session = Session::new(robot, Config::default(), plan).expect("a good rig");
     let driven = drive.run(&mut session, 60.0 * minutes, |row, _, _| {
         see(row);
         Ok::<(), Infallible>(())

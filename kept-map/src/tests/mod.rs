@@ -22,8 +22,7 @@ impl Kept for Map {
             walls: 2,
             next_id: self.0,
             has_grid: true,
-            halvings: -2,
-            founded_rad: Some(0.125),
+            exactness: -2,
             start: pose(f32::from(self.0)),
             anchor: self
                 .0
@@ -42,7 +41,6 @@ impl Kept for Map {
             hi_m: 1.5,
             updates: u32::from(self.0) << 10,
             score: -3,
-            halvings: 1,
             drawn: (index == 1).then_some([0.5, -0.5]),
         })
     }

@@ -25,7 +25,7 @@ pub const PARTS: [Part; 16] = [
         config.measurement.linearisation = Linearisation::Latest;
     }),
     Part::new("deviation", "walls on the grid have exactly its direction", |config| {
-        if matches!(config.walls.policy, WallPolicy::NearGrid | WallPolicy::LearnedGrid) {
+        if config.walls.policy == WallPolicy::NearGrid {
             config.walls.policy = WallPolicy::Grid;
         }
     }),

@@ -53,8 +53,6 @@ pub enum Walls {
     Grid,
     /// The same, a grid wall up to half a degree or so off the grid.
     NearGrid,
-    /// The same, by as much as is learned of this home.
-    LearnedGrid,
     /// Lines with their own direction.
     Free,
     /// Lines whose direction is snapped to the grid.
@@ -89,7 +87,6 @@ impl Walls {
         match self {
             Self::Grid => WallPolicy::Grid,
             Self::NearGrid => WallPolicy::NearGrid,
-            Self::LearnedGrid => WallPolicy::LearnedGrid,
             Self::Free => WallPolicy::Free,
             Self::Snapped => WallPolicy::Snapped { theta_moves: false },
             Self::SnappedMoving => WallPolicy::Snapped { theta_moves: true },

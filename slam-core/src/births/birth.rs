@@ -4,22 +4,28 @@ use crate::births::local_line::LocalLine;
 use crate::births::verdict::Verdict;
 use crate::filter::ekf::{EkfView, Jacobian};
 use crate::filter::layout::{ALPHA, THETA, X, Y};
-use crate::geometry::angle::wrap;
-use crate::walls::founding::{self};
+use crate::geometry::angle::{off_quarter, wrap};
+use crate::walls::decision::{BUILT_TOLERANCE, tie};
 use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::wall::Direction;
 
-/// Adds the states of a wall; one near the grid has that variance about it, rad^2. None, and nothing changed, where the state is full.
-pub fn add_states(ekf: &mut EkfView, verdict: Verdict, line: &LocalLine, deviation: f32) -> Option<(usize, Direction)> {
+/// Adds the states of a wall. None, and nothing changed, where the state is full.
+pub fn add_states(ekf: &mut EkfView, verdict: Verdict, line: &LocalLine) -> Option<(usize, Direction)> {
     match verdict {
         Verdict::Wait => None,
         Verdict::OnGrid(quarter) => add_grid(ekf, line, quarter),
-        Verdict::NearGrid(quarter) => {
+        Verdict::NearGrid(quarter, deviation) => {
             let (rho, theta) = add_line(ekf, line)?;
-            let off = wrap(ekf.mean(theta) - ManhattanFrame::of(ekf).beta(quarter));
+            let off = off_quarter(ekf.mean(theta), ekf.mean(ALPHA));
             // Where that is numerically impossible it is a free wall.
-            let tied = founding::tie(ekf, theta, off, deviation);
+            let tied = tie(ekf, theta, ALPHA, off, deviation);
             Some((rho, if tied { Direction::NearGrid(theta as u16, quarter) } else { Direction::Free(theta as u16) }))
+        }
+        Verdict::Askew(other, off_rad) => {
+            let (rho, theta) = add_line(ekf, line)?;
+            // As built walls are parallel. Where that is numerically impossible it has a direction of its own, as it has anyway.
+            let _ = tie(ekf, theta, usize::from(other), off_rad, BUILT_TOLERANCE * BUILT_TOLERANCE);
+            Some((rho, Direction::Free(theta as u16)))
         }
         Verdict::Free => add_line(ekf, line).map(|(rho, theta)| (rho, Direction::Free(theta as u16))),
         Verdict::Snapped => add_line(ekf, line).map(|(rho, theta)| (rho, Direction::Snapped(theta as u16))),

@@ -9,6 +9,7 @@ use crate::births::local_line::{LocalLine, Origin};
 use crate::births::verdict::{self, SHORT_M, Verdict};
 use crate::filter::ekf::EkfView;
 use crate::filter::layout;
+use crate::geometry::angle::normal;
 use crate::measurement::first_estimates::FirstEstimates;
 use crate::measurement::sensor::SensorState;
 use crate::motion::drive::Drive;
@@ -16,6 +17,7 @@ use crate::report::Changes;
 use crate::sensing::latency::Latency;
 use crate::walls::WallSettings;
 use crate::walls::anchor::Anchor;
+use crate::walls::decision::deviation;
 use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::map::MapView;
 use crate::walls::wall::Wall;
@@ -87,7 +89,7 @@ impl<const B: usize> Extension<'_, B> {
     /// heading; a wall near the grid turns nothing.
     fn is_row(&self, members: &Members<B>, line: &FittedLine) -> bool {
         let length_m = line.length_m();
-        if length_m > SHORT_M || !self.map.has_grid || self.map.deviation(self.walls.policy) > 0.0 {
+        if length_m > SHORT_M || !self.map.has_grid || deviation(self.walls.policy) > 0.0 {
             return false;
         }
         const BINS: u32 = 32;
@@ -120,11 +122,12 @@ impl<const B: usize> Extension<'_, B> {
         let origin = Origin { ekf: self.ekf, drive: self.drive, sensors: self.sensors, latency: self.latency };
         let mut local = LocalLine::new(&origin, line, points);
         let grid = self.map.grid(self.ekf);
-        let (policy, deviation) = (self.walls.policy, self.map.deviation(self.walls.policy));
+        let (policy, deviation) = (self.walls.policy, deviation(self.walls.policy));
         let doubts = &mut self.candidates.doubts;
-        let verdict = match verdict::judge(self.ekf, policy, deviation, grid.as_ref(), &local, doubts) {
+        let verdict = match verdict::judge(self.ekf, policy, deviation, grid.as_ref(), &local, self.map.walls(), doubts)
+        {
             // Where there is no room for a direction of its own, it has the grid's.
-            Verdict::NearGrid(quarter) if self.ekf.len() + 2 > self.ekf.capacity() => Verdict::OnGrid(quarter),
+            Verdict::NearGrid(quarter, _) if self.ekf.len() + 2 > self.ekf.capacity() => Verdict::OnGrid(quarter),
             verdict => verdict,
         };
         if verdict == Verdict::Wait {
@@ -137,16 +140,20 @@ impl<const B: usize> Extension<'_, B> {
         if is_full && self.map.evict(self.ekf, line.count, path_m) {
             changes.prunes = changes.prunes.saturating_add(1);
         }
-        let states = if self.map.is_full() { None } else { birth::add_states(self.ekf, verdict, &local, deviation) };
+        let first_normal = match verdict {
+            Verdict::OnGrid(quarter) => ManhattanFrame::of(self.ekf).normal(quarter),
+            _ => normal(self.ekf.mean(layout::THETA) + local.normal_rad),
+        };
+        let states = if self.map.is_full() { None } else { birth::add_states(self.ekf, verdict, &local) };
         let Some((rho, direction)) = states else {
             changes.refused = changes.refused.saturating_add(1);
             return false;
         };
-        let wall = Wall { rho: rho as u16, direction, ..Wall::NEW };
+        let mut wall = Wall { first_normal, ..Wall::at(rho, direction, (0.0, 0.0)) };
         let centroid = layout::pose(self.ekf).transform(local.centroid_m);
         let along_m = wall.line(self.ekf, &ManhattanFrame::of(self.ekf)).along(centroid);
-        let extent = (along_m + line.lo_m, along_m + line.hi_m);
-        self.map.add(rho, direction, extent, line.count, path_m);
+        (wall.lo_m, wall.hi_m) = (along_m + line.lo_m, along_m + line.hi_m);
+        self.map.add(wall, line.count, path_m);
         self.candidates.buffer.retain(|i, _| !members.get(i).copied().unwrap_or(false));
         true
     }

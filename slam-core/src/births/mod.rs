@@ -1,5 +1,6 @@
 //! New walls from the readings that fit none (Rousse & Qiu 3.3).
 
+pub mod askew;
 pub mod birth;
 pub mod buffer;
 pub mod candidates;

@@ -1,13 +1,15 @@
 //! What a line is: on the grid, off it, or not clear yet (Rousse & Qiu 3.3).
 
+use crate::births::askew::{Among, among};
 use crate::births::local_line::LocalLine;
 use crate::filter::ekf::EkfView;
 use crate::filter::layout::{ALPHA, THETA};
 use crate::geometry::angle::wrap;
 use crate::walls::decision;
+use crate::walls::decision::LOOSE_RAD;
 use crate::walls::decision::{GRID_SHARE, SHORT_SHARE, decide};
 use crate::walls::manhattan::ManhattanFrame;
-use crate::walls::wall::WallPolicy;
+use crate::walls::wall::{Wall, WallPolicy};
 
 /// Largest sigma of the direction of a free line, or of one that tells of the heading, relative to the robot that saw it,
 /// radians: two degrees. What the heading is not known by is the heading's: walls that are seen under it share it, and are
@@ -49,10 +51,12 @@ pub enum Verdict {
     Wait,
     /// On the grid, this many quarter turns from alpha.
     OnGrid(u8),
-    /// On the grid but for a deviation of its own.
-    NearGrid(u8),
+    /// On the grid but for a deviation of its own of this variance, rad^2.
+    NearGrid(u8, f32),
     /// Off the grid, or there is none in this policy.
     Free,
+    /// Off the grid, along or across the wall whose direction this state is, which is so far from the line's, radians.
+    Askew(u16, f32),
     /// The snapped wall of Rousse & Qiu.
     Snapped,
 }
@@ -113,11 +117,15 @@ pub fn judge(
     deviation: f32,
     grid: Option<&ManhattanFrame>,
     line: &LocalLine,
+    walls: &[Wall],
     doubts: &mut Doubts,
 ) -> Verdict {
     // A wall near the grid keeps a direction of its own: nothing is turned by taking one for it.
     let is_exact = grid.is_some() && deviation == 0.0;
-    let shortest_m = if is_exact { ASKEW_LENGTH_M } else { FREE_LENGTH_M };
+    let relative = decision::relative_variance(ekf, THETA, ALPHA);
+    // A heading that is known badly tells of no line whether it stands on the grid: each has its own direction until it is known better.
+    let is_vague = relative > VAGUE_RAD * VAGUE_RAD;
+    let shortest_m = if is_exact && !is_vague { ASKEW_LENGTH_M } else { FREE_LENGTH_M };
     let determined = line.seen_direction_variance < DIRECTION_SIGMA * DIRECTION_SIGMA
         && line.length_m >= shortest_m
         && line.count >= FREE_POINTS;
@@ -126,7 +134,6 @@ pub fn judge(
     let theta = ekf.mean(THETA) + line.normal_rad;
     let quarter = grid.quarter(theta);
     let off = wrap(theta - grid.beta(quarter));
-    let relative = decision::relative_variance(ekf, THETA, ALPHA);
     let variance = line.direction_variance + relative + deviation;
     let share = if is_exact && line.length_m < SHORT_M { SHORT_SHARE } else { GRID_SHARE };
     let lean = Lean {
@@ -137,17 +144,29 @@ pub fn judge(
         seen_m: line.seen_m,
         path_m: line.path_m,
     };
+    let looseness = LOOSE_RAD * LOOSE_RAD;
+    if policy == WallPolicy::Grid {
+        match among(ekf, walls, line, (off, variance, share), ASKEW_LENGTH_M) {
+            None | Some(Among::Grid) => {}
+            Some(Among::Askew(state, off_rad)) => return Verdict::Askew(state, off_rad),
+            Some(Among::Either(apart_rad)) => return Verdict::NearGrid(quarter, looseness.max(apart_rad * apart_rad)),
+            Some(Among::Off) => return free,
+            Some(Among::Unclear) => return if is_vague { free } else { Verdict::Wait },
+        }
+    }
     // The method of Rousse & Qiu is left as it is.
     let is_agreed = !matches!(policy, WallPolicy::Snapped { .. }) && doubts.agree(lean, relative);
     let on_grid = if is_agreed { Some(true) } else { decide(off, variance, share) };
-    // A heading that is known badly is not turned by one line: how many walls stand on the grid would decide, not the line.
-    let is_vague = relative > VAGUE_RAD * VAGUE_RAD && !is_agreed;
+    // Nor is it turned by one line: how many walls stand on the grid would decide, not the line.
+    let is_vague = is_vague && !is_agreed;
     let on_grid = on_grid.filter(|on_grid| !(*on_grid && is_vague));
     match (on_grid, policy) {
         (Some(true), WallPolicy::Snapped { .. }) => Verdict::Snapped,
-        (Some(true), _) if deviation > 0.0 => Verdict::NearGrid(quarter),
+        (Some(true), WallPolicy::Grid) => Verdict::NearGrid(quarter, looseness),
+        (Some(true), _) if deviation > 0.0 => Verdict::NearGrid(quarter, deviation),
         (Some(true), _) => Verdict::OnGrid(quarter),
         (Some(false), _) => free,
+        (None, _) if is_vague => free,
         (None, _) => Verdict::Wait,
     }
 }

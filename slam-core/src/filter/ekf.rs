@@ -268,6 +268,19 @@ impl EkfView {
         }
     }
 
+    /// State `i` is another quantity from now on, of the same value: its error is that of before and so many times those of others,
+    /// which it must not be one of.
+    #[inline(never)]
+    pub fn restate(&mut self, i: usize, others: [(usize, f32); 3]) {
+        let of_others =
+            |ekf: &Self, j: usize| others.iter().map(|&(k, factor)| factor * ekf.covariance(k, j)).sum::<f32>();
+        let own = others.iter().map(|&(k, factor)| factor * of_others(self, k)).sum::<f32>() + 2.0 * of_others(self, i);
+        for j in (0..self.len).filter(|&j| j != i) {
+            self.correlate(i, j, of_others(self, j));
+        }
+        self.correlate(i, i, own);
+    }
+
     /// Removes state `i` by moving the last one into its place; returns the index that the moved one had.
     pub fn remove(&mut self, i: usize) -> usize {
         let last = self.len.saturating_sub(1);

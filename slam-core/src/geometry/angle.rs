@@ -19,6 +19,12 @@ pub fn wrap(angle_rad: f32) -> f32 {
     }
 }
 
+/// Angle between two directions modulo a quarter turn, in [-pi/4, pi/4].
+pub fn off_quarter(a_rad: f32, b_rad: f32) -> f32 {
+    let difference = a_rad - b_rad;
+    difference - libm::roundf(difference * (1.0 / FRAC_PI_2)) * FRAC_PI_2
+}
+
 /// Sine and cosine of an angle of at most a few turns, radians.
 ///
 /// The quarter turn is removed in two parts (Cody and Waite 1980), the rest goes through minimax polynomials on
@@ -38,6 +44,13 @@ pub fn sin_cos(angle_rad: f32) -> (f32, f32) {
         2 => (-s, -c),
         _ => (-c, s),
     }
+}
+
+/// Unit vector in a direction, which is the normal of a line with it as beta.
+#[inline(never)]
+pub fn normal(beta_rad: f32) -> [f32; 2] {
+    let (s, c) = sin_cos(beta_rad);
+    [c, s]
 }
 
 #[cfg(test)]

@@ -228,7 +228,7 @@ impl Observer<'_> {
         let innovation = reading.innovation(predicted_m);
         let derivatives = match self.settings.linearisation {
             Linearisation::Latest => prediction,
-            Linearisation::FirstEstimates => self.first.of_reading(wall, &candidate.line, &prediction),
+            Linearisation::FirstEstimates => self.first.of_reading(wall, &prediction),
         };
         let mut jacobian = self.jacobian(sensor, gain, wall, &derivatives);
         if let Some(age) = self.timing.latency.of(&limits.model) {

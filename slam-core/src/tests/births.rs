@@ -16,9 +16,6 @@ use crate::walls::wall::Direction;
 type Filter = Ekf<{ storage(24) }>;
 
 /// Pose, grid, drive (4 to 6), four gains (7 to 10), one wall.
-/// Variance of a wall near the grid about it, rad^2.
-const NEAR: f32 = 1e-4;
-
 const STATES: usize = 12;
 
 /// A filter whose states are all correlated.
@@ -81,7 +78,7 @@ fn assert_birth(random: &mut Random, verdict: Verdict) {
     let mut ekf = filter(random);
     let line = line(random);
     let before = Oracle::of(&ekf);
-    let (rho, direction) = add_states(&mut ekf, verdict, &line, NEAR).unwrap();
+    let (rho, direction) = add_states(&mut ekf, verdict, &line).unwrap();
     let mut at = [0.0; STATES + 2];
     at[..STATES].copy_from_slice(&before.mean);
     let expected = born(&at, &line, verdict);
@@ -132,10 +129,10 @@ fn a_birth_that_finds_no_room_changes_nothing() {
         let mut ekf = filter(&mut random);
         let line = line(&mut random);
         while ekf.len() + states <= Filter::CAPACITY {
-            assert!(add_states(&mut ekf, verdict, &line, NEAR).is_some());
+            assert!(add_states(&mut ekf, verdict, &line).is_some());
         }
         let before = Oracle::of(&ekf);
-        assert!(add_states(&mut ekf, verdict, &line, NEAR).is_none(), "{verdict:?}");
+        assert!(add_states(&mut ekf, verdict, &line).is_none(), "{verdict:?}");
         assert_eq!(before.mean, Oracle::of(&ekf).mean);
         assert_eq!(before.covariance, Oracle::of(&ekf).covariance);
     }
@@ -145,7 +142,7 @@ fn a_birth_that_finds_no_room_changes_nothing() {
 fn a_line_that_is_not_clear_yet_adds_no_state() {
     let mut random = Random::new(3);
     let mut ekf = filter(&mut random);
-    assert!(add_states(&mut ekf, Verdict::Wait, &line(&mut random), NEAR).is_none());
+    assert!(add_states(&mut ekf, Verdict::Wait, &line(&mut random)).is_none());
     assert_eq!(ekf.len(), STATES);
 }
 
@@ -160,7 +157,7 @@ fn walls_seen_from_one_pose_are_correlated_through_it() {
         |x: f32| LocalLine { centroid_m: [x, 0.0], by_calibration: heapless::Vec::new(), ..line(&mut Random::new(5)) };
     let walls: Vec<usize> = [0.5, 1.5]
         .into_iter()
-        .filter_map(|x| add_states(&mut ekf, Verdict::OnGrid(0), &at(x), NEAR))
+        .filter_map(|x| add_states(&mut ekf, Verdict::OnGrid(0), &at(x)))
         .map(|(rho, _)| rho)
         .collect();
     let mut difference = Jacobian::new();

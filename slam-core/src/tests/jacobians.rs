@@ -9,8 +9,7 @@ use super::numeric::{beam, derivative, ray_to_line};
 use super::random::Random;
 use crate::filter::ekf::{Ekf, Jacobian, storage};
 use crate::filter::layout::{ALPHA, THETA, X, Y};
-use crate::walls::wall::Direction;
-use crate::walls::wall::WallPolicy;
+use crate::walls::wall::{Direction, Wall, WallPolicy};
 use crate::{
     Config, DriveModel, Linearisation, Motion, Mount, Outcome, RangeInput, RangeModel, RangeSensor, Rig, Sample, Slam,
 };
@@ -93,7 +92,7 @@ fn slam(kind: Kind, mount: [f64; 3], state: &[f64; STATES], variances: &[f32; ST
         slam.ekf.augment(*mean as f32, &Jacobian::new(), *variance);
     }
     slam.map.has_grid = kind != Kind::Free;
-    slam.map.add(RHO, kind.direction(), (-30.0, 30.0), 50, 0.0);
+    slam.map.add(Wall::at(RHO, kind.direction(), (-30.0, 30.0)), 50, 0.0);
     slam
 }
 

@@ -9,6 +9,7 @@ mod buffers;
 mod clusters;
 mod clutter;
 mod covariances;
+mod exactness;
 mod filter;
 mod frames;
 mod grids;

@@ -8,7 +8,7 @@ use super::random::Random;
 use crate::filter::ekf::Jacobian;
 use crate::filter::layout::{self, THETA, X, Y};
 use crate::hand_over::{self, Calibration, HandOver, PlacedWall};
-use crate::walls::wall::Direction;
+use crate::walls::wall::{Direction, Wall};
 use crate::{Config, DriveModel, MapFrame, Mount, NotTaken, Pose, RangeModel, RangeSensor, Rig, RobotSlam};
 
 const TRACK_M: f64 = 0.3;
@@ -46,14 +46,14 @@ fn filter() -> RobotSlam {
     let far: Jacobian = [(X, 1.0)].into_iter().collect();
     for (rho_m, quarter, updates, seen_at_m) in [(4.0, 0, 50, 5.0), (4.1, 0, 30, 19.0), (3.5, 1, 40, 19.0)] {
         let rho = slam.ekf.augment(rho_m, &far, 1e-4).expect("there is room");
-        slam.map.add(rho, Direction::Grid(quarter), (0.0, 3.0), updates, seen_at_m);
+        slam.map.add(Wall::at(rho, Direction::Grid(quarter), (0.0, 3.0)), updates, seen_at_m);
     }
     // Born as it was seen: its direction is the heading's, its offset the robot's.
     let seen: Jacobian = [(X, 1.0), (THETA, 2.0)].into_iter().collect();
     let rho = slam.ekf.augment(2.0, &seen, 2e-4).expect("there is room");
     let theta = slam.ekf.augment(0.1, &[(THETA, 1.0)].into_iter().collect(), 3e-4).expect("there is room");
     slam.ekf.correlate(rho, theta, 1e-4);
-    slam.map.add(rho, Direction::Free(theta as u16), (1.0, 2.5), 6, 20.0);
+    slam.map.add(Wall::at(rho, Direction::Free(theta as u16), (1.0, 2.5)), 6, 20.0);
     slam
 }
 

@@ -6,11 +6,15 @@ use crate::births::local_line::LocalLine;
 use crate::births::verdict::{Doubts, Verdict, judge};
 use crate::filter::ekf::{Ekf, Jacobian, storage};
 use crate::filter::layout::THETA;
-use crate::walls::decision::deviation;
+use crate::walls::decision::LOOSE_RAD;
+use crate::walls::decision::{BUILT_TOLERANCE, deviation};
 use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::wall::WallPolicy;
 
 const DEGREE: f32 = PI / 180.0;
+
+/// Variance of walls near the grid about it, rad^2.
+const NEAR: f32 = BUILT_TOLERANCE * BUILT_TOLERANCE;
 
 /// A heading known to three degrees, a grid along it, and a line seen `off` degrees from a grid direction.
 struct Case {
@@ -46,7 +50,7 @@ impl Case {
     fn judge(&mut self, quarter: f32, off_deg: f32, seen_m: [f32; 2], path_m: f32) -> Verdict {
         let line = Self::line(quarter, off_deg, seen_m, path_m);
         let grid = ManhattanFrame::of(&self.ekf);
-        judge(&self.ekf, self.policy, deviation(self.policy), Some(&grid), &line, &mut self.doubts)
+        judge(&self.ekf, self.policy, deviation(self.policy), Some(&grid), &line, &[], &mut self.doubts)
     }
 }
 
@@ -63,9 +67,11 @@ fn a_line_that_may_be_off_because_the_heading_is_waits() {
 #[test]
 fn two_walls_off_by_the_same_angle_show_that_the_heading_is() {
     let snapped = WallPolicy::Snapped { theta_moves: false };
-    for (policy, verdict) in
-        [(WallPolicy::NearGrid, Verdict::NearGrid(1)), (WallPolicy::Grid, Verdict::OnGrid(1)), (snapped, Verdict::Wait)]
-    {
+    for (policy, verdict) in [
+        (WallPolicy::NearGrid, Verdict::NearGrid(1, NEAR)),
+        (WallPolicy::Grid, Verdict::NearGrid(1, LOOSE_RAD * LOOSE_RAD)),
+        (snapped, Verdict::Wait),
+    ] {
         let mut case = Case::new(policy);
         assert_eq!(case.judge(0.0, 9.5, [2.0, 0.0], 1.0), Verdict::Wait);
         assert_eq!(case.judge(1.0, 9.0, [0.0, 2.0], 2.0), verdict);
@@ -97,7 +103,7 @@ fn a_first_wall_is_judged_by_what_was_seen_of_it() {
             seen_direction_variance: square(seen_deg),
             ..Case::line(0.0, 0.0, [2.0, 0.0], 1.0)
         };
-        judge(&case.ekf, case.policy, 0.0, None, &line, &mut { Doubts::NONE })
+        judge(&case.ekf, case.policy, 0.0, None, &line, &[], &mut { Doubts::NONE })
     };
     assert_eq!(verdict(5.0, 1.0), Verdict::Free);
     assert_eq!(verdict(5.0, 3.0), Verdict::Wait);
@@ -106,7 +112,7 @@ fn a_first_wall_is_judged_by_what_was_seen_of_it() {
 /// Where the heading is known to six degrees, a wall may stand askew by as much: one line on the grid waits, two tell.
 #[test]
 fn one_line_does_not_tell_a_heading_that_is_known_badly() {
-    for (heading_deg, first) in [(2.0, Verdict::NearGrid(0)), (6.0, Verdict::Wait)] {
+    for (heading_deg, first) in [(2.0, Verdict::NearGrid(0, NEAR)), (6.0, Verdict::Wait)] {
         let mut case = Case::new(WallPolicy::NearGrid);
         case.ekf.predict(
             [0.0; 3],
@@ -114,7 +120,7 @@ fn one_line_does_not_tell_a_heading_that_is_known_badly() {
             &[[0.0; 3], [0.0; 3], [0.0, 0.0, heading_deg * heading_deg * DEGREE * DEGREE]],
         );
         assert_eq!(case.judge(0.0, 1.0, [2.0, 0.0], 1.0), first, "{heading_deg}");
-        assert_eq!(case.judge(1.0, 0.5, [0.0, 2.0], 2.0), Verdict::NearGrid(1), "{heading_deg}");
+        assert_eq!(case.judge(1.0, 0.5, [0.0, 2.0], 2.0), Verdict::NearGrid(1, NEAR), "{heading_deg}");
     }
 }
 
@@ -129,10 +135,10 @@ fn two_lines_agree_under_a_heading_that_wanders() {
         case.doubts = Doubts::NONE;
         let grid = ManhattanFrame::of(&case.ekf);
         [Case::line(0.0, 9.5, [2.0, 0.0], 1.0), Case::line(1.0, 9.0, [0.0, 2.0], 2.0)].map(|line| {
-            judge(&case.ekf, case.policy, deviation(case.policy), Some(&grid), &wandering(line), &mut case.doubts)
+            judge(&case.ekf, case.policy, deviation(case.policy), Some(&grid), &wandering(line), &[], &mut case.doubts)
         })
     };
-    assert_eq!(both(1.0), [Verdict::Wait, Verdict::NearGrid(1)]);
+    assert_eq!(both(1.0), [Verdict::Wait, Verdict::NearGrid(1, NEAR)]);
     // Each to two degrees, the angle between them not.
     assert_eq!(both(1.8), [Verdict::Wait, Verdict::Wait]);
     assert_eq!(both(2.5), [Verdict::Wait, Verdict::Wait]);

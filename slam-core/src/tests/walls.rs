@@ -12,7 +12,7 @@ use crate::measurement::beam::FixedMount;
 use crate::measurement::line_of_sight::first_met;
 use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::map::Map;
-use crate::walls::wall::Direction;
+use crate::walls::wall::{Direction, Wall};
 
 const CAPACITY: usize = 16;
 type Filter = Ekf<{ storage(40) }>;
@@ -46,7 +46,7 @@ fn map(random: &mut Random, ekf: &mut Filter) -> Map<CAPACITY> {
             }
         };
         let lo = random.uniform(-3.0, 2.0) as f32;
-        map.add(rho, direction, (lo, lo + random.uniform(0.3, 3.0) as f32), 20, 0.0);
+        map.add(Wall::at(rho, direction, (lo, lo + random.uniform(0.3, 3.0) as f32)), 20, 0.0);
     }
     map
 }
@@ -134,7 +134,7 @@ fn identifiers_are_never_used_again() {
     assert!(map.prune(&mut ekf, 0.0));
     let before: Vec<u16> = map.walls().iter().map(|w| w.id).collect();
     let rho = ekf.augment(1.0, &Jacobian::new(), 1e-4).unwrap();
-    map.add(rho, Direction::Grid(0), (0.0, 1.0), 20, 0.0);
+    map.add(Wall::at(rho, Direction::Grid(0), (0.0, 1.0)), 20, 0.0);
     let newest = map.walls().last().unwrap().id;
     assert!(before.iter().all(|id| *id < newest) && newest as usize == CAPACITY);
 }
@@ -147,7 +147,7 @@ fn collinear_walls_become_one() {
     let mut map = Map::<CAPACITY>::EMPTY;
     for (rho_m, extent) in [(2.0, (-1.0, 0.5)), (2.01, (0.6, 1.5)), (2.0, (3.0, 4.0)), (2.5, (-1.0, 0.5))] {
         let rho = ekf.augment(rho_m, &Jacobian::new(), 1e-4).unwrap();
-        map.add(rho, Direction::Grid(0), extent, 20, 0.0);
+        map.add(Wall::at(rho, Direction::Grid(0), extent), 20, 0.0);
     }
     let len = ekf.len();
     assert!(map.merge(&mut ekf, 0, false));
@@ -168,7 +168,7 @@ fn a_newborn_twin_only_prolongs_the_wall() {
     let mut map = Map::<CAPACITY>::EMPTY;
     for (rho_m, extent) in [(2.0, (-1.0, 0.5)), (2.01, (0.6, 1.5))] {
         let rho = ekf.augment(rho_m, &Jacobian::new(), 1e-4).unwrap();
-        map.add(rho, Direction::Grid(0), extent, 20, 0.0);
+        map.add(Wall::at(rho, Direction::Grid(0), extent), 20, 0.0);
     }
     assert!(map.merge(&mut ekf, 1, true));
     let wall = map.walls()[0];
@@ -182,7 +182,7 @@ fn two_free_walls(ekf: &mut Filter, rho_m: f32, theta_rad: f32) -> Map<CAPACITY>
     for (rho_m, theta_rad) in [(2.0, 0.0), (rho_m, theta_rad)] {
         let rho = ekf.augment(rho_m, &Jacobian::new(), 0.5e-2).unwrap();
         let theta = ekf.augment(theta_rad, &Jacobian::new(), 1.5e-4).unwrap();
-        map.add(rho, Direction::Free(theta as u16), (-1.0, 1.0), 20, 0.0);
+        map.add(Wall::at(rho, Direction::Free(theta as u16), (-1.0, 1.0)), 20, 0.0);
     }
     map
 }
@@ -219,7 +219,7 @@ fn a_wall_near_the_grid_that_would_hide_the_newborn_is_found_again() {
         for rho_m in [2.0, 2.0 + apart_m] {
             let rho = ekf.augment(rho_m, &Jacobian::new(), 0.5 * (apart_m / 3.5) * (apart_m / 3.5)).unwrap();
             let theta = ekf.augment(0.0, &Jacobian::new(), 1e-4).unwrap();
-            map.add(rho, Direction::NearGrid(theta as u16, 0), (-1.0, 1.0), 50, 0.0);
+            map.add(Wall::at(rho, Direction::NearGrid(theta as u16, 0), (-1.0, 1.0)), 50, 0.0);
         }
         map.merge(&mut ekf, 1, newborn)
     };
@@ -235,7 +235,7 @@ fn opposite_faces_of_a_partition_stay_two_walls() {
     let mut map = Map::<CAPACITY>::EMPTY;
     for (rho_m, quarter) in [(2.0, 0), (-2.0, 2)] {
         let rho = ekf.augment(rho_m, &Jacobian::new(), 1e-4).unwrap();
-        map.add(rho, Direction::Grid(quarter), (-1.0, 1.0), 20, 0.0);
+        map.add(Wall::at(rho, Direction::Grid(quarter), (-1.0, 1.0)), 20, 0.0);
     }
     assert!(!map.merge(&mut ekf, 0, false) && !map.merge(&mut ekf, 1, false));
 }
@@ -291,7 +291,7 @@ fn beams_that_pass_near_an_end_shorten_a_wall() {
     let mut ekf = filter(&mut random);
     let mut map = Map::<CAPACITY>::EMPTY;
     let rho = ekf.augment(2.0, &Jacobian::new(), 1e-4).unwrap();
-    map.add(rho, Direction::Grid(0), (0.0, 2.0), 20, 0.0);
+    map.add(Wall::at(rho, Direction::Grid(0), (0.0, 2.0)), 20, 0.0);
     for _ in 0..60 {
         map.met(0, 1.0, 0.0);
         map.passed_through(0, 1.8);

@@ -1,6 +1,6 @@
 //! Whether a wall stands on the grid: the odds of a direction on it against one of its own.
 
-use crate::filter::ekf::EkfView;
+use crate::filter::ekf::{EkfView, Jacobian};
 use crate::walls::wall::WallPolicy;
 use core::f32::consts::{FRAC_2_PI, PI};
 
@@ -12,7 +12,10 @@ pub const GRID_SHARE: f32 = 0.9;
 pub const SHORT_SHARE: f32 = 0.8;
 
 /// Posterior probability at which a wall is called on or off the grid.
-const DECISION: f32 = 0.95;
+pub const DECISION: f32 = 0.95;
+
+/// Log of the odds of that.
+pub const SURE: f32 = 2.944_439;
 
 /// Angle within which walls of an exact grid are parallel or orthogonal, 1-sigma, radians: a twentieth of a degree.
 pub const GRID_TOLERANCE: f32 = 1e-3;
@@ -20,6 +23,16 @@ pub const GRID_TOLERANCE: f32 = 1e-3;
 /// Angle within which built walls are parallel or orthogonal, 1-sigma, radians: half a degree. Those of the Freiburg offices scatter by 1.7 degrees along the path that
 /// is given as true, which has its share of that; up to 0.03 the results there are the same.
 pub const BUILT_TOLERANCE: f32 = 0.01;
+
+/// How far a wall may stand off the grid that it looks to stand on, 1-sigma, radians: partitions that are askew are so by some degrees.
+pub const LOOSE_RAD: f32 = 0.03;
+
+/// Density of a direction `off_rad` from where it is expected, with that variance, beside the tolerance of exact grids.
+#[inline(never)]
+pub fn density(off_rad: f32, variance: f32) -> f32 {
+    let variance = variance + GRID_TOLERANCE * GRID_TOLERANCE;
+    libm::expf(-0.5 * off_rad * off_rad / variance) / libm::sqrtf(2.0 * PI * variance)
+}
 
 /// Logarithm of the odds that a wall `off_rad` from the nearest grid direction, with that variance, stands on the grid:
 /// normal density on it, uniform over a quarter turn off it; `share` of such walls do.
@@ -36,13 +49,20 @@ pub fn deviation(policy: WallPolicy) -> f32 {
     }
 }
 
+/// Variance with which a wall is tied to the grid at first, rad^2; zero where it is put on it at once.
+pub fn looseness(policy: WallPolicy) -> f32 {
+    match policy {
+        WallPolicy::Grid => LOOSE_RAD * LOOSE_RAD,
+        _ => deviation(policy),
+    }
+}
+
 /// On the grid (true), off it (false), or not clear yet.
 pub fn decide(off_rad: f32, variance: f32, share: f32) -> Option<bool> {
     let odds = log_odds(off_rad, variance + GRID_TOLERANCE * GRID_TOLERANCE, share);
-    let sure = libm::logf(DECISION / (1.0 - DECISION));
-    if odds > sure {
+    if odds > SURE {
         Some(true)
-    } else if odds < -sure {
+    } else if odds < -SURE {
         Some(false)
     } else {
         None
@@ -50,6 +70,17 @@ pub fn decide(off_rad: f32, variance: f32, share: f32) -> Option<bool> {
 }
 
 /// Variance of the angle between the directions that two states are, rad^2.
+#[inline(never)]
 pub fn relative_variance(ekf: &EkfView, i: usize, j: usize) -> f32 {
     (ekf.covariance(i, i) + ekf.covariance(j, j) - 2.0 * ekf.covariance(i, j)).max(0.0)
+}
+
+/// The scalar measurement that one direction, `off_rad` from another or from a quarter turn of it, is that one but for this variance.
+/// False where it is numerically impossible.
+#[inline(never)]
+pub fn tie(ekf: &mut EkfView, theta: usize, other: usize, off_rad: f32, deviation: f32) -> bool {
+    let mut jacobian = Jacobian::new();
+    let _ = jacobian.push((theta, 1.0));
+    let _ = jacobian.push((other, -1.0));
+    ekf.update(-off_rad, &jacobian, GRID_TOLERANCE * GRID_TOLERANCE + deviation).is_ok()
 }

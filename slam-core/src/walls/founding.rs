@@ -6,9 +6,9 @@
 
 use crate::filter::ekf::{EkfView, Jacobian};
 use crate::filter::layout::ALPHA;
-use crate::geometry::angle::wrap;
-use crate::walls::decision::{GRID_SHARE, GRID_TOLERANCE, decide, relative_variance};
-use crate::walls::learned_grid;
+use crate::geometry::angle::{off_quarter, wrap};
+use crate::walls::decision::{GRID_SHARE, decide, deviation, looseness, relative_variance, tie};
+use crate::walls::exact_grid;
 use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::map::MapView;
 use crate::walls::wall::WallPolicy;
@@ -27,12 +27,12 @@ pub fn upkeep(map: &mut MapView, ekf: &mut EkfView, policy: WallPolicy, turn: us
         return;
     }
     if !map.has_grid {
-        let Some(theta) = founder(map.walls(), ekf, map.deviation(policy)) else { return };
+        let Some(theta) = founder(map.walls(), ekf, deviation(policy)) else { return };
         let mut jacobian = Jacobian::new();
         let _ = jacobian.push((theta, 1.0));
         let direction = ekf.mean(theta);
         let quarters = libm::roundf(direction * (1.0 / FRAC_PI_2));
-        ekf.initialise(ALPHA, direction - quarters * FRAC_PI_2, &jacobian, map.deviation(policy));
+        ekf.initialise(ALPHA, direction - quarters * FRAC_PI_2, &jacobian, looseness(policy));
         map.has_grid = true;
         for index in (0..map.walls().len()).rev() {
             take_in(map, ekf, policy, index);
@@ -40,16 +40,10 @@ pub fn upkeep(map: &mut MapView, ekf: &mut EkfView, policy: WallPolicy, turn: us
     } else {
         let index = turn % map.walls().len();
         take_in(map, ekf, policy, index);
-        if policy == WallPolicy::LearnedGrid {
-            learned_grid::upkeep(map, ekf, index);
+        if policy == WallPolicy::Grid {
+            exact_grid::upkeep(map, ekf, index);
         }
     }
-}
-
-/// Angle between two directions modulo a quarter turn, in (-pi/4, pi/4].
-fn off_quarter(a: f32, b: f32) -> f32 {
-    let difference = a - b;
-    difference - libm::roundf(difference * (1.0 / FRAC_PI_2)) * FRAC_PI_2
 }
 
 /// The direction state of the free wall with which the most length of wall agrees, where that is enough and a majority.
@@ -91,30 +85,21 @@ fn take_in(map: &mut MapView, ekf: &mut EkfView, policy: WallPolicy, index: usiz
     let quarter = grid.quarter(ekf.mean(theta));
     let off = wrap(ekf.mean(theta) - grid.beta(quarter));
     let variance = relative_variance(ekf, theta, ALPHA);
-    let deviation = map.deviation(policy);
+    let deviation = deviation(policy);
     let on_grid = decide(off, variance + deviation, GRID_SHARE);
     if variance > FOUNDING_SIGMA * FOUNDING_SIGMA || on_grid != Some(true) {
         return;
     }
+    let looseness = looseness(policy);
     // A tie that is numerically impossible leaves the wall free.
-    if tie(ekf, theta, off, deviation) {
-        map.tie(index, map.squareness);
+    if tie(ekf, theta, ALPHA, off, looseness) {
         match policy {
             WallPolicy::Snapped { .. } => map.set_direction(index, Direction::Snapped(state)),
-            _ if deviation > 0.0 => map.set_direction(index, Direction::NearGrid(state, quarter)),
+            _ if looseness > 0.0 => map.set_direction(index, Direction::NearGrid(state, quarter)),
             _ => {
                 map.set_direction(index, Direction::Grid(quarter));
                 map.remove_state(ekf, theta);
             }
         }
     }
-}
-
-/// The scalar measurement that a wall's direction, `off_rad` from one of the grid's, is that one but for this variance.
-/// False where it is numerically impossible.
-pub fn tie(ekf: &mut EkfView, theta: usize, off_rad: f32, deviation: f32) -> bool {
-    let mut jacobian = Jacobian::new();
-    let _ = jacobian.push((theta, 1.0));
-    let _ = jacobian.push((ALPHA, -1.0));
-    ekf.update(-off_rad, &jacobian, GRID_TOLERANCE * GRID_TOLERANCE + deviation).is_ok()
 }

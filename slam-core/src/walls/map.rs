@@ -6,8 +6,8 @@ use crate::geometry::line::Line;
 use crate::geometry::pose::Pose;
 use crate::walls::anchor::Anchor;
 use crate::walls::decision::relative_variance;
+use crate::walls::exactness::Exactness;
 use crate::walls::manhattan::ManhattanFrame;
-use crate::walls::squareness::Squareness;
 use crate::walls::wall::{Direction, Wall};
 use core::ops::{Deref, DerefMut};
 use heapless::{Vec, VecView};
@@ -53,8 +53,8 @@ pub struct MapInner<V: ?Sized> {
     elsewhere: u32,
     /// The grid was founded.
     pub has_grid: bool,
-    /// How closely the home's walls stand on its grid, where that is learned.
-    pub squareness: Squareness,
+    /// How likely that grid is exact, where walls are put on it once they are known to stand there.
+    pub exactness: Exactness,
     /// What holds the map frame.
     pub frame: MapFrame,
     /// Where the robot started, in the map frame.
@@ -77,7 +77,7 @@ impl<const W: usize> Map<W> {
         epoch: 0,
         elsewhere: 0,
         has_grid: false,
-        squareness: Squareness::UNKNOWN,
+        exactness: Exactness::UNKNOWN,
         frame: MapFrame::Start,
         start: Pose::ORIGIN,
         anchor: None,
@@ -104,7 +104,7 @@ impl MapView {
         self.next_id = 0;
         self.begin_epoch();
         self.has_grid = false;
-        self.squareness = Squareness::UNKNOWN;
+        self.exactness = Exactness::UNKNOWN;
         self.frame = frame;
         self.start = Pose::ORIGIN;
         self.anchor = None;
@@ -118,7 +118,7 @@ impl MapView {
             self.remove(ekf, last);
         }
         self.has_grid = false;
-        self.squareness = Squareness::UNKNOWN;
+        self.exactness = Exactness::UNKNOWN;
         ekf.initialise(ALPHA, 0.0, &Jacobian::new(), 0.0);
     }
 
@@ -167,7 +167,7 @@ impl MapView {
     /// Fixes where wall `index` is drawn in the map frame from now on.
     pub fn draw(&mut self, index: usize, line: Line) {
         if let Some(wall) = self.walls.get_mut(index) {
-            wall.drawn = Some(line);
+            wall.drawn = Some([line.rho_m, line.beta_rad]);
         }
     }
 
@@ -177,22 +177,10 @@ impl MapView {
     }
 
     /// Adds a wall whose states exist.
-    pub fn add(&mut self, rho: usize, direction: Direction, (lo_m, hi_m): (f32, f32), updates: u32, path_m: f32) {
+    pub fn add(&mut self, born: Wall, updates: u32, path_m: f32) {
         let id = self.next_id;
         self.next_id = self.next_id.wrapping_add(1);
-        let (score, squareness) = (BIRTH_SCORE, self.squareness);
-        let wall = Wall {
-            id,
-            rho: rho as u16,
-            direction,
-            lo_m,
-            hi_m,
-            updates,
-            score,
-            seen_at_m: path_m,
-            squareness,
-            drawn: None,
-        };
+        let wall = Wall { id, updates, score: BIRTH_SCORE, seen_at_m: path_m, ..born };
         let _ = self.walls.push(wall);
     }
 
@@ -317,13 +305,6 @@ impl MapView {
         if let Some(wall) = self.walls.last_mut() {
             wall.id = id;
             self.next_id = self.next_id.wrapping_sub(1);
-        }
-    }
-
-    /// Records how closely a wall was tied to the grid.
-    pub fn tie(&mut self, index: usize, squareness: Squareness) {
-        if let Some(wall) = self.walls.get_mut(index) {
-            wall.squareness = squareness;
         }
     }
 

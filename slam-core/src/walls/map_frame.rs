@@ -10,7 +10,7 @@
 
 use crate::filter::ekf::EkfView;
 use crate::filter::layout::{X, Y};
-use crate::geometry::angle::{sin_cos, wrap};
+use crate::geometry::angle::{normal, sin_cos, wrap};
 use crate::geometry::line::Line;
 use crate::geometry::pose::Pose;
 use crate::walls::manhattan::ManhattanFrame;
@@ -116,7 +116,7 @@ impl MapView {
         let (grid, origin_rad) = (ManhattanFrame::of(ekf), self.origin().map_or(0.0, |origin| origin.theta_rad));
         let importance = |wall: &Wall| {
             let beta_rad = wall.line(ekf, &grid).beta_rad + origin_rad;
-            let has_turned = wall.drawn.is_some_and(|drawn| wrap(drawn.beta_rad - beta_rad).abs() > TURNED_RAD);
+            let has_turned = wall.drawn.is_some_and(|[_, drawn_rad]| wrap(drawn_rad - beta_rad).abs() > TURNED_RAD);
             if has_turned { 0.0 } else { 1.0 }
         };
         for _ in 0..REDRAW_ROUNDS {
@@ -139,7 +139,8 @@ impl MapView {
     fn motion_of_drawn(&self, ekf: &EkfView, importance: impl Fn(&Wall) -> f32) -> Option<Pose> {
         let grid = ManhattanFrame::of(ekf);
         let mut motion = CommonMotion::about(self.point_in_map([ekf.mean(X), ekf.mean(Y)]));
-        for (wall, drawn) in self.walls().iter().filter_map(|wall| Some((wall, wall.drawn?))) {
+        for (wall, [rho_m, beta_rad]) in self.walls().iter().filter_map(|wall| Some((wall, wall.drawn?))) {
+            let drawn = Line { rho_m, beta_rad, normal: normal(beta_rad) };
             let (line, origin_m) = self.in_map(&wall.line(ekf, &grid));
             let importance = importance(wall);
             motion.add(&line, &drawn, wall.lo_m + origin_m, importance);

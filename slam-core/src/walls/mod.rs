@@ -2,13 +2,13 @@
 
 pub mod anchor;
 pub mod decision;
+pub mod exact_grid;
+pub mod exactness;
 pub mod founding;
-pub mod learned_grid;
 pub mod manhattan;
 pub mod map;
 pub mod map_frame;
 pub mod merge;
-pub mod squareness;
 pub mod upkeep;
 pub mod wall;
 

@@ -4,7 +4,6 @@ use crate::filter::ekf::EkfView;
 use crate::geometry::angle::sin_cos;
 use crate::geometry::line::Line;
 use crate::walls::manhattan::ManhattanFrame;
-use crate::walls::squareness::Squareness;
 
 /// Which kinds of wall the map may have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,9 +22,6 @@ pub enum WallPolicy {
     Grid,
     /// The same, but a wall on the grid may stand off its direction by half a degree, as built walls do: (rho, theta).
     NearGrid,
-    /// The same, but how far this home's walls stand off its grid is learned: until it proves exact, a wall on the grid has
-    /// (rho, theta) where there is room.
-    LearnedGrid,
 }
 
 /// Points this far apart along a line are of one wall: the gap is too narrow for a door, metres. Doors start at 0.6 m.
@@ -96,10 +92,10 @@ pub struct Wall {
     pub score: i8,
     /// Path length at which it was last seen, metres.
     pub seen_at_m: f32,
-    /// How closely it was tied to the grid.
-    pub squareness: Squareness,
-    /// Its line in the map frame when it was first drawn, where walls hold that frame.
-    pub drawn: Option<Line>,
+    /// Its normal when it was born or taken anew: at which its readings are differentiated.
+    pub(crate) first_normal: [f32; 2],
+    /// Its line in the map frame when it was first drawn, where walls hold that frame: rho in metres, beta in radians.
+    pub drawn: Option<[f32; 2]>,
 }
 
 impl Wall {
@@ -113,9 +109,14 @@ impl Wall {
         updates: 0,
         score: 0,
         seen_at_m: 0.0,
-        squareness: Squareness::UNKNOWN,
+        first_normal: [1.0, 0.0],
         drawn: None,
     };
+
+    /// A wall whose rho is this state, with this direction and extent along it, metres.
+    pub const fn at(rho: usize, direction: Direction, (lo_m, hi_m): (f32, f32)) -> Self {
+        Self { rho: rho as u16, direction, lo_m, hi_m, ..Self::NEW }
+    }
 
     /// Index of the state that is its rho.
     pub fn rho(&self) -> usize {

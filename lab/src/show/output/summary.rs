@@ -267,7 +267,6 @@ fn configuration(origin: &Origin) -> Value {
         WallPolicy::Snapped { theta_moves: true } => "snapped, theta moves",
         WallPolicy::Grid => "grid",
         WallPolicy::NearGrid => "near-grid",
-        WallPolicy::LearnedGrid => "learned-grid",
     };
     let clustering = match config.births.clustering {
         Clustering::BySensor => "by sensor",
