@@ -34,21 +34,8 @@ impl<const S: usize> FloorJob<S> {
     /// Remembers what was touched and backs off from it.
     pub(super) fn touch(&mut self, contacts: &Contacts, pose: &Pose, now_us: u64) {
         let Contacts { bump_left, bump_right, .. } = *contacts;
-        let bearing_rad = f32::from(i8::from(bump_left) - i8::from(bump_right)) * 0.6;
-        let radius_m = self.config.drive.radius_m;
-        let (s, c) = slam_core::angle::sin_cos(bearing_rad);
-        // Each half of the bumper is felt up to a quarter turn from straight ahead.
-        let sector_rad = [if bump_right { -1.4 } else { -0.3 }, if bump_left { 1.4 } else { 0.3 }];
-        if !self.near.touch(sector_rad, radius_m, pose, now_us) {
-            let at_m = pose.transform([radius_m * c, radius_m * s]);
-            self.near.add(at_m, now_us.saturating_add(FELT_US), pose, now_us);
-            let [x_m, y_m] = pose.transform([(radius_m + 0.06) * c, (radius_m + 0.06) * s]);
-            self.sheet.picture.block(self.sheet.picture.cell_at(x_m, y_m));
-        }
-        let [dx, dy] = [pose.x_m - self.struck_m[0], pose.y_m - self.struck_m[1]];
-        self.strikes = if dx * dx + dy * dy < AWAY_M * AWAY_M { self.strikes.saturating_add(1) } else { 0 };
-        if self.strikes == 0 {
-            self.struck_m = [pose.x_m, pose.y_m];
+        if let Some(beyond_m) = self.strike(contacts, pose, now_us) {
+            self.sheet.picture.block(self.sheet.picture.cell_at(beyond_m[0], beyond_m[1]));
         }
         self.turn_sign = if bump_left == bump_right {
             self.turn_sign
@@ -72,6 +59,49 @@ impl<const S: usize> FloorJob<S> {
         }
         self.phase = Phase::Back;
         self.since_us = now_us;
+    }
+
+    /// Remembers what was touched, and how often here; a point beyond it (metres) where that was not known to be near.
+    fn strike(&mut self, contacts: &Contacts, pose: &Pose, now_us: u64) -> Option<[f32; 2]> {
+        let [dx, dy] = [pose.x_m - self.struck_m[0], pose.y_m - self.struck_m[1]];
+        self.strikes = if dx * dx + dy * dy < AWAY_M * AWAY_M { self.strikes.saturating_add(1) } else { 0 };
+        if self.strikes == 0 {
+            self.struck_m = [pose.x_m, pose.y_m];
+        }
+        let Contacts { bump_left, bump_right, .. } = *contacts;
+        let bearing_rad = f32::from(i8::from(bump_left) - i8::from(bump_right)) * 0.6;
+        let radius_m = self.config.drive.radius_m;
+        let (s, c) = slam_core::angle::sin_cos(bearing_rad);
+        // Each half of the bumper is felt up to a quarter turn from straight ahead.
+        let sector_rad = [if bump_right { -1.4 } else { -0.3 }, if bump_left { 1.4 } else { 0.3 }];
+        if self.near.touch(sector_rad, radius_m, pose, now_us) {
+            return None;
+        }
+        self.near.add(pose.transform([radius_m * c, radius_m * s]), now_us.saturating_add(FELT_US), pose, now_us);
+        Some(pose.transform([(radius_m + 0.06) * c, (radius_m + 0.06) * s]))
+    }
+
+    /// Backs off from what it touched while it is lost, and turns away from the wall that it goes along, farther each time: none where it
+    /// touched nothing of late.
+    pub(super) fn shy(&mut self, contacts: &Contacts, pose: &Pose, now_us: u64) -> Option<(f32, f32)> {
+        if contacts.any() {
+            self.strike(contacts, pose, now_us);
+            self.since_us = now_us;
+        }
+        if !self.struck_m[0].is_finite() {
+            return None;
+        }
+        let turn_us = u64::from(self.strikes.min(10) + 1) * TURN_US;
+        match now_us.saturating_sub(self.since_us) {
+            ..=BACK_US if !self.is_blocked_behind(pose, now_us) => Some((-0.5 * self.config.drive.speed_mps, 0.0)),
+            elapsed_us if elapsed_us <= BACK_US + turn_us => Some((0.0, 0.8)),
+            _ => None,
+        }
+    }
+
+    fn is_blocked_behind(&self, pose: &Pose, now_us: u64) -> bool {
+        let behind = self.near.seen_from(pose, now_us).map(|[x_m, y_m]| [-x_m, -y_m]);
+        free_ahead_m(behind, self.config.drive.radius_m) < 0.015
     }
 
     /// Backwards along the way that it came, whatever it touches, and on with the errand from there.
@@ -103,9 +133,7 @@ impl<const S: usize> FloorJob<S> {
     }
 
     pub(super) fn back(&mut self, pose: &Pose, now_us: u64) -> (f32, f32) {
-        let behind = self.near.seen_from(pose, now_us).map(|[x_m, y_m]| [-x_m, -y_m]);
-        let is_blocked = free_ahead_m(behind, self.config.drive.radius_m) < 0.015;
-        if is_blocked || now_us.saturating_sub(self.since_us) > BACK_US {
+        if self.is_blocked_behind(pose, now_us) || now_us.saturating_sub(self.since_us) > BACK_US {
             if self.strikes > 1 {
                 self.phase = Phase::Turn { sign: self.turn_sign };
                 self.since_us = now_us;

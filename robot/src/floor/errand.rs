@@ -77,6 +77,7 @@ impl<const S: usize> FloorJob<S> {
             _ if !is_located => {
                 self.near.clear();
                 self.last = None;
+                self.struck_m = [f32::INFINITY; 2];
                 self.begin(Phase::Lost, senses.time_us);
             }
             _ => {}
@@ -94,13 +95,12 @@ impl<const S: usize> FloorJob<S> {
         self.feel(senses, &pose, None);
         self.last = Some(pose);
         let along = self.hug().along(self.near.seen_from(&pose, now_us), 1.0);
+        let shy = self.shy(&senses.contacts, &pose, now_us);
         let drive = &self.config.drive;
-        let (forward_mps, turn_radps) = if senses.contacts.any() {
-            (-0.5 * drive.speed_mps, 0.5 * drive.turn_radps)
-        } else if along.is_beside {
-            (along.forward_mps, along.turn_radps)
-        } else {
-            (drive.speed_mps, 0.0)
+        let (forward_mps, turn_radps) = match shy {
+            Some(command) => command,
+            None if along.is_beside => (along.forward_mps, along.turn_radps),
+            None => (drive.speed_mps, 0.0),
         };
         WheelSpeeds::from_twist(forward_mps, turn_radps, drive.track_m)
     }
