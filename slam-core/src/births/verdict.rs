@@ -5,9 +5,7 @@ use crate::births::local_line::LocalLine;
 use crate::filter::ekf::EkfView;
 use crate::filter::layout::{ALPHA, THETA};
 use crate::geometry::angle::wrap;
-use crate::walls::decision;
-use crate::walls::decision::LOOSE_RAD;
-use crate::walls::decision::{GRID_SHARE, SHORT_SHARE, decide};
+use crate::walls::decision::{self, GRID_SHARE, LOOSE_RAD, SHORT_SHARE, decide};
 use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::wall::{Wall, WallPolicy};
 
