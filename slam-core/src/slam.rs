@@ -14,8 +14,10 @@ use crate::jolts::recent::Seen;
 use crate::measurement::first_estimates::{FirstEstimates, Linearisation};
 use crate::measurement::observe::Observer;
 use crate::measurement::sensor::{Sensor, SensorState};
+use crate::motion::Slip;
 use crate::motion::drive::{Drive, DriveStates, Way};
 use crate::motion::shortfall::Shortfall;
+use crate::motion::slippage::{Direction, Slippage};
 use crate::motion::step::{Step, start_variance};
 use crate::report::{Counters, Outcome, Refusal, StepReport};
 use crate::rig::{DriveModel, MAX_SENSORS, Rig, RigError};
@@ -69,6 +71,7 @@ pub struct Slam<const S: usize, const W: usize, const B: usize, const ROWS: usiz
     pub(crate) sensors: [SensorState; S],
     pub(crate) latency: Latency,
     pub(crate) levels: NoiseLevels,
+    pub(crate) slippage: Slippage,
     output_noise: OutputNoise,
     pub(crate) correlation: SurfaceCorrelation<S>,
     pub(crate) ekf: Ekf<ROWS>,
@@ -103,6 +106,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         sensors: [SensorState::NONE; S],
         latency: Latency::NONE,
         levels: NoiseLevels::STATED,
+        slippage: Slippage::STATED,
         output_noise: OutputNoise::STATED,
         correlation: SurfaceCorrelation::NEW,
         ekf: Ekf::IDLE,
@@ -170,6 +174,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.sensors = [SensorState::NONE; S];
         self.latency = Latency::NONE;
         self.levels = NoiseLevels::STATED;
+        self.slippage = Slippage::STATED;
         self.output_noise = OutputNoise::STATED;
         self.correlation = SurfaceCorrelation::NEW;
         self.first = FirstEstimates::START;
@@ -222,7 +227,9 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         };
         self.predict(&sample.motion, tick);
         self.turn_round(&sample.ranges);
+        let predicted = Direction::of(&self.ekf);
         self.observe(&sample.ranges, tick.dt_s, &mut report);
+        self.slippage.corrected(predicted, Direction::of(&self.ekf));
         self.recover_from_hold();
         self.recover_from_jolt();
         self.extend_map(tick.dt_s, &mut report);
@@ -258,6 +265,11 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let step = &drive.step;
         let learned = |noise| self.levels.of_motion(noise, &rig.drive);
         let mut noise = if config.sensing.learn_noise { learned(&step.noise) } else { step.noise };
+        if config.motion.slip == Slip::Learned {
+            let factor = self.slippage.factor();
+            noise = noise.map(|row| row.map(|entry| factor * entry));
+            self.slippage.moved(step.path_m, noise[2][2]);
+        }
         noise[0][0] += self.shortfall.advance(step.path_m, self.map.heading_variance(ekf));
         let before = layout::pose(ekf);
         let (jacobian, noise) = Step { noise, ..*step }.in_map(sin_cos(before.theta_rad), &factors);

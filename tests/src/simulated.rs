@@ -20,9 +20,14 @@ pub fn drive(plan: &str, minutes: f64, seed: u64) -> Recording {
 
 /// The log of such a drive, with the true poses.
 pub fn rows(plan: &str, minutes: f64, seed: u64) -> Vec<Row> {
+    disturbed_rows(SimOptions::default(), plan, minutes, seed)
+}
+
+/// The same where the world is not as the rig says.
+pub fn disturbed_rows(options: SimOptions, plan: &str, minutes: f64, seed: u64) -> Vec<Row> {
     let (robot, _) = built_in_robot().expect("the built-in rig is good");
     let mut rows = Vec::new();
-    drive_of(&robot, plan, minutes, seed, |row| rows.push(row.clone()));
+    disturbed_drive_of(&robot, options, plan, minutes, seed, |row| rows.push(row.clone()));
     rows
 }
 
@@ -40,9 +45,20 @@ pub fn estimated(rows: &[Row], config: Config) -> Figures {
 }
 
 /// Any robot's drive through a built-in plan.
-pub fn drive_of(robot: &Robot, plan: &str, minutes: f64, seed: u64, mut see: impl FnMut(&Row)) -> Recording {
+pub fn drive_of(robot: &Robot, plan: &str, minutes: f64, seed: u64, see: impl FnMut(&Row)) -> Recording {
+    disturbed_drive_of(robot, SimOptions::default(), plan, minutes, seed, see)
+}
+
+fn disturbed_drive_of(
+    robot: &Robot,
+    options: SimOptions,
+    plan: &str,
+    minutes: f64,
+    seed: u64,
+    mut see: impl FnMut(&Row),
+) -> Recording {
     let home = hal_sim::plan_file::load(plan).expect("a built-in plan");
-    let mut drive = Drive::new(&home, robot, SimOptions::default(), seed).expect("the robot fits");
+    let mut drive = Drive::new(&home, robot, options, seed).expect("the robot fits");
     let mut session = Session::new(robot, Config::default(), plan).expect("a good rig");
     let driven = drive.run(&mut session, 60.0 * minutes, |row, _, _| {
         see(row);

@@ -3,7 +3,7 @@
 //! This is the one list of them: `--without` on the command line, `without` in experiment files, the ablations of real
 //! logs and `without` in `summary.json` all follow it.
 
-use slam_core::{Config, Linearisation, MapFrame, WallPolicy};
+use slam_core::{Config, Linearisation, MapFrame, Slip, WallPolicy};
 
 /// A part that can be switched off.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +42,7 @@ pub const PARTS: [Part; 16] = [
     Part::new("age", "analogue readings are as old as their data sheet says", |config| {
         config.sensing.calibrate_age = false;
     }),
-    Part::new("slip", "the rig states all the noise of motion", |config| config.motion.slip = false),
+    Part::new("slip", "the rig states all the noise of motion", |config| config.motion.slip = Slip::Stated),
     Part::new("mean-travel", "scales multiply each step's motion as it is", |config| config.motion.mean_travel = false),
     Part::new("levels", "the noise is as large as the rig states", |config| config.sensing.learn_noise = false),
 ];

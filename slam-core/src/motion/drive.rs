@@ -2,11 +2,11 @@
 
 use crate::filter::ekf::EkfView;
 use crate::geometry::pose::Pose;
-use crate::motion::MotionSettings;
 use crate::motion::dead_reckoning::DeadReckoning;
 use crate::motion::mean_motion::MeanMotion;
 use crate::motion::step::{self, Factor, Factors, STEADY_S, Step};
 use crate::motion::travel::{Encoders, Travel};
+use crate::motion::{MotionSettings, Slip};
 use crate::rig::DriveModel;
 use crate::sample::Motion;
 
@@ -139,7 +139,7 @@ impl Drive {
         factors: &Factors,
     ) -> Step {
         let mut step = step::step(model, travel, factors);
-        if settings.slip {
+        if settings.slip == Slip::OfFloors {
             step = step.slipping();
         }
         if settings.mean_travel {

@@ -37,7 +37,8 @@ pub struct Level {
 }
 
 impl Level {
-    const STATED: Self = Self { above: 0.0, information: 0.0 };
+    /// As stated.
+    pub const STATED: Self = Self { above: 0.0, information: 0.0 };
 
     /// The factor.
     pub fn factor(&self) -> f32 {
@@ -45,12 +46,12 @@ impl Level {
     }
 
     /// One innovation: its square was larger than its variance by the share `excess`, its variance grows by the share
-    /// `sensitivity` when the factor does.
-    fn learn(&mut self, excess: f32, sensitivity: f32, weight: f32, most: f32) {
+    /// `sensitivity` when the factor does, which stays within these limits.
+    pub fn learn(&mut self, excess: f32, sensitivity: f32, weight: f32, [least, most]: [f32; 2]) {
         self.information = (self.information + weight * sensitivity * sensitivity).min(MOST);
         let change = weight * sensitivity * excess / (PRIOR + self.information);
         let factor = self.factor() * (1.0 + change.clamp(-LARGEST_CHANGE, LARGEST_CHANGE));
-        self.above = factor.clamp(LEAST, most) - 1.0;
+        self.above = factor.max(least).min(most) - 1.0;
     }
 }
 
@@ -89,10 +90,10 @@ impl NoiseLevels {
         if !excess.is_finite() {
             return;
         }
-        self.readings.learn(excess, noise_m2 / variance_m2, weight, MOST_OF_READINGS);
+        self.readings.learn(excess, noise_m2 / variance_m2, weight, [LEAST, MOST_OF_READINGS]);
         // In the balance of prediction and update the variance of the state grows as the root of the motion's noise.
-        self.position.learn(excess, 0.5 * (1.0 - noise_m2 / variance_m2), weight, 1.0);
-        self.heading.learn(excess, 0.5 * (heading_m2 / variance_m2).min(1.0), weight, 1.0);
+        self.position.learn(excess, 0.5 * (1.0 - noise_m2 / variance_m2), weight, [LEAST, 1.0]);
+        self.heading.learn(excess, 0.5 * (heading_m2 / variance_m2).min(1.0), weight, [LEAST, 1.0]);
     }
 
     /// The covariance of (forward, left, turn) at these levels. What slips is allowed for in the position only: the heading of

@@ -8,7 +8,7 @@ use crate::geometry::angle::sin_cos;
 use crate::motion::drive::{Drive, Way};
 use crate::motion::step::{Factor, Factors, Step, step};
 use crate::motion::travel::{Encoders, Travel};
-use crate::{DriveModel, Increment, Motion, MotionSettings, Pose, SLIP_M2_PER_RAD, Ticks};
+use crate::{DriveModel, Increment, Motion, MotionSettings, Pose, SLIP_M2_PER_RAD, Slip, Ticks};
 
 const TRACK_M: f64 = 0.235;
 const WHEELS: DriveModel = DriveModel::Wheels {
@@ -257,13 +257,13 @@ fn wheels_slide_in_turns_where_floors_are_real() {
     };
     let ekf = Ekf::<{ storage(8) }>::EMPTY;
     let travel = Travel::Wheels { left_m: -0.02, right_m: 0.02 };
-    let noise_m2 = |slip: bool| {
+    let noise_m2 = |slip: Slip| {
         let settings = MotionSettings { slip, ..MotionSettings::default() };
         let mut drive = Drive::START;
         drive.advance(&rig, &settings, Some(travel), Way { is_reversed: false, is_held: false }, 0.1, &ekf);
         [drive.step.noise[0][0], drive.step.noise[1][1]]
     };
-    for (with, without) in noise_m2(true).into_iter().zip(noise_m2(false)) {
+    for (with, without) in noise_m2(Slip::OfFloors).into_iter().zip(noise_m2(Slip::Stated)) {
         assert!(with >= 0.1 * SLIP_M2_PER_RAD && without < 1e-5, "{with} and {without} m^2");
     }
 }

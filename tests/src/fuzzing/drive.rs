@@ -2,7 +2,7 @@
 
 use slam_core::{
     Adc, Clustering, Config, DriveModel, HostSlam, Increment, Linearisation, MapFrame, Motion, Mount, Outcome,
-    RangeInput, RangeModel, RangeSensor, Rig, RobotSlam, Sample, Slam, StepReport, Ticks, WallPolicy, ekf,
+    RangeInput, RangeModel, RangeSensor, Rig, RobotSlam, Sample, Slam, Slip, StepReport, Ticks, WallPolicy, ekf,
 };
 
 use super::source::Source;
@@ -154,7 +154,7 @@ fn config(source: &mut Source, rig: &Rig<SENSORS>) -> Config {
     config.measurement.clutter = coin();
     config.motion.calibrate_scales = coin();
     config.motion.calibrate_track = coin();
-    config.motion.slip = coin();
+    config.motion.slip = if coin() { Slip::OfFloors } else { Slip::Learned };
     config.motion.mean_travel = coin();
     config.sensing.calibrate_gains = coin();
     config.sensing.calibrate_latency = coin();

@@ -1,0 +1,78 @@
+//! How much the wheels slip beyond what the rig states, learned from what the readings put right.
+//!
+//! Over a stretch of path the corrections of the heading add up to what the motion got wrong. The filter expects their sum to
+//! have the variance that they take away (Mehra 1970, of single innovations; of those a slip is in each a little). Where the
+//! square of the sum is larger, the noise of motion is larger than stated.
+
+use crate::filter::ekf::EkfView;
+use crate::filter::layout::{ALPHA, THETA};
+use crate::geometry::angle::wrap;
+use crate::sensing::noise_level::Level;
+use crate::walls::decision::relative_variance;
+
+/// Path after which a stretch ends, metres. Beside a wall that two sensors meet, the readings of a second tell the heading again: that is
+/// a quarter of a metre, and a slip at the end of a stretch is in the next one.
+const STRETCH_M: f32 = 1.0;
+
+/// Wheels slip no less than the rig states, for its figure is that of a clean floor; where the variance is a hundred times as large, ten
+/// degrees a metre with the default robot, they tell nothing of the heading any more.
+const FACTORS: [f32; 2] = [1.0, 100.0];
+
+/// The level of the noise of motion, and the corrections of the present stretch.
+#[derive(Clone, Copy, Debug)]
+pub struct Slippage {
+    level: Level,
+    path_m: f32,
+    corrected_rad: f32,
+    /// What the corrections were expected to be, rad^2, and the noise of motion in it.
+    expected_rad2: f32,
+    moved_rad2: f32,
+}
+
+/// The robot's direction against the grid of walls, or in the map frame until there is one, radians, and its variance: that
+/// readings tell, while of the map's own direction they do not.
+#[derive(Clone, Copy, Debug)]
+pub struct Direction {
+    rad: f32,
+    variance: f32,
+}
+
+impl Direction {
+    /// As it is now.
+    pub fn of(ekf: &EkfView) -> Self {
+        Self { rad: ekf.mean(THETA) - ekf.mean(ALPHA), variance: relative_variance(ekf, THETA, ALPHA) }
+    }
+}
+
+impl Slippage {
+    /// As stated.
+    pub const STATED: Self =
+        Self { level: Level::STATED, path_m: 0.0, corrected_rad: 0.0, expected_rad2: 0.0, moved_rad2: 0.0 };
+
+    /// The factor of the variance of motion.
+    pub fn factor(&self) -> f32 {
+        self.level.factor()
+    }
+
+    /// A step of so much path, to whose direction the noise of motion added so much (rad^2).
+    pub fn moved(&mut self, path_m: f32, noise_rad2: f32) {
+        self.path_m += path_m;
+        self.moved_rad2 += noise_rad2;
+    }
+
+    /// The readings of a step corrected the direction.
+    pub fn corrected(&mut self, from: Direction, to: Direction) {
+        self.corrected_rad += wrap(to.rad - from.rad);
+        self.expected_rad2 += (from.variance - to.variance).max(0.0);
+        if self.path_m < STRETCH_M {
+            return;
+        }
+        let excess = self.corrected_rad * self.corrected_rad / self.expected_rad2 - 1.0;
+        // Of what the corrections take away, the motion's noise is so much.
+        let share = (self.moved_rad2 / self.expected_rad2).min(1.0);
+        if excess.is_finite() && share.is_finite() {
+            self.level.learn(excess, share, 1.0, FACTORS);
+        }
+        *self = Self { level: self.level, ..Self::STATED };
+    }
+}
