@@ -192,7 +192,7 @@ impl<const S: usize> Holds<S> {
         let moved_m =
             libm::sqrtf(motion.x_m * motion.x_m + motion.y_m * motion.y_m) + MIDDLE_M * motion.theta_rad.abs();
         if moved_m > 0.0 {
-            self.stillness.follow(motion.theta_rad, moved_m);
+            self.stillness.follow(motion, moved_m);
             let ((s, c), Pose { x_m, y_m, theta_rad }) = (self.heading, self.wheels);
             let [ahead_m, left_m] = [motion.x_m, motion.y_m];
             let at_m = [x_m + c * ahead_m - s * left_m, y_m + s * ahead_m + c * left_m];
@@ -258,6 +258,11 @@ impl<const S: usize> Holds<S> {
             return;
         }
         *witness = Witness { met: Some(met), before, now: 0.0 };
+    }
+
+    /// Takes in that a sensor sees nothing within its reach.
+    pub fn note_absence(&mut self, sensor: &Sensor) {
+        self.stillness.note_absence(sensor);
     }
 
     /// Judges by all readings so far, with the pose after the last of them, in the step of this number. That the robot is held has

@@ -304,7 +304,6 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             path_m: odometry.path_m,
             number: self.counters.steps,
         };
-        let spacing_m = Candidates::<B>::spacing_m(self.rig.sensors.len());
         self.jolts.wait(dt_s, &self.drive.step, self.counters.steps);
         self.holds.wait(dt_s, &self.drive.step, self.counters.steps);
         let sensors = self.rig.sensors.iter().zip(&mut self.sensors).enumerate();
@@ -319,6 +318,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
                 report.range_m = Some(reading.range_m / state.gain(observer.ekf));
             } else if matches!(reading, Err(Refusal::TooFar | Refusal::Floor)) {
                 observer.judge_absence(&sensor);
+                self.holds.note_absence(&sensor);
             }
             let is_in_doubt = self.jolts.is_in_doubt() || self.holds.is_in_doubt();
             let outcome = reading.and_then(|reading| match is_in_doubt {
@@ -340,7 +340,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             if matches!(report.outcome, Outcome::Unexplained | Outcome::Gated { .. }) {
                 let ekf = &*observer.ekf;
                 let outlier = Unexplained { sensor: &sensor, reading, timing, odometry, ekf, number: observer.number };
-                match self.candidates.keep(&outlier, spacing_m) {
+                match self.candidates.keep(&outlier, Candidates::<B>::spacing_m(self.rig.sensors.len())) {
                     Kept::No => {}
                     kept => self.counters.add_outlier(kept == Kept::ForOldest),
                 }

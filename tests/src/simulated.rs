@@ -31,14 +31,23 @@ pub fn disturbed_rows(options: SimOptions, plan: &str, minutes: f64, seed: u64) 
     rows
 }
 
-/// What another estimator makes of such a log.
-pub fn estimated(rows: &[Row], config: Config) -> Figures {
+/// How often another estimator takes the robot to be held in such a log.
+pub fn holds(rows: &[Row], config: Config) -> u32 {
+    replayed(rows, config).counters.holds
+}
+
+fn replayed(rows: &[Row], config: Config) -> Recording {
     let (robot, _) = built_in_robot().expect("the built-in rig is good");
     let mut session = Session::new(&robot, config, "").expect("a good rig");
     for row in rows {
         session.push(row);
     }
-    let mut recording = session.finish();
+    session.finish()
+}
+
+/// What another estimator makes of such a log.
+pub fn estimated(rows: &[Row], config: Config) -> Figures {
+    let mut recording = replayed(rows, config);
     let times_s: Vec<f64> = rows.iter().map(|row| row.t_s).collect();
     score::score(&mut recording, &times_s, None);
     recording.figures

@@ -1,6 +1,8 @@
 //! A robot whose wheels turn while something holds it stays where it is.
 
+use slam_core::Config;
 use tests::mishaps::{Found, Mishap, found};
+use tests::simulated::{holds, rows};
 
 /// Drives with a hold in each home, by which a share of 0.6 is known to 0.02, and without one.
 const HELD: u64 = 500;
@@ -16,6 +18,20 @@ fn most_holds_are_found_and_none_where_there_is_none() {
         for seed in 1..=FREE {
             let Found { off_m, holds, .. } = found(name, Mishap::Nothing, seed);
             assert!(holds == 0 && (seed > 4 || off_m < 0.06), "{name}, seed {seed}: {holds} holds, {off_m} m");
+        }
+    }
+}
+
+/// With few samples a second a single step turns the robot by a radian, and two sensors find the same range by chance.
+#[test]
+fn no_hold_is_found_where_there_is_none_whatever_the_rate() {
+    for name in ["flat", "clutter", "l-shape", "diagonal"] {
+        for seed in 25..=44 {
+            let at_25_hz = rows(name, 4.0, seed);
+            for every in [2, 5, 8, 13] {
+                let rows: Vec<_> = at_25_hz.iter().step_by(every).cloned().collect();
+                assert_eq!(holds(&rows, Config::default()), 0, "{name}, seed {seed}, every {every}th row");
+            }
         }
     }
 }

@@ -23,6 +23,12 @@ impl FixedMount {
         Self { origin_m: [mount.x_m, mount.y_m], sin_cos: sin_cos(mount.bearing_rad) }
     }
 
+    /// How far along its beam it is beyond a point so far to the left of the axle's centre, both metres.
+    pub fn along_m(&self, left_m: f32) -> f32 {
+        let ([x, y], (s, c)) = (self.origin_m, self.sin_cos);
+        c * x + s * (y - left_m)
+    }
+
     /// As it was `turn_rad` and `moved_m` (in the robot's present frame) ago: a reading of age is a reading of now from
     /// a mount that lags behind. First order in the turn, which is a small one.
     pub fn lagging(&self, moved_m: [f32; 2], turn_rad: f32) -> Self {

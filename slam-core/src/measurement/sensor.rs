@@ -38,6 +38,11 @@ impl SensorState {
         self.gain.map_or(1.0, |i| ekf.mean(i))
     }
 
+    /// How far along its beam a range ends beyond a point so far to the left of the axle's centre, all metres.
+    pub fn past_axle_m(&self, range_m: f32, left_m: f32) -> f32 {
+        range_m + self.mount.along_m(left_m)
+    }
+
     /// The mount as it was when the reading was made.
     pub fn mount_then(&self, model: &RangeModel, timing: &Timing, ekf: &EkfView) -> FixedMount {
         match timing.motion_since(model, ekf) {
