@@ -15,7 +15,7 @@ use crate::walls::wall::WallPolicy;
 use crate::walls::wall::{Direction, Wall};
 use crate::{
     Config, DriveModel, Linearisation, Motion, Mount, Outcome, RangeInput, RangeModel, RangeSensor, Rig, RobotSlam,
-    Sample, StepReport, Ticks,
+    Sample, Slip, StepReport, Ticks,
 };
 
 const TRACK_M: f64 = 0.235;
@@ -234,8 +234,9 @@ fn restate(oracle: &mut Oracle, slam: &RobotSlam, walls: &[Wall], first: &[f64; 
 
 fn run(policy: WallPolicy, linearisation: Linearisation, seed: u64, steps: u64) {
     let rig = rig();
-    // What repeats is learned from the readings, which the oracle does not do.
+    // What repeats is learned from the readings, and so is how much wheels slip, which the oracle does not do.
     let mut config = Config::default();
+    config.motion.slip = Slip::Stated;
     config.walls.policy = policy;
     config.measurement.linearisation = linearisation;
     config.sensing.repeats = false;
