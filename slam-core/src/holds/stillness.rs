@@ -5,8 +5,8 @@
 //! takes what it sees for other walls.
 //!
 //! Over a turn t the range to a wall changes by `a t + r t^2 / 2`, with a slope `a` that may be any and a range r from the middle of the
-//! turn. So one look at another bearing that finds the same range says little, for the foot of the wall may be midway; the
-//! next one says much, for then the slope is known. Each look is a likelihood ratio of a robot that stands and one that turns, and they are
+//! turn. So one look at another bearing that finds the same range says nothing, for the foot of the wall may be midway, and in a
+//! room with right angles it is so for all sensors at once; the next one says much, for then the slope is known. Each look is a likelihood ratio of a robot that stands and one that turns, and they are
 //! summed (Wald 1945) until a reading changes.
 
 use crate::geometry::pose::Pose;
@@ -254,7 +254,8 @@ impl Look {
     /// Log odds of a robot that did not turn against one that did.
     fn log_odds(&self) -> f32 {
         // A robot that drives round something sees it so all the time; one that turned there and back draws no arc.
-        if self.from_m.is_nan() || self.from_m <= 0.0 {
+        // And a wall of any slope is met twice at the same range about its foot: where sensors and walls stand at right angles, by all.
+        if self.from_m.is_nan() || self.from_m <= 0.0 || self.last_rad <= 0.0 {
             return 0.0;
         }
         let since_rad = self.over_rad - self.last_rad;
@@ -262,15 +263,9 @@ impl Look {
         let over_rad = if self.is_mean { self.over_rad - 0.5 * since_rad } else { self.over_rad };
         // Over a turn t, the range to a wall changes by a t + r t^2 / 2.
         let rough_m2 = self.variance_m2 + SURFACE_M * SURFACE_M;
-        let (to_m, variance_m2) = if self.last_rad > 0.0 {
-            // The slope a of a wall whose range was the same at the last look is known as well as that.
-            let times = self.over_rad / self.last_rad;
-            (0.5 * self.from_m * since_rad * over_rad, rough_m2 * (1.0 + times * times))
-        } else {
-            // It may be any.
-            let slant_m = self.from_m * over_rad;
-            (0.5 * slant_m * over_rad, rough_m2 + slant_m * slant_m)
-        };
+        // The slope a of a wall whose range was the same at the last look is known as well as that.
+        let times = self.over_rad / self.last_rad;
+        let (to_m, variance_m2) = (0.5 * self.from_m * since_rad * over_rad, rough_m2 * (1.0 + times * times));
         // What it would see of a robot that turns might be out of its reach.
         if self.range_m + to_m + libm::sqrtf(variance_m2) > self.max_m {
             return 0.0;
