@@ -142,9 +142,14 @@ impl Locator {
         self.verdict.as_ref()
     }
 
-    /// The search under way, for a picture of it.
-    pub fn search(&self) -> Option<&Search> {
-        self.is_searching.then_some(&self.search)
+    /// Whether a search is under way.
+    pub fn is_searching(&self) -> bool {
+        self.is_searching
+    }
+
+    /// The hypotheses of the last search, best first; those of the present one while it goes on.
+    pub fn hypotheses(&self) -> &[Hypothesis] {
+        self.search.hypotheses()
     }
 
     /// Takes in a step of the robot with its map, the one that it is to find itself in, and about how many hypotheses may be

@@ -51,7 +51,7 @@ fn main() -> ! {
     for _ in 0..SEARCHED_STEPS {
         slam.step(&home.next(false));
         let step = Step { position_m: [slam.state_mean(0), slam.state_mean(1)], travelled_m: 0.02, readings: [0, 0] };
-        let was_searching = locator.search().is_some();
+        let was_searching = locator.is_searching();
         let (event, cost) = bench.measure(|| locator.step(&*slam, &record, &step, HYPOTHESES));
         search = if was_searching { search.saturating_add(cost) } else { cost };
         full = full.max(search);

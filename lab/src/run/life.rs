@@ -218,12 +218,14 @@ impl Life {
         let before = self.locator.verdict().copied();
         let event = loop {
             let event = self.locator.step(&*slam, &record, &step, BETWEEN_LOOKS);
-            let Some(search) = self.locator.search() else { break event };
-            self.places = search.hypotheses().to_vec();
+            if !self.locator.is_searching() {
+                break event;
+            }
             (step.travelled_m, step.readings) = (0.0, [0; 2]);
         };
         if let Some(verdict) = self.locator.verdict().filter(|verdict| before.as_ref() != Some(verdict)) {
             let [x, y] = verdict.best.matched;
+            self.places = self.locator.hypotheses().to_vec();
             self.searches.push(Searched {
                 step: index,
                 log_odds: verdict.log_odds,
