@@ -5,7 +5,7 @@
 //! that did not move. The log odds of all sensors are summed for as long as they speak for a hold (Page 1954, cumulative
 //! sums), and the other way round while the robot is held. Where no wall tells, readings that stay while it should turn do.
 
-mod stillness;
+pub mod stillness;
 
 use crate::filter::ekf::EkfView;
 use crate::filter::layout;

@@ -279,39 +279,3 @@ impl Look {
         libm::logf(stays / ((1.0 - STAYS) * moves + STAYS * stays))
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::measurement::sensor::SensorState;
-    use crate::rig::{Mount, RangeModel, RangeSensor};
-
-    /// Whether a robot is held whose wheels turn it by two radians while two sensors read this, of at most 1.5 m.
-    fn is_held(range_m: f32) -> bool {
-        let limits = RangeSensor {
-            mount: Mount { x_m: 0.0, y_m: 0.0, bearing_rad: 0.0 },
-            min_m: 0.2,
-            max_m: 1.5,
-            max_incidence_rad: 1.0,
-            gain_sigma: 0.0,
-            model: RangeModel::Metric { noise_m: 0.01, noise_rel: 0.03 },
-        };
-        let mut stillness = Stillness::<4>::NONE;
-        stillness.settle(Pose::ORIGIN);
-        for step in 0..100 {
-            stillness.follow(&Pose { theta_rad: 0.02, ..Pose::ORIGIN }, 0.01);
-            for index in 0..2 {
-                let off_m = 0.02 * ((step + index) % 5) as f32 - 0.04;
-                stillness.note(&Sensor { index, limits: &limits, state: &SensorState::NONE }, range_m + off_m, 0.045);
-            }
-            stillness.settle(Pose::ORIGIN);
-        }
-        stillness.held_at().is_some()
-    }
-
-    #[test]
-    fn what_is_read_at_the_end_of_the_range_says_nothing() {
-        assert!(is_held(1.2));
-        assert!(!is_held(1.43), "what is farther was not read");
-    }
-}

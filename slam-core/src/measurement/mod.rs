@@ -6,6 +6,7 @@ pub mod first_estimates;
 pub mod line_of_sight;
 pub mod observe;
 pub mod sensor;
+pub mod slippage;
 
 use first_estimates::Linearisation;
 

@@ -4,7 +4,6 @@ pub mod dead_reckoning;
 pub mod drive;
 pub mod mean_motion;
 pub mod shortfall;
-pub mod slippage;
 pub mod step;
 pub mod travel;
 
