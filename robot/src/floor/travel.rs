@@ -107,8 +107,11 @@ impl<const S: usize> FloorJob<S> {
 
     /// Whether to look for a way through places that seem too narrow: a door may look so, by bumps and by cells that its frame shares.
     fn may_squeeze(&self, aim: Aim) -> bool {
-        let is_worth = aim != Aim::Floor || self.tally.progress(self.state()).left_m2 > SQUEEZE_M2;
-        is_worth && self.squeezes < MAX_SQUEEZES
+        (aim != Aim::Floor || self.is_much_left()) && self.squeezes < MAX_SQUEEZES
+    }
+
+    fn is_much_left(&self) -> bool {
+        self.tally.progress(self.state()).left_m2 > SQUEEZE_M2
     }
 
     /// Takes the way to the target from the search: a step of its own, since it may be long.
@@ -126,7 +129,7 @@ impl<const S: usize> FloorJob<S> {
             self.credit_m = POCKET_M;
         } else if aim != Aim::Floor {
             self.return_again(now_us);
-        } else if self.retries == 0 && !self.given_up.is_empty() {
+        } else if self.retries == 0 && (self.is_much_left() || !self.given_up.is_empty()) {
             self.retries = 1;
             self.sheet.picture.forget_visits();
             while let Some(place) = self.given_up.pop() {
