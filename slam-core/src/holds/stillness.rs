@@ -53,7 +53,7 @@ const NEAR: f32 = 1.3;
 /// A sensor that had no reading for so many steps sees something else with its next.
 const UNSEEN: u8 = 8;
 
-/// Units in which ranges, metres, turns, radians, and log odds are kept, in twelve bytes a sensor: of up to 16 m, and four radians either way.
+/// Units in which ranges, metres, turns, radians, and log odds are kept, in sixteen bytes a sensor: of up to 16 m, and four radians either way.
 const PER_M: f32 = 4000.0;
 const PER_RAD: f32 = 32.0;
 const PER_NAT: f32 = 16.0;
@@ -62,8 +62,13 @@ const LOOK: u8 = (PER_RAD * LOOK_RAD) as u8;
 /// What a sensor read since a reading last changed.
 #[derive(Clone, Copy, Debug)]
 struct Kept {
+    /// Means of the first readings, of those of the last look, and of those since.
     first: u16,
+    last: u16,
     mean: u16,
+    /// How far the wheels had turned the robot at the first and at the last look.
+    first_at: i8,
+    last_at: i8,
     /// How far the wheels had turned the robot meanwhile, at least and at most.
     least: i8,
     most: i8,
@@ -117,6 +122,7 @@ impl<const S: usize> Stillness<S> {
         let turned = (PER_RAD * self.turned_rad) as i8;
         if kept.readings.0 == 0 && (kept.readings.1 == FIRST || kept.readings.1 > 0 && kept.over(turned) > FIRST_TURN) {
             (kept.first, kept.readings) = (kept.mean, (kept.readings.1, 0));
+            kept.first_at = kept.least.midpoint(kept.most);
         }
         let count = kept.readings.1;
         let mean = f32::from(kept.mean);
@@ -135,12 +141,19 @@ impl<const S: usize> Stillness<S> {
         self.is_changed |= off_m.abs() > SWING_M + CHANGED * libm::sqrtf(variance_m2);
         let over = kept.most.abs_diff(kept.least);
         if over.saturating_sub(kept.looked) >= LOOK {
+            // What was averaged was seen before, halfway from the look before.
+            let at = if count > 0 {
+                turned.midpoint(if kept.looked > 0 { kept.last_at } else { kept.first_at })
+            } else {
+                turned
+            };
             let look = Look {
-                over_rad: f32::from(over) * (1.0 / PER_RAD),
-                last_rad: f32::from(kept.looked) * (1.0 / PER_RAD),
-                is_mean: count > 0,
+                now_rad: kept.since_first(at),
+                last_rad: if kept.looked > 0 { kept.since_first(kept.last_at) } else { 0.0 },
+                turn_rad: f32::from(over - kept.looked) * (1.0 / PER_RAD),
                 range_m,
                 off_m,
+                last_m: (f32::from(kept.last) - f32::from(kept.first)) * (1.0 / PER_M),
                 variance_m2,
                 // How far what it sees is from the middle of the arc that its beam would draw there.
                 from_m: sensor.state.past_axle_m(range_m, self.ahead_m / self.turned_rad),
@@ -150,6 +163,7 @@ impl<const S: usize> Stillness<S> {
             let says = f32::from(kept.says) + PER_NAT * look.log_odds();
             kept.says = says.clamp(0.0, PER_NAT * SENSOR_SAYS) as u8;
             (kept.looked, kept.readings.1) = (over, 0);
+            (kept.last, kept.last_at) = (kept.mean, at);
         }
     }
 
@@ -213,8 +227,20 @@ impl<const S: usize> Stillness<S> {
 
 impl Kept {
     /// Nothing was read.
-    const NONE: Self =
-        Self { first: 0, mean: 0, least: 0, most: 0, looked: 0, says: 0, age: 0, readings: (0, 0), is_near: false };
+    const NONE: Self = Self {
+        first: 0,
+        last: 0,
+        mean: 0,
+        first_at: 0,
+        last_at: 0,
+        least: 0,
+        most: 0,
+        looked: 0,
+        says: 0,
+        age: 0,
+        readings: (0, 0),
+        is_near: false,
+    };
 
     /// Readings from now on are the first.
     fn begin_anew(&mut self) {
@@ -226,6 +252,11 @@ impl Kept {
         self.most.max(turned).abs_diff(self.least.min(turned))
     }
 
+    /// Turn since the first look, radians.
+    fn since_first(&self, at: i8) -> f32 {
+        (f32::from(at) - f32::from(self.first_at)) * (1.0 / PER_RAD)
+    }
+
     /// Whether it had first readings, and has some still.
     fn is_told(&self) -> bool {
         self.readings.0 > 0 && self.age < UNSEEN
@@ -235,12 +266,13 @@ impl Kept {
 /// What a sensor reads after a turn.
 struct Look {
     /// The turn since the first, and that of the last look, radians: zero where this is the first one after the first readings.
-    over_rad: f32,
+    now_rad: f32,
     last_rad: f32,
-    /// Whether it is the mean of readings since the last look.
-    is_mean: bool,
-    /// By how much the mean differs from the first, and the variance of that by the sensor's noise, metres.
+    /// How much farther than all before it looks, radians.
+    turn_rad: f32,
+    /// By how much the mean differs from the first, as that of the last look did, metres, and the variance of that by the sensor's noise, m^2.
     off_m: f32,
+    last_m: f32,
     variance_m2: f32,
     /// How far what is seen is from the middle of the turn, metres; negative where that is beyond.
     from_m: f32,
@@ -255,24 +287,22 @@ impl Look {
     fn log_odds(&self) -> f32 {
         // A robot that drives round something sees it so all the time; one that turned there and back draws no arc.
         // And a wall of any slope is met twice at the same range about its foot: where sensors and walls stand at right angles, by all.
-        if self.from_m.is_nan() || self.from_m <= 0.0 || self.last_rad <= 0.0 {
+        if self.from_m.is_nan() || self.from_m <= 0.0 || self.last_rad.abs() < 0.5 * LOOK_RAD {
             return 0.0;
         }
-        let since_rad = self.over_rad - self.last_rad;
-        // What was averaged was seen before.
-        let over_rad = if self.is_mean { self.over_rad - 0.5 * since_rad } else { self.over_rad };
         // Over a turn t, the range to a wall changes by a t + r t^2 / 2.
         let rough_m2 = self.variance_m2 + SURFACE_M * SURFACE_M;
-        // The slope a of a wall whose range was the same at the last look is known as well as that.
-        let times = self.over_rad / self.last_rad;
-        let (to_m, variance_m2) = (0.5 * self.from_m * since_rad * over_rad, rough_m2 * (1.0 + times * times));
+        // The slope a is known as well as the range at the last look.
+        let times = self.now_rad / self.last_rad;
+        let to_m = times * self.last_m + 0.5 * self.from_m * self.now_rad * (self.now_rad - self.last_rad);
+        let variance_m2 = rough_m2 * (1.0 + times * times);
         // What it would see of a robot that turns might be out of its reach.
         if self.range_m + to_m + libm::sqrtf(variance_m2) > self.max_m {
             return 0.0;
         }
         let span_m = self.max_m - self.min_m;
         let (least, most) = CHANGES;
-        let changes = (MIDDLE_M * since_rad / CHANGE_M).clamp(least, most);
+        let changes = (MIDDLE_M * self.turn_rad / CHANGE_M).clamp(least, most);
         let follows = density(self.off_m - to_m, variance_m2);
         let moves = (1.0 - changes) * follows + changes / span_m;
         let stays = (1.0 - least) * density(self.off_m, self.variance_m2 + SWING_M * SWING_M) + least / span_m;

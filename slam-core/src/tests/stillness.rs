@@ -33,3 +33,32 @@ fn what_is_read_at_the_end_of_the_range_says_nothing() {
     assert!(is_held(1.2));
     assert!(!is_held(1.43), "what is farther was not read");
 }
+
+/// Three sensors that look at walls half a metre away read the same at both ends of a turn about the walls' feet.
+#[test]
+fn a_robot_that_turns_between_walls_at_right_angles_is_not_held() {
+    let limits = RangeSensor {
+        mount: Mount { x_m: 0.0, y_m: 0.0, bearing_rad: 0.0 },
+        min_m: 0.05,
+        max_m: 3.0,
+        max_incidence_rad: 1.0,
+        gain_sigma: 0.0,
+        model: RangeModel::Metric { noise_m: 0.01, noise_rel: 0.0 },
+    };
+    let is_held = |turns: bool, steps: i16| {
+        let mut stillness = Stillness::<4>::NONE;
+        stillness.settle(Pose::ORIGIN);
+        for step in -30..steps {
+            let turned_rad = 0.015 * f32::from(step);
+            stillness.follow(&Pose { theta_rad: 0.015, ..Pose::ORIGIN }, 0.01);
+            for (index, range_m) in [0.3, 0.4, 0.5].into_iter().enumerate() {
+                let seen_m = if turns { range_m / libm::cosf(turned_rad) } else { range_m };
+                stillness.note(&Sensor { index, limits: &limits, state: &SensorState::NONE }, seen_m, 0.01);
+            }
+            stillness.settle(Pose::ORIGIN);
+        }
+        stillness.held_at().is_some()
+    };
+    assert!(!is_held(true, 31), "it turns by 0.9 radians");
+    assert!(is_held(false, 101), "it stands while its wheels turn by two");
+}
