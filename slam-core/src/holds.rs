@@ -12,12 +12,12 @@ use crate::filter::layout;
 use crate::geometry::angle::{sin_cos, wrap};
 use crate::geometry::line::Line;
 use crate::geometry::pose::Pose;
-use crate::holds::stillness::Stillness;
+use crate::holds::stillness::{Stillness, log_odds_of_staying};
 use crate::jolts::confirmation::{Confirmation, SURE};
 use crate::jolts::recent::{self, Recent};
 use crate::jolts::search::Scene;
 use crate::measurement::beam::Beam;
-use crate::measurement::data_association::{CHANGE_M, MIDDLE_M, density};
+use crate::measurement::data_association::{CHANGES, MIDDLE_M, change, density};
 use crate::measurement::sensor::Sensor;
 use crate::motion::step::Step;
 use crate::report::Outcome;
@@ -32,13 +32,6 @@ const LOOK: (f32, f32) = (0.06, 0.15);
 /// How far it moves at most, metres, until a hold is found or there is none, until a robot that is held shows it again, and
 /// until a wall that was met is another one.
 const REACH_M: f32 = 0.5;
-
-/// Chances that a sensor of a robot that moves comes to something else before the next look, and at most.
-const CHANGES: (f32, f32) = (0.02, 0.6);
-
-/// Chance that a reading stays though the robot moves: what it sees goes with it, or the wall is not as the map has it. In
-/// simulated homes that was so in one to three of a hundred looks.
-const STAYS: f32 = 0.02;
 
 /// Share of a motion that wheels get wrong.
 const WHEELS: f32 = 0.2;
@@ -356,12 +349,11 @@ impl Met {
     fn log_odds(&self, beam: &Beam, range_m: f32, sigma_m: f32, moved_m: f32, span_m: f32) -> f32 {
         let (off_m, noise_m2) =
             (range_m - self.range_m, self.sigma_m * self.sigma_m + sigma_m * sigma_m + SURFACE_M * SURFACE_M);
-        let (least, most) = CHANGES;
         let likelihood = |off_m, variance_m2, other| (1.0 - other) * density(off_m, variance_m2) + other / span_m;
-        let stays = likelihood(off_m, noise_m2, least);
+        let stays = likelihood(off_m, noise_m2, CHANGES.0);
         let Some(wall) = &self.wall else {
             // What is not known to lie across the way may lie along it: its range may stay, but not change.
-            let moves = likelihood(off_m, noise_m2 + moved_m * moved_m, least);
+            let moves = likelihood(off_m, noise_m2 + moved_m * moved_m, CHANGES.0);
             return libm::logf(stays / moves).min(0.0);
         };
         let line = Line { rho_m: wall.rho_m, beta_rad: 0.0, normal: wall.normal };
@@ -370,8 +362,7 @@ impl Met {
         }
         let change_m = beam.predict(&line).range_m - self.range_m;
         let wheels_m = WHEELS * change_m;
-        let changes = (moved_m / CHANGE_M).clamp(least, most);
-        let moves = likelihood(off_m - change_m, noise_m2 + wheels_m * wheels_m, changes);
-        libm::logf(stays / ((1.0 - STAYS) * moves + STAYS * stays))
+        let moves = likelihood(off_m - change_m, noise_m2 + wheels_m * wheels_m, change(moved_m));
+        log_odds_of_staying(stays, moves)
     }
 }

@@ -122,10 +122,9 @@ impl<const B: usize> Extension<'_, B> {
         let origin = Origin { ekf: self.ekf, drive: self.drive, sensors: self.sensors, latency: self.latency };
         let mut local = LocalLine::new(&origin, line, points);
         let grid = self.map.grid(self.ekf);
-        let (policy, deviation) = (self.walls.policy, deviation(self.walls.policy));
+        let policy = self.walls.policy;
         let doubts = &mut self.candidates.doubts;
-        let verdict = match verdict::judge(self.ekf, policy, deviation, grid.as_ref(), &local, self.map.walls(), doubts)
-        {
+        let verdict = match verdict::judge(self.ekf, policy, grid.as_ref(), &local, self.map.walls(), doubts) {
             // Where there is no room for a direction of its own, it has the grid's.
             Verdict::NearGrid(quarter, _) if self.ekf.len() + 2 > self.ekf.capacity() => Verdict::OnGrid(quarter),
             verdict => verdict,

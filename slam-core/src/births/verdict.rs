@@ -5,7 +5,7 @@ use crate::births::local_line::LocalLine;
 use crate::filter::ekf::EkfView;
 use crate::filter::layout::{ALPHA, THETA};
 use crate::geometry::angle::wrap;
-use crate::walls::decision::{self, GRID_SHARE, LOOSE_RAD, SHORT_SHARE, decide};
+use crate::walls::decision::{self, GRID_SHARE, SHORT_SHARE, decide, looseness};
 use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::wall::{Wall, WallPolicy};
 
@@ -112,12 +112,12 @@ impl Doubts {
 pub fn judge(
     ekf: &EkfView,
     policy: WallPolicy,
-    deviation: f32,
     grid: Option<&ManhattanFrame>,
     line: &LocalLine,
     walls: &[Wall],
     doubts: &mut Doubts,
 ) -> Verdict {
+    let deviation = decision::deviation(policy);
     // A wall near the grid keeps a direction of its own: nothing is turned by taking one for it.
     let is_exact = grid.is_some() && deviation == 0.0;
     let relative = decision::relative_variance(ekf, THETA, ALPHA);
@@ -142,7 +142,7 @@ pub fn judge(
         seen_m: line.seen_m,
         path_m: line.path_m,
     };
-    let looseness = LOOSE_RAD * LOOSE_RAD;
+    let looseness = looseness(policy);
     if policy == WallPolicy::Grid {
         match among(ekf, walls, line, (off, variance, share), ASKEW_LENGTH_M) {
             None | Some(Among::Grid) => {}
@@ -160,9 +160,7 @@ pub fn judge(
     let on_grid = on_grid.filter(|on_grid| !(*on_grid && is_vague));
     match (on_grid, policy) {
         (Some(true), WallPolicy::Snapped { .. }) => Verdict::Snapped,
-        (Some(true), WallPolicy::Grid) => Verdict::NearGrid(quarter, looseness),
-        (Some(true), _) if deviation > 0.0 => Verdict::NearGrid(quarter, deviation),
-        (Some(true), _) => Verdict::OnGrid(quarter),
+        (Some(true), _) => Verdict::NearGrid(quarter, looseness),
         (Some(false), _) => free,
         (None, _) if is_vague => free,
         (None, _) => Verdict::Wait,

@@ -13,7 +13,7 @@ pub mod search;
 use crate::jolts::confirmation::{Confirmation, SURE, TRIAL_S};
 use crate::jolts::recent::{Moment, Recent, Seen};
 use crate::jolts::search::{Displacement, STARTS, Scene};
-use crate::measurement::data_association::{CHANGE_M, MIDDLE_M};
+use crate::measurement::data_association::{MIDDLE_M, change};
 use crate::motion::step::Step;
 use crate::report::Outcome;
 
@@ -22,9 +22,6 @@ const LOOK_S: f32 = 0.15;
 
 /// Time within a look until every sensor that sees something has been looked at, seconds: two readings of an analogue one.
 const WHOLE_S: f32 = 0.08;
-
-/// Least and greatest chance of a change between two looks: people walk; and one that is as likely as not tells nothing.
-const CHANGES: (f32, f32) = (0.02, 0.6);
 
 /// Chance that a sensor of a displaced robot changes.
 const DISPLACED: f32 = 0.6;
@@ -154,8 +151,7 @@ impl Jolts {
 
     /// Log of the odds of a jolt since the last look, by how many of its sensors changed.
     fn told(&self) -> f32 {
-        let (least, most) = CHANGES;
-        let (usual, after) = (((self.between_m + self.moved_m) / CHANGE_M).clamp(least, most), DISPLACED);
+        let (usual, after) = (change(self.between_m + self.moved_m), DISPLACED);
         let (before, now) = (&self.before, &self.now);
         let kept = (before.hit & now.hit | before.missed & now.missed).count_ones();
         let changed = (before.hit & !now.hit | before.missed & !now.missed).count_ones();

@@ -10,10 +10,19 @@
 const INVERSE_SQRT_TAU: f32 = 0.398_942_3;
 
 /// A beam comes to something else, a wall's end, a chair or a door, once in so many metres that its middle moves.
-pub const CHANGE_M: f32 = 0.75;
+const CHANGE_M: f32 = 0.75;
+
+/// Least and greatest chance of that between two looks: people walk; and a change that is as likely as not tells nothing.
+pub const CHANGES: (f32, f32) = (0.02, 0.6);
 
 /// Distance of a beam's middle from the robot, metres, by which turns move it.
 pub const MIDDLE_M: f32 = 0.5;
+
+/// Chance that a beam whose middle moved by so much, metres, came to something else.
+pub fn change(moved_m: f32) -> f32 {
+    let (least, most) = CHANGES;
+    (moved_m / CHANGE_M).clamp(least, most)
+}
 
 /// Normal density at so far from the mean.
 pub fn density(off_m: f32, variance_m2: f32) -> f32 {

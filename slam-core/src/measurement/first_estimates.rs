@@ -63,6 +63,7 @@ impl FirstEstimates {
             ..*latest
         }
     }
+
     /// Takes a wall's normal anew where it turned, and restates its distance's error: n . (error of the position, less what a turn of
     /// everything about the origin makes of it), for what the normal changed by.
     pub fn renew(&self, wall: &mut Wall, ekf: &mut EkfView) {

@@ -5,16 +5,21 @@ use crate::holds::stillness::Stillness;
 use crate::measurement::sensor::{Sensor, SensorState};
 use crate::rig::{Mount, RangeModel, RangeSensor};
 
-/// Whether a robot is held whose wheels turn it by two radians while two sensors read this, of at most 1.5 m.
-fn is_held(range_m: f32) -> bool {
-    let limits = RangeSensor {
+/// One that reads ranges between these, metres.
+fn sensor([min_m, max_m]: [f32; 2]) -> RangeSensor {
+    RangeSensor {
         mount: Mount { x_m: 0.0, y_m: 0.0, bearing_rad: 0.0 },
-        min_m: 0.2,
-        max_m: 1.5,
+        min_m,
+        max_m,
         max_incidence_rad: 1.0,
         gain_sigma: 0.0,
         model: RangeModel::Metric { noise_m: 0.01, noise_rel: 0.03 },
-    };
+    }
+}
+
+/// Whether a robot is held whose wheels turn it by two radians while two sensors read this, of at most 1.5 m.
+fn is_held(range_m: f32) -> bool {
+    let limits = sensor([0.2, 1.5]);
     let mut stillness = Stillness::<4>::NONE;
     stillness.settle(Pose::ORIGIN);
     for step in 0..100 {
@@ -37,14 +42,7 @@ fn what_is_read_at_the_end_of_the_range_says_nothing() {
 /// Three sensors that look at walls half a metre away read the same at both ends of a turn about the walls' feet.
 #[test]
 fn a_robot_that_turns_between_walls_at_right_angles_is_not_held() {
-    let limits = RangeSensor {
-        mount: Mount { x_m: 0.0, y_m: 0.0, bearing_rad: 0.0 },
-        min_m: 0.05,
-        max_m: 3.0,
-        max_incidence_rad: 1.0,
-        gain_sigma: 0.0,
-        model: RangeModel::Metric { noise_m: 0.01, noise_rel: 0.0 },
-    };
+    let limits = sensor([0.05, 3.0]);
     let is_held = |turns: bool, steps: i16| {
         let mut stillness = Stillness::<4>::NONE;
         stillness.settle(Pose::ORIGIN);

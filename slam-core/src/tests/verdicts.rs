@@ -7,7 +7,7 @@ use crate::births::verdict::{Doubts, Verdict, judge};
 use crate::filter::ekf::{Ekf, Jacobian, storage};
 use crate::filter::layout::THETA;
 use crate::walls::decision::LOOSE_RAD;
-use crate::walls::decision::{BUILT_TOLERANCE, deviation};
+use crate::walls::decision::BUILT_TOLERANCE;
 use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::wall::WallPolicy;
 
@@ -50,7 +50,7 @@ impl Case {
     fn judge(&mut self, quarter: f32, off_deg: f32, seen_m: [f32; 2], path_m: f32) -> Verdict {
         let line = Self::line(quarter, off_deg, seen_m, path_m);
         let grid = ManhattanFrame::of(&self.ekf);
-        judge(&self.ekf, self.policy, deviation(self.policy), Some(&grid), &line, &[], &mut self.doubts)
+        judge(&self.ekf, self.policy, Some(&grid), &line, &[], &mut self.doubts)
     }
 }
 
@@ -103,7 +103,7 @@ fn a_first_wall_is_judged_by_what_was_seen_of_it() {
             seen_direction_variance: square(seen_deg),
             ..Case::line(0.0, 0.0, [2.0, 0.0], 1.0)
         };
-        judge(&case.ekf, case.policy, 0.0, None, &line, &[], &mut { Doubts::NONE })
+        judge(&case.ekf, case.policy, None, &line, &[], &mut { Doubts::NONE })
     };
     assert_eq!(verdict(5.0, 1.0), Verdict::Free);
     assert_eq!(verdict(5.0, 3.0), Verdict::Wait);
@@ -135,9 +135,8 @@ fn two_lines_agree_under_a_heading_that_wanders() {
             |line| LocalLine { direction_variance: square(3.0), seen_direction_variance: square(seen_deg), ..line };
         case.doubts = Doubts::NONE;
         let grid = ManhattanFrame::of(&case.ekf);
-        [Case::line(0.0, 9.5, [2.0, 0.0], 1.0), Case::line(1.0, 9.0, [0.0, 2.0], 2.0)].map(|line| {
-            judge(&case.ekf, case.policy, deviation(case.policy), Some(&grid), &wandering(line), &[], &mut case.doubts)
-        })
+        [Case::line(0.0, 9.5, [2.0, 0.0], 1.0), Case::line(1.0, 9.0, [0.0, 2.0], 2.0)]
+            .map(|line| judge(&case.ekf, case.policy, Some(&grid), &wandering(line), &[], &mut case.doubts))
     };
     assert_eq!(both(1.0), [Verdict::Wait, Verdict::NearGrid(1, NEAR)]);
     // Each to two degrees, the angle between them not.
