@@ -6,8 +6,8 @@ use crate::births::local_line::LocalLine;
 use crate::births::verdict::{Doubts, Verdict, judge};
 use crate::filter::ekf::{Ekf, Jacobian, storage};
 use crate::filter::layout::THETA;
-use crate::walls::decision::LOOSE_RAD;
 use crate::walls::decision::BUILT_TOLERANCE;
+use crate::walls::decision::LOOSE_RAD;
 use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::wall::WallPolicy;
 
