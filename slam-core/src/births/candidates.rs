@@ -56,8 +56,11 @@ impl<const B: usize> Candidates<B> {
     }
 
     /// Puts an outlier into the buffer, unless it ended within `spacing_m` of its sensor's last one across the beam: along
-    /// it, noise alone moves the hit.
+    /// it, noise alone moves the hit. Nor is a surface drawn by its short readings alone.
     pub fn keep(&mut self, outlier: &Unexplained, spacing_m: f32) -> Kept {
+        if outlier.reading.is_cut_off(outlier.sensor.limits.max_m) {
+            return Kept::No;
+        }
         let (beam, hit_m) = outlier.hit();
         let sensor = outlier.sensor.index as u8;
         if let Some((_, last)) = self.buffer.newest_of(sensor) {
@@ -108,7 +111,7 @@ impl Unexplained<'_> {
         let pose = &self.odometry.pose;
         let mount = self.sensor.state.mount_then(&self.sensor.limits.model, &self.timing, self.ekf);
         let beam = mount.beam([pose.x_m, pose.y_m], sin_cos(pose.theta_rad));
-        (beam, beam.at(self.reading.range_m / self.sensor.state.gain(self.ekf)))
+        (beam, beam.at(self.reading.mean_m() / self.sensor.state.gain(self.ekf)))
     }
 
     fn with_hit(&self, beam: &Beam, hit_m: [f32; 2]) -> Outlier {

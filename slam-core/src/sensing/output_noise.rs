@@ -68,6 +68,16 @@ impl Outputs {
         (self.count >= 1).then_some(volts - self.last_v[0])
     }
 
+    /// Their mean, volts; none where there was none.
+    pub fn mean(&self) -> Option<f32> {
+        let [last, before] = self.last_v;
+        match self.count {
+            0 => None,
+            1 => Some(last),
+            _ => Some(0.5 * (last + before)),
+        }
+    }
+
     /// Takes in the next output; its second difference, volts, where two came before it.
     pub fn push(&mut self, volts: f32) -> Option<f32> {
         let [last, before] = self.last_v;

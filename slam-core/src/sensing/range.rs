@@ -26,6 +26,8 @@ pub const SURFACE_M: f32 = 0.003;
 pub struct Reading {
     /// What the sensor reports, metres: gain times true range.
     pub range_m: f32,
+    /// What it reported before on this surface, metres, or else this: the noise is the one of a reading there.
+    pub about_m: f32,
     /// The noise as the sensor makes it.
     pub noise: Noise,
 }
@@ -64,9 +66,25 @@ pub struct Innovation {
 }
 
 impl Reading {
-    /// Standard deviation at the reading itself, metres: for points that no prediction exists for.
+    /// Standard deviation where the surface was before, metres: for points that no prediction exists for.
     pub fn sigma_m(&self) -> f32 {
-        libm::sqrtf(self.innovation(self.range_m).noise_m2)
+        libm::sqrtf(self.innovation(self.about_m).noise_m2)
+    }
+
+    /// The range without what noise adds to it on average, metres: the curve bends, so that the range of a voltage that is as often too
+    /// high as too low is too long.
+    pub fn mean_m(&self) -> f32 {
+        match self.noise {
+            Noise::Volts { variance_v2, volts, exponent } => {
+                self.range_m * (1.0 - 0.5 * exponent * (exponent - 1.0) * variance_v2 / (volts * volts))
+            }
+            Noise::Metres { .. } => self.range_m,
+        }
+    }
+
+    /// Whether of readings of this surface only the short ones come, since the long ones are beyond the sensor's largest range, metres.
+    pub fn is_cut_off(&self, max_m: f32) -> bool {
+        matches!(self.noise, Noise::Volts { .. }) && self.about_m + 2.0 * self.sigma_m() > max_m
     }
 
     /// The innovation against a predicted report (gain times range), metres.
@@ -136,8 +154,10 @@ impl FrontEnd {
             (RangeInput::Counts(counts), &RangeModel::Sharp { scale_m, exponent, noise_v }, Some(adc)) => {
                 let volts = self.new_output(adc, counts, dt_s)?;
                 let range_m = scale_m * libm::powf(volts, exponent);
+                let before = self.outputs;
                 let (variance_v2, is_step) = self.output_variance(sensor, adc, volts, range_m, noise_v, noise)?;
-                let reading = Reading { range_m, noise: Noise::Volts { variance_v2, volts, exponent } };
+                let about_m = before.mean().map_or(range_m, |about_v| scale_m * libm::powf(about_v, exponent));
+                let reading = Reading { range_m, about_m, noise: Noise::Volts { variance_v2, volts, exponent } };
                 if let Err(refusal) = self.check_fold(sensor, &reading, path_m) {
                     // No surface is where that seems to be: nothing can have stepped from it.
                     self.outputs = Outputs::NONE;
@@ -151,7 +171,7 @@ impl FrontEnd {
                     return Err(Refusal::Invalid);
                 }
                 in_limits(sensor, range_m)?;
-                Ok(Reading { range_m, noise: Noise::Metres { noise_m, noise_rel } })
+                Ok(Reading { range_m, about_m: range_m, noise: Noise::Metres { noise_m, noise_rel } })
             }
             _ => Err(Refusal::Invalid),
         }
