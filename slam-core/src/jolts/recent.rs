@@ -6,8 +6,9 @@ use crate::geometry::pose::Pose;
 use crate::measurement::beam::Beam;
 use crate::measurement::sensor::Sensor;
 use crate::motion::dead_reckoning::DeadReckoning;
+use crate::rig::{RangeModel, RangeSensor};
 use crate::sensing::latency::Timing;
-use crate::sensing::range::Reading;
+use crate::sensing::range::{Noise, Reading};
 use heapless::{Deque, Vec};
 
 /// Readings that are kept: of half of eight sensors three quarters of a second.
@@ -52,7 +53,7 @@ impl Seen {
             origin_m: beam.origin,
             direction: beam.direction,
             range_m: reading.range_m / sensor.state.gain(ekf),
-            sigma_m: reading.sigma_m(),
+            sigma_m: libm::sqrtf(reading.innovation(reading.range_m).noise_m2),
         }
     }
 }
@@ -112,6 +113,19 @@ impl Recent {
 }
 
 impl Seen {
+    /// The reading of one of these sensors, as it is held against a prediction.
+    pub fn reading(&self, sensors: &[RangeSensor]) -> Reading {
+        let noise = match sensors.get(self.sensor).map(|sensor| &sensor.model) {
+            // In units of the voltage read.
+            Some(&RangeModel::Sharp { exponent, .. }) => {
+                let relative = self.sigma_m / (exponent * self.range_m);
+                Noise::Volts { variance_v2: relative * relative, volts: 1.0, exponent }
+            }
+            _ => Noise::Metres { noise_m: self.sigma_m, noise_rel: 0.0 },
+        };
+        Reading { range_m: self.range_m, about_m: self.range_m, noise }
+    }
+
     /// As a beam in the map.
     fn in_map(&self, Moment { map, reckoned }: &Moment) -> Sighting {
         let (s, c) = sin_cos(wrap(map.theta_rad - reckoned.theta_rad));

@@ -8,7 +8,7 @@ use crate::measurement::data_association::density;
 use crate::measurement::line_of_sight::{Candidate, first_met};
 use crate::measurement::observe::by_pose_and_wall;
 use crate::rig::RangeSensor;
-use crate::sensing::range::SURFACE_M;
+use crate::sensing::range::{Innovation, SURFACE_M};
 use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::map::MapView;
 
@@ -103,6 +103,8 @@ pub struct Scene<'a> {
 struct Held {
     met: Candidate,
     innovation_m: f32,
+    /// Variance of the reading's own noise and of the surface, m^2.
+    own_m2: f32,
     variance_m2: f32,
     prediction: Prediction,
 }
@@ -208,7 +210,7 @@ impl Scene<'_> {
     ) -> Option<(Surface, [f32; 2])> {
         let with = self.hold(grid, &sighting.seen, other, 0.0).map(|held| held.give_or_take(sigma));
         let without = self.hold(grid, &sighting.seen, &sighting.beam, 0.0);
-        let without = without.map(|held| self.as_known(held, sighting));
+        let without = without.map(|held| self.as_known(held));
         let says = |held: &Option<Held>| {
             let anything = self.anything(&sighting.seen);
             libm::logf(held.as_ref().map_or(anything, |held| self.likelihoods(held, sighting).iter().sum()))
@@ -239,18 +241,17 @@ impl Scene<'_> {
         let met = first_met(self.ekf, grid, self.map.walls(), beam, 0.0, within_m, BEYOND_END_M)?;
         let prediction = beam.predict(&met.line);
         let across_m2 = WALLS_M * WALLS_M + more_m * more_m;
-        let variance_m2 =
-            seen.sigma_m * seen.sigma_m + SURFACE_M * SURFACE_M + across_m2 / (met.cos_incidence * met.cos_incidence);
-        let innovation_m = seen.range_m - prediction.range_m;
-        Some(Held { met, innovation_m, variance_m2, prediction })
+        let Innovation { value_m, noise_m2 } = seen.reading(self.sensors).innovation(prediction.range_m);
+        let own_m2 = noise_m2 + SURFACE_M * SURFACE_M;
+        let variance_m2 = own_m2 + across_m2 / (met.cos_incidence * met.cos_incidence);
+        Some(Held { met, innovation_m: value_m, own_m2, variance_m2, prediction })
     }
 
     /// The same with the variance of a robot that is where the filter has it: as well as that is known.
-    fn as_known(&self, held: Held, sighting: &Sighting) -> Held {
+    fn as_known(&self, held: Held) -> Held {
         let Some(wall) = self.map.walls().get(held.met.index) else { return held };
-        let sigma_m = sighting.seen.sigma_m;
         let known_m2 = self.ekf.variance(&by_pose_and_wall(1.0, wall, &held.prediction, false));
-        Held { variance_m2: known_m2 + sigma_m * sigma_m + SURFACE_M * SURFACE_M, ..held }
+        Held { variance_m2: known_m2 + held.own_m2, ..held }
     }
 }
 
