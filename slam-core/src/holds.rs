@@ -15,7 +15,7 @@ use crate::geometry::pose::Pose;
 use crate::holds::stillness::{Stillness, log_odds_of_staying};
 use crate::jolts::confirmation::{Confirmation, SURE};
 use crate::jolts::recent::{self, Recent};
-use crate::jolts::search::Scene;
+use crate::jolts::search::{Scene, WALL_SAYS};
 use crate::measurement::beam::Beam;
 use crate::measurement::data_association::{CHANGES, MIDDLE_M, change, density};
 use crate::measurement::sensor::Sensor;
@@ -311,7 +311,7 @@ impl<const S: usize> Holds<S> {
         let moved = recent.since(confirmation.onset(), moment);
         let stayed = recent.standing_since(confirmation.onset(), &correction.pose);
         let pairs = stayed.iter().map(|sighting| sighting.beam).zip(&moved);
-        let is_held = confirmation.verdict(scene.said(pairs, correction.sigma))?;
+        let is_held = confirmation.verdict(scene.said(pairs, correction.sigma, WALL_SAYS), SURE)?;
         let found = is_held.then_some(*correction);
         self.begin_anew(is_held);
         found
