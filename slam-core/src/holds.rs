@@ -15,7 +15,7 @@ use crate::geometry::pose::Pose;
 use crate::holds::stillness::{Stillness, log_odds_of_staying};
 use crate::jolts::confirmation::{Confirmation, SURE};
 use crate::jolts::recent::{self, Recent};
-use crate::jolts::search::{Scene, WALL_SAYS};
+use crate::jolts::search::{Displacement, SLIP, Scene, WALL_SAYS};
 use crate::measurement::beam::Beam;
 use crate::measurement::data_association::{CHANGES, MIDDLE_M, change, density};
 use crate::measurement::sensor::Sensor;
@@ -305,13 +305,17 @@ impl<const S: usize> Holds<S> {
     }
 
     /// Goes on with the confirmation where the robot seems to be held: by readings since, of one that stands against one that moved
-    /// as its wheels say.
+    /// as its wheels say, from where the filter has it or from somewhat beside that. Along a wall it is all the same to the readings whether a
+    /// robot stands or drives on, once a wheel that slipped has turned it back from where the wheels would have it head. Such slips
+    /// are as rare as holds.
     pub fn confirm(&mut self, scene: &Scene, recent: &Recent, moment: &recent::Moment) -> Option<Correction> {
         let Watch::Claim(Claim { correction, confirmation }) = &self.watch else { return None };
         let moved = recent.since(confirmation.onset(), moment);
         let stayed = recent.standing_since(confirmation.onset(), &correction.pose);
         let pairs = stayed.iter().map(|sighting| sighting.beam).zip(&moved);
-        let is_held = confirmation.verdict(scene.said(pairs, correction.sigma, WALL_SAYS), SURE)?;
+        let stands = scene.said(pairs, correction.sigma, WALL_SAYS);
+        let slipped = if stands > 0.0 { scene.improve(&moved, &Displacement::start(0), &SLIP).log_odds } else { 0.0 };
+        let is_held = confirmation.verdict(stands - slipped.max(0.0), SURE)?;
         let found = is_held.then_some(*correction);
         self.begin_anew(is_held);
         found

@@ -12,7 +12,7 @@ pub mod search;
 
 use crate::jolts::confirmation::{Confirmation, SURE, TRIAL_S};
 use crate::jolts::recent::{Moment, Recent, Seen};
-use crate::jolts::search::{Displacement, STARTS, Scene};
+use crate::jolts::search::{Displacement, JOLT, STARTS, Scene};
 use crate::measurement::data_association::{MIDDLE_M, change};
 use crate::motion::step::Step;
 use crate::report::Outcome;
@@ -202,12 +202,13 @@ impl Jolts {
         let readings = self.recent.since(trial.onset, moment);
         let is_late = trial.for_s > TRIAL_S;
         if trial.start < STARTS {
-            trial.rank(scene.improve(&readings, &Displacement::start(trial.start)));
+            trial.rank(scene.improve(&readings, &Displacement::start(trial.start), &JOLT));
             trial.start += 1;
             return None;
         }
         // With the readings of the last steps.
-        let best = scene.improve(&readings, &core::mem::replace(&mut trial.best, Displacement::start(0)));
+        let best = core::mem::replace(&mut trial.best, Displacement::start(0));
+        let best = scene.improve(&readings, &best, &JOLT);
         let other = core::mem::replace(&mut trial.other, f32::NEG_INFINITY);
         trial.start = 0;
         let log_odds = best.log_odds + trial.told;

@@ -14,7 +14,10 @@ use crate::walls::map::MapView;
 
 /// How far a jolt moves a robot, each axis, metres, and turns it, radians, 1-sigma: by a foot's push or a swinging door, by
 /// a rug's edge or while the wheels turn against a threshold for a second.
-const SIZE: [f32; 3] = [0.2, 0.2, 0.25];
+pub const JOLT: [f32; 3] = [0.2, 0.2, 0.25];
+
+/// The same of a wheel that slips by a centimetre or three, or of readings that were taken for another wall's.
+pub const SLIP: [f32; 3] = [0.05, 0.05, 0.1];
 
 /// Walls lie to one another as the map says, to this, metres.
 const WALLS_M: f32 = 0.01;
@@ -148,12 +151,12 @@ impl Said {
 
 impl Scene<'_> {
     /// The displacement near this one under which the readings fit best, by Gauss and Newton's method with each reading
-    /// weighed by the probability that it is the wall's.
-    pub fn improve(&self, readings: &[Sighting], from: &Displacement) -> Displacement {
+    /// weighed by the probability that it is the wall's. Such displacements are of this size, 1-sigma.
+    pub fn improve(&self, readings: &[Sighting], from: &Displacement, size: &[f32; 3]) -> Displacement {
         let mut found = *from;
         let grid = ManhattanFrame::of(self.ekf);
         for round_m in ROUNDS_M {
-            let mut information = prior();
+            let mut information = prior(size);
             let mut gradient: [f32; 3] = core::array::from_fn(|i| -information[i][i] * found.by[i]);
             for sighting in readings {
                 let Some(held) = self.hold(&grid, &sighting.seen, &found.of(sighting), round_m) else { continue };
@@ -174,17 +177,17 @@ impl Scene<'_> {
             }
             found.covariance = covariance;
         }
-        found.log_odds = self.log_odds(readings, &found);
+        found.log_odds = self.log_odds(readings, &found, size);
         found
     }
 
-    /// Log of the odds of a displacement against none: what the readings say, what is known of jolts, and how small a part of
-    /// all jolts it is (Laplace's approximation).
-    fn log_odds(&self, readings: &[Sighting], found: &Displacement) -> f32 {
-        let known_of_jolts: f32 = found.by.iter().zip(SIZE).map(|(by, size)| -0.5 * (by / size) * (by / size)).sum();
-        let [a, b, c] = SIZE.map(|size| size * size);
+    /// Log of the odds of a displacement against none: what the readings say, what is known of such displacements, and how small a
+    /// part of them all it is (Laplace's approximation).
+    fn log_odds(&self, readings: &[Sighting], found: &Displacement, size: &[f32; 3]) -> f32 {
+        let known: f32 = found.by.iter().zip(size).map(|(by, size)| -0.5 * (by / size) * (by / size)).sum();
+        let [a, b, c] = size.map(|size| size * size);
         let part = 0.5 * libm::logf((determinant(&found.covariance) / (a * b * c)).max(f32::MIN_POSITIVE));
-        self.said_of(readings, found) + known_of_jolts + part
+        self.said_of(readings, found) + known + part
     }
 
     /// Log of the odds of a displacement against none by what the readings say alone.
@@ -282,10 +285,10 @@ impl Held {
     }
 }
 
-/// Information of what is known of jolts.
-fn prior() -> [[f32; 3]; 3] {
+/// Information of what is known of displacements of such a size.
+fn prior(size: &[f32; 3]) -> [[f32; 3]; 3] {
     let mut rows = [[0.0; 3]; 3];
-    for (i, size) in SIZE.into_iter().enumerate() {
+    for (i, size) in size.iter().enumerate() {
         rows[i][i] = 1.0 / (size * size);
     }
     rows
