@@ -127,15 +127,6 @@ struct Said {
     of: Surface,
     log_odds: f32,
     readings: f32,
-    error: CommonError,
-}
-
-/// What the filter's own error makes of all readings of one surface, as far as they tell it.
-#[derive(Clone, Copy, Default)]
-struct CommonError {
-    mean_m: f32,
-    /// Share of its variance that is told.
-    told: f32,
 }
 
 impl Said {
@@ -160,8 +151,8 @@ impl Scene<'_> {
             let mut gradient: [f32; 3] = core::array::from_fn(|i| -information[i][i] * found.by[i]);
             for sighting in readings {
                 let Some(held) = self.hold(&grid, &sighting.seen, &found.of(sighting), round_m) else { continue };
-                let fits = held.fits();
-                let weight = fits / (fits + self.anything(&sighting.seen)) / held.variance_m2;
+                let [fits, anything] = self.likelihoods(&held, sighting);
+                let weight = fits / (fits + anything) / held.variance_m2;
                 let [by_x, by_y] = held.prediction.by_position;
                 let by = [by_x, by_y, held.prediction.by_heading];
                 for ((row, slope), by_i) in information.iter_mut().zip(&mut gradient).zip(by) {
@@ -207,27 +198,42 @@ impl Scene<'_> {
         let mut all = [Said::default(); READINGS];
         let mut known = 0;
         for (other, sighting) in others {
-            let seen = &sighting.seen;
-            let with = self.hold(grid, seen, &other, 0.0).map(|held| held.give_or_take(sigma));
-            let without = self.hold(grid, seen, &sighting.beam, 0.0);
-            let Some(Held { met, .. }) = with.as_ref().or(without.as_ref()) else { continue };
-            let wall = self.map.walls().get(met.index).map_or(0, |wall| wall.id);
-            let of = Surface { wall, sensor: seen.sensor, is_expected: without.is_some() };
+            let Some((of, [with, without])) = self.said_by(grid, sighting, &other, sigma) else { continue };
             let place = all.iter().take(known).position(|said| said.of == of).unwrap_or(known);
             known = known.max(place + 1);
             if let Some(said) = all.get_mut(place) {
-                let anything = self.anything(seen);
-                let with = with.map_or(0.0, |held| held.fits());
-                let without = without.map_or(0.0, |held| said.error.fits(&held, self.known_m2(&held), anything));
-                said.of = of;
-                said.log_odds += libm::logf((with + anything) / (without + anything));
-                said.readings += 1.0;
+                *said = Said { of, log_odds: said.log_odds + with - without, readings: said.readings + 1.0 };
             }
         }
         all.iter().take(known).map(|said| said.together(most)).sum()
     }
 
-    /// Density of a reading that is of anything within the sensor's span.
+    /// What one reading should have met, and the log of its density either way; none where it should have met no wall.
+    fn said_by(
+        &self,
+        grid: &ManhattanFrame,
+        sighting: &Sighting,
+        other: &Beam,
+        sigma: [f32; 3],
+    ) -> Option<(Surface, [f32; 2])> {
+        let with = self.hold(grid, &sighting.seen, other, 0.0).map(|held| held.give_or_take(sigma));
+        let without = self.hold(grid, &sighting.seen, &sighting.beam, 0.0);
+        let without = without.map(|held| self.as_known(held));
+        let says = |held: &Option<Held>| {
+            let anything = self.anything(&sighting.seen);
+            libm::logf(held.as_ref().map_or(anything, |held| self.likelihoods(held, sighting).iter().sum()))
+        };
+        let met = with.as_ref().or(without.as_ref())?.met.index;
+        let wall = self.map.walls().get(met).map_or(0, |wall| wall.id);
+        let surface = Surface { wall, sensor: sighting.seen.sensor, is_expected: without.is_some() };
+        Some((surface, [says(&with), says(&without)]))
+    }
+
+    /// Densities of a reading that is the wall's, and of one that is of anything within the sensor's span.
+    fn likelihoods(&self, held: &Held, sighting: &Sighting) -> [f32; 2] {
+        [(1.0 - ELSE) * density(held.innovation_m, held.variance_m2), self.anything(&sighting.seen)]
+    }
+
     fn anything(&self, seen: &Seen) -> f32 {
         ELSE / self.span_m(seen)
     }
@@ -249,34 +255,15 @@ impl Scene<'_> {
         Some(Held { met, innovation_m: value_m, own_m2, variance_m2, prediction })
     }
 
-    /// Variance of what the filter expects to be read, without the reading's own noise, m^2.
-    fn known_m2(&self, held: &Held) -> f32 {
-        let wall = self.map.walls().get(held.met.index);
-        wall.map_or(0.0, |wall| self.ekf.variance(&by_pose_and_wall(1.0, wall, &held.prediction, false)))
-    }
-}
-
-impl CommonError {
-    /// Density of the next reading, if it is the wall's, where the filter knows what to expect to `known_m2`; that of anything else is
-    /// `anything`. Readings of one surface are all off by what the filter is: only the first of them is a surprise.
-    fn fits(&mut self, held: &Held, known_m2: f32, anything: f32) -> f32 {
-        let left_m2 = (1.0 - self.told) * known_m2;
-        let variance_m2 = left_m2 + held.own_m2;
-        let off_m = held.innovation_m - self.mean_m;
-        let fits = (1.0 - ELSE) * density(off_m, variance_m2);
-        let gain = fits / (fits + anything) * left_m2 / variance_m2;
-        self.mean_m += gain * off_m;
-        self.told += gain * (1.0 - self.told);
-        fits
+    /// The same with the variance of a robot that is where the filter has it: as well as that is known.
+    fn as_known(&self, held: Held) -> Held {
+        let Some(wall) = self.map.walls().get(held.met.index) else { return held };
+        let known_m2 = self.ekf.variance(&by_pose_and_wall(1.0, wall, &held.prediction, false));
+        Held { variance_m2: known_m2 + held.own_m2, ..held }
     }
 }
 
 impl Held {
-    /// Density of a reading that is the wall's.
-    fn fits(&self) -> f32 {
-        (1.0 - ELSE) * density(self.innovation_m, self.variance_m2)
-    }
-
     /// The same for a robot whose pose is known to a 1-sigma vector (metres, metres, radians), all of it at once.
     fn give_or_take(self, [x_m, y_m, turn_rad]: [f32; 3]) -> Self {
         let ([by_x, by_y], by_heading) = (self.prediction.by_position, self.prediction.by_heading);
