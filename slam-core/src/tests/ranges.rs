@@ -17,7 +17,7 @@ fn reading(range_m: f64) -> Reading {
         volts: volts(range_m) as f32,
         exponent: EXPONENT as f32,
     };
-    Reading { range_m: range_m as f32, noise }
+    Reading { range_m: range_m as f32, about_m: range_m as f32, noise }
 }
 
 /// dr/dV of the curve.
@@ -65,7 +65,8 @@ fn short_and_long_readings_of_one_wall_weigh_the_same() {
     let sigma_m = NOISE_V * metres_per_volt(at_m).abs();
     let [short, long] = [-2.0, 2.0].map(|n| reading(at_m + n * sigma_m).innovation(at_m as f32).noise_m2);
     assert!((short / long - 1.0).abs() < 0.02, "{short} {long}");
-    let metric = |range_m| Reading { range_m, noise: Noise::Metres { noise_m: 0.01, noise_rel: 0.02 } };
+    let metric =
+        |range_m| Reading { range_m, about_m: range_m, noise: Noise::Metres { noise_m: 0.01, noise_rel: 0.02 } };
     assert_eq!(metric(0.9).innovation(1.0).noise_m2, metric(1.1).innovation(1.0).noise_m2);
     assert!((metric(1.1).innovation(1.0).noise_m2 - 5e-4).abs() < 1e-9);
     assert!((metric(1.1).innovation(1.0).value_m - 0.1).abs() < 1e-6);
@@ -88,4 +89,40 @@ fn innovations_have_no_bias() {
         // Four sigma of the mean are 0.03; ranges themselves would be off by 0.1 at 1.4 m.
         assert!(bias.abs() < 0.03, "{at_m} m: {bias} sigma");
     }
+}
+
+/// Points of a new wall, weighed as a line fit weighs them, have no bias with four times the usual noise. Weighed by their own noise
+/// they would be 2 % short, for the short ones would weigh most.
+#[test]
+fn points_of_a_new_wall_have_no_bias() {
+    let mut random = Random::new(3);
+    let noise_v = 0.045;
+    for at_m in [0.4, 0.8, 1.1] {
+        let mut output = || SCALE_M * (volts(at_m) + noise_v * random.gaussian()).powf(EXPONENT);
+        let (mut weights, mut sum, mut own_weights, mut own_sum) = (0.0, 0.0, 0.0, 0.0);
+        for _ in 0..40_000 {
+            let range_m = output();
+            let variance_v2 = (noise_v * noise_v) as f32;
+            let noise = Noise::Volts { variance_v2, volts: volts(range_m) as f32, exponent: EXPONENT as f32 };
+            let of = |about_m: f64| Reading { range_m: range_m as f32, about_m: about_m as f32, noise };
+            let (read, own) = (of(output()), of(range_m));
+            let weigh = |reading: &Reading| f64::from(1.0 / (reading.sigma_m() * reading.sigma_m()));
+            weights += weigh(&read);
+            sum += weigh(&read) * f64::from(read.mean_m());
+            own_weights += weigh(&own);
+            own_sum += weigh(&own) * f64::from(own.range_m);
+        }
+        let [bias, own_bias] = [sum / weights, own_sum / own_weights].map(|mean_m| mean_m / at_m - 1.0);
+        assert!(bias.abs() < 0.002, "{at_m} m: {bias}");
+        assert!(at_m < 0.8 || own_bias < -0.01, "{at_m} m: {own_bias}");
+    }
+}
+
+/// Where half of a surface's readings are beyond the largest range, the other half are short ones.
+#[test]
+fn a_surface_at_the_largest_range_is_cut_off() {
+    assert!(reading(1.45).is_cut_off(1.5));
+    assert!(!reading(1.2).is_cut_off(1.5));
+    let metric = Reading { range_m: 1.45, about_m: 1.45, noise: Noise::Metres { noise_m: 0.1, noise_rel: 0.0 } };
+    assert!(!metric.is_cut_off(1.5));
 }
