@@ -15,7 +15,7 @@ use crate::geometry::pose::Pose;
 use crate::holds::stillness::{Stillness, log_odds_of_staying};
 use crate::jolts::confirmation::{Confirmation, SURE};
 use crate::jolts::recent::{self, Recent};
-use crate::jolts::search::{Displacement, SLIP, Scene, WALL_SAYS};
+use crate::jolts::search::{Displacement, SLIP, Scene};
 use crate::measurement::beam::Beam;
 use crate::measurement::data_association::{CHANGES, MIDDLE_M, change, density};
 use crate::measurement::sensor::Sensor;
@@ -313,9 +313,9 @@ impl<const S: usize> Holds<S> {
         let moved = recent.since(confirmation.onset(), moment);
         let stayed = recent.standing_since(confirmation.onset(), &correction.pose);
         let pairs = stayed.iter().map(|sighting| sighting.beam).zip(&moved);
-        let stands = scene.said(pairs, correction.sigma, WALL_SAYS);
+        let stands = scene.said(pairs, correction.sigma);
         let slipped = if stands > 0.0 { scene.improve(&moved, &Displacement::start(0), &SLIP).log_odds } else { 0.0 };
-        let is_held = confirmation.verdict(stands - slipped.max(0.0), SURE)?;
+        let is_held = confirmation.verdict(stands - slipped.max(0.0))?;
         let found = is_held.then_some(*correction);
         self.begin_anew(is_held);
         found

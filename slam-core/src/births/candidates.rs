@@ -128,7 +128,7 @@ impl Unexplained<'_> {
             by_factor: odometry.by_factor(hit_m),
             by_latency: timing.latency.by_age(model, &odometry.pose, hit_m),
             range_m: reading.range_m,
-            sigma_m: reading.sigma_m(),
+            sigma_m: reading.sigma_about_m(),
             step: self.number as u16,
             sweep_m: moved_m * timing.uncertain_share(model),
             position_variance: odometry.position_variance,

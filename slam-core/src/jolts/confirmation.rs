@@ -46,9 +46,9 @@ impl Confirmation {
 
     /// Whether it is so, by the log odds that those readings have for it; none while they have not said enough. A robot that
     /// stands sees no other places, and it is.
-    pub fn verdict(&self, said: f32, sure: f32) -> Option<bool> {
+    pub fn verdict(&self, said: f32) -> Option<bool> {
         let is_elsewhere = self.moved_m > ELSEWHERE_M;
-        let is_decided = self.for_s > TRIAL_S || is_elsewhere && said.abs() > sure;
+        let is_decided = self.for_s > TRIAL_S || is_elsewhere && said.abs() > SURE;
         is_decided.then_some(said > 0.0 || !is_elsewhere)
     }
 }

@@ -41,9 +41,6 @@ const WORTH_ALWAYS: f32 = 4.0;
 const SHARE: f32 = 0.02;
 const AHEAD_S: f32 = 1.0;
 
-/// Log of the odds at which other places confirm a displacement, where each of their surfaces says no more than [`SURE`]: two agree.
-const AGREED: f32 = 1.9 * SURE;
-
 /// What became of the sensors at a look, a bit each.
 #[derive(Clone, Copy, Debug, Default)]
 struct Look {
@@ -195,7 +192,7 @@ impl Jolts {
         if let Some(([x_m, y_m], confirmation)) = trial.found {
             let found = trial.best.seen_from([moment.map.x_m - x_m, moment.map.y_m - y_m]);
             let readings = self.recent.since(confirmation.onset(), moment);
-            let is_confirmed = confirmation.verdict(scene.agreed(&readings, &found, SURE), AGREED)?;
+            let is_confirmed = confirmation.verdict(scene.said_of(&readings, &found))?;
             self.give_up();
             return is_confirmed.then_some(found);
         }

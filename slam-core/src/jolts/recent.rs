@@ -53,7 +53,7 @@ impl Seen {
             origin_m: beam.origin,
             direction: beam.direction,
             range_m: reading.range_m / sensor.state.gain(ekf),
-            sigma_m: libm::sqrtf(reading.innovation(reading.range_m).noise_m2),
+            sigma_m: reading.sigma_m(),
         }
     }
 }

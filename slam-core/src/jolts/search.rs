@@ -27,7 +27,7 @@ const ELSE: f32 = 0.3;
 
 /// What a sensor's readings of one wall can say, as log odds: in one look of so many thousands it is not the robot that moved but what
 /// it sees, a chair, a bin, a curtain, a door. Another sensor sees another place of the wall.
-pub const WALL_SAYS: f32 = 9.0;
+const WALL_SAYS: f32 = 9.0;
 
 /// Turns with which the search begins, in tenths of a radian: neighbours are half of what a beam at half its span can be off
 /// and meet its wall.
@@ -132,9 +132,9 @@ struct Said {
 impl Said {
     /// All together. Where no wall was to be seen there is one that is not in the map yet: if its first reading fits by chance so do
     /// the others, so that all say what one does.
-    fn together(&self, most: f32) -> f32 {
+    fn together(&self) -> f32 {
         match self.of.is_expected {
-            true => self.log_odds.clamp(-most, most),
+            true => self.log_odds.clamp(-WALL_SAYS, WALL_SAYS),
             false => self.log_odds / self.readings,
         }
     }
@@ -183,17 +183,12 @@ impl Scene<'_> {
 
     /// Log of the odds of a displacement against none by what the readings say alone.
     pub fn said_of(&self, readings: &[Sighting], found: &Displacement) -> f32 {
-        self.said(readings.iter().map(|sighting| (found.of(sighting), sighting)), [0.0; 3], WALL_SAYS)
-    }
-
-    /// The same where each surface says no more than this.
-    pub fn agreed(&self, readings: &[Sighting], found: &Displacement, most: f32) -> f32 {
-        self.said(readings.iter().map(|sighting| (found.of(sighting), sighting)), [0.0; 3], most)
+        self.said(readings.iter().map(|sighting| (found.of(sighting), sighting)), [0.0; 3])
     }
 
     /// Log of the odds of a robot that saw other beams against one that saw what the filter takes it to have seen, by what the readings
     /// say alone. The other one's pose is known to a 1-sigma vector (metres, metres, radians), all of it at once.
-    pub fn said<'a>(&self, others: impl Iterator<Item = (Beam, &'a Sighting)>, sigma: [f32; 3], most: f32) -> f32 {
+    pub fn said<'a>(&self, others: impl Iterator<Item = (Beam, &'a Sighting)>, sigma: [f32; 3]) -> f32 {
         let grid = &ManhattanFrame::of(self.ekf);
         let mut all = [Said::default(); READINGS];
         let mut known = 0;
@@ -205,7 +200,7 @@ impl Scene<'_> {
                 *said = Said { of, log_odds: said.log_odds + with - without, readings: said.readings + 1.0 };
             }
         }
-        all.iter().take(known).map(|said| said.together(most)).sum()
+        all.iter().take(known).map(Said::together).sum()
     }
 
     /// What one reading should have met, and the log of its density either way; none where it should have met no wall.

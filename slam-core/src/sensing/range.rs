@@ -66,8 +66,13 @@ pub struct Innovation {
 }
 
 impl Reading {
-    /// Standard deviation where the surface was before, metres: for points that no prediction exists for.
+    /// Standard deviation at the reading itself, metres.
     pub fn sigma_m(&self) -> f32 {
+        libm::sqrtf(self.innovation(self.range_m).noise_m2)
+    }
+
+    /// Standard deviation where the surface was before, metres: for points that are weighed by it.
+    pub fn sigma_about_m(&self) -> f32 {
         libm::sqrtf(self.innovation(self.about_m).noise_m2)
     }
 
@@ -84,7 +89,7 @@ impl Reading {
 
     /// Whether of readings of this surface only the short ones come, since the long ones are beyond the sensor's largest range, metres.
     pub fn is_cut_off(&self, max_m: f32) -> bool {
-        matches!(self.noise, Noise::Volts { .. }) && self.about_m + 2.0 * self.sigma_m() > max_m
+        matches!(self.noise, Noise::Volts { .. }) && self.about_m + 2.0 * self.sigma_about_m() > max_m
     }
 
     /// The innovation against a predicted report (gain times range), metres.
