@@ -24,8 +24,12 @@ fn a_home_is_drawn_moved_and_typed_while_the_robot_drives() {
     let moved = page.run("return document.getElementById('plan-text').value;");
     assert!(moved != after && moved.as_str().unwrap().matches("[[wall]]").count() == 1, "{moved}");
     page.run("document.querySelector(\"[data-tool='erase']\").click();");
-    page.drag("map", &[[0.6, 0.65]; 2]);
-    assert!(!page.run("return document.getElementById('plan-text').value;").as_str().unwrap().contains("[[wall]]"));
+    // The view follows the map, which grows as the robot drives: the wall may be some pixels from where it was a moment ago.
+    let is_erased = [0.65, 0.64, 0.66, 0.63, 0.67].iter().any(|&y| {
+        page.drag("map", &[[0.6, y]; 2]);
+        !page.run("return document.getElementById('plan-text').value;").as_str().unwrap().contains("[[wall]]")
+    });
+    assert!(is_erased, "{moved}");
     // Typed, with a mistake, and without.
     let apply = |text: &str| {
         format!(
