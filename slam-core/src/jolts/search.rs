@@ -16,7 +16,7 @@ use crate::walls::map::MapView;
 /// a rug's edge or while the wheels turn against a threshold for a second.
 pub const JOLT: [f32; 3] = [0.2, 0.2, 0.25];
 
-/// The same of a wheel that slips by a centimetre or three, or of readings that were taken for another wall's.
+/// The same of a wheel that slips by one to three centimetres, and of a filter that took readings of one wall for another's.
 pub const SLIP: [f32; 3] = [0.05, 0.05, 0.1];
 
 /// Walls lie to one another as the map says, to this, metres.
