@@ -43,7 +43,7 @@ impl Config {
             motion: MotionSettings::real_rooms(),
             sensing: SensingSettings::real_rooms(),
             walls: WallSettings::real_rooms(),
-            measurement: MeasurementSettings::real_rooms(),
+            measurement: MeasurementSettings::default(),
             births: BirthSettings::default(),
             hand_overs: false,
         }

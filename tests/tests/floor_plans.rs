@@ -9,7 +9,7 @@ use lab::recording::{Figures, Recording};
 use tests::simulated::drive;
 use tests::snapshot::{Column, Line, check, check_bits};
 
-const SEEDS: std::ops::RangeInclusive<u64> = 1..=8;
+const SEEDS: std::ops::RangeInclusive<u64> = 1..=16;
 const MINUTES: f64 = 6.0;
 
 /// Most walls that one drive may invent.

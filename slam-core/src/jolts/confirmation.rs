@@ -45,10 +45,11 @@ impl Confirmation {
     }
 
     /// Whether it is so, by the log odds that those readings have for it; none while they have not said enough. A robot that
-    /// stands sees no other places, and it is.
+    /// stands sees no other places, and it is. Readings of the same places may agree with what was found by them, and not be right: but
+    /// where even they speak against it, it is not so.
     pub fn verdict(&self, said: f32) -> Option<bool> {
         let is_elsewhere = self.moved_m > ELSEWHERE_M;
-        let is_decided = self.for_s > TRIAL_S || is_elsewhere && said.abs() > SURE;
-        is_decided.then_some(said > 0.0 || !is_elsewhere)
+        let is_decided = self.for_s > TRIAL_S || said < -SURE || is_elsewhere && said > SURE;
+        is_decided.then_some(said > 0.0 || !is_elsewhere && said >= -SURE)
     }
 }

@@ -24,16 +24,11 @@ pub struct MeasurementSettings {
 
 impl MeasurementSettings {
     pub(crate) const IDLE: Self = Self { gate: 0.0, clutter: false, linearisation: Linearisation::Latest };
-
-    /// For rooms with things in them that no wall is.
-    pub fn real_rooms() -> Self {
-        Self { clutter: true, ..Self::default() }
-    }
 }
 
 impl Default for MeasurementSettings {
     fn default() -> Self {
         // 99.9 % of a chi-square distribution with one degree of freedom.
-        Self { gate: 10.83, clutter: false, linearisation: Linearisation::default() }
+        Self { gate: 10.83, clutter: true, linearisation: Linearisation::default() }
     }
 }

@@ -86,6 +86,7 @@ fn slam(kind: Kind, mount: [f64; 3], state: &[f64; STATES], variances: &[f32; ST
     config.walls.policy = kind.policy();
     config.measurement.linearisation = Linearisation::Latest;
     config.sensing.repeats = false;
+    config.measurement.clutter = false;
     let mut slam = Small::with_config(rig, config).unwrap();
     slam.ekf = Ekf::EMPTY;
     for (mean, variance) in state.iter().zip(variances) {
