@@ -54,14 +54,9 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         if !self.config.motion.find_holds || !matches!(self.rig.drive, DriveModel::Wheels { .. }) {
             return;
         }
-        let confirmed = if self.holds.is_in_doubt() { self.confirm_hold() } else { None };
+        let confirmed = if self.holds.is_claimed() { self.confirm_hold() } else { None };
         let judged = || self.holds.judge(layout::pose(&self.ekf), self.counters.steps);
-        let Some(found) = confirmed.or_else(judged) else {
-            if self.holds.is_in_doubt() {
-                self.jolts.give_up();
-            }
-            return;
-        };
+        let Some(found) = confirmed.or_else(judged) else { return };
         let sigma = found.sigma;
         self.put(found.pose, &sigma.map(|a| sigma.map(|b| a * b)));
         self.jolts = Jolts::NONE;

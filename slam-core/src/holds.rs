@@ -13,7 +13,7 @@ use crate::geometry::angle::{sin_cos, wrap};
 use crate::geometry::line::Line;
 use crate::geometry::pose::Pose;
 use crate::holds::stillness::{Stillness, log_odds_of_staying};
-use crate::jolts::confirmation::{Confirmation, SURE};
+use crate::jolts::confirmation::Confirmation;
 use crate::jolts::recent::{self, Recent};
 use crate::jolts::search::{Displacement, SLIP, Scene};
 use crate::measurement::beam::Beam;
@@ -45,9 +45,9 @@ const LEAST_COS: f32 = 0.2;
 /// What one sensor can say, as log odds: it may be what it sees that goes with the robot, for as long as it does.
 const SENSOR_SAYS: f32 = 6.0;
 
-/// Log of the odds against the beginning of a hold from one look to the next: one in an hour of driving, e^10, less half of what its
-/// confirmation says; half, for what makes readings agree by chance before does so after, too.
-const BEGINS: f32 = 10.0 - 0.5 * SURE;
+/// Log odds by walls from which on a hold is claimed: fifty to one, what two walls can say. One hold in an hour of driving, e^10, is
+/// told by what confirms it.
+const WORTH: f32 = 4.0;
 
 /// Log of the odds against its end from one look to the next: most last for some of them.
 const ENDS: f32 = 3.0;
@@ -175,8 +175,8 @@ impl<const S: usize> Holds<S> {
         self.stillness.is_unturned()
     }
 
-    /// Whether it is in doubt where the robot is, so that readings are not to be used.
-    pub fn is_in_doubt(&self) -> bool {
+    /// Whether it seems to be held. Until that is confirmed, readings are used as before: such signs come every few minutes.
+    pub fn is_claimed(&self) -> bool {
         matches!(self.watch, Watch::Claim(_))
     }
 
@@ -210,7 +210,7 @@ impl<const S: usize> Holds<S> {
         let gain = sensor.state.gain(ekf);
         let (range_m, sigma_m) = (reading.range_m / gain, reading.sigma_m());
         self.stillness.note(sensor, range_m, sigma_m);
-        if self.is_in_doubt() {
+        if self.is_claimed() {
             return;
         }
         let Some(witness) = self.witnesses.get_mut(sensor.index) else { return };
@@ -266,7 +266,7 @@ impl<const S: usize> Holds<S> {
             self.begin_anew(true);
             return Some(Correction { pose, sigma: STAYED, is_held: true });
         }
-        if self.is_in_doubt() {
+        if self.is_claimed() {
             return None;
         }
         let said: f32 = self.witnesses.iter().map(Witness::says).sum();
@@ -280,7 +280,7 @@ impl<const S: usize> Holds<S> {
         let has_changed = if self.is_held {
             !self.stillness.is_still() && (said < -ENDS || since_m > REACH_M && !agrees)
         } else {
-            said > BEGINS
+            said > WORTH
         };
         if !has_changed {
             if since_m > REACH_M {
@@ -304,18 +304,22 @@ impl<const S: usize> Holds<S> {
         None
     }
 
-    /// Goes on with the confirmation where the robot seems to be held: by readings since, of one that stands against one that moved
-    /// as its wheels say, from where the filter has it or from somewhat beside that. Along a wall it is all the same to the readings whether a
+    /// Goes on with the confirmation where the robot seems to be held, for as long as no reading changes: by readings since, of one that
+    /// stands against one that moved as its wheels say, from where the filter has it or from somewhat beside that. Along a wall it is all the same to the readings whether a
     /// robot stands or drives on, once a wheel that slipped has turned it back from where the wheels would have it head. Such slips
     /// are as rare as holds.
     pub fn confirm(&mut self, scene: &Scene, recent: &Recent, moment: &recent::Moment) -> Option<Correction> {
         let Watch::Claim(Claim { correction, confirmation }) = &self.watch else { return None };
+        if !self.stillness.is_unchanged_over(confirmation.moved_m()) {
+            self.begin_anew(false);
+            return None;
+        }
         let moved = recent.since(confirmation.onset(), moment);
         let stayed = recent.standing_since(confirmation.onset(), &correction.pose);
         let pairs = stayed.iter().map(|sighting| sighting.beam).zip(&moved);
         let stands = scene.said(pairs, correction.sigma);
         let slipped = if stands > 0.0 { scene.improve(&moved, &Displacement::start(0), &SLIP).log_odds } else { 0.0 };
-        let is_held = confirmation.verdict(stands - slipped.max(0.0))?;
+        let is_held = confirmation.verdict(stands - slipped.max(0.0))? && self.stillness.is_witnessed();
         let found = is_held.then_some(*correction);
         self.begin_anew(is_held);
         found

@@ -320,8 +320,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
                 observer.judge_absence(&sensor);
                 self.holds.note_absence(&sensor);
             }
-            let is_in_doubt = self.jolts.is_in_doubt() || self.holds.is_in_doubt();
-            let outcome = reading.and_then(|reading| match is_in_doubt {
+            let outcome = reading.and_then(|reading| match self.jolts.is_in_doubt() {
                 true => Err(Refusal::Ambiguous),
                 false => observer.observe(&sensor, &reading),
             });

@@ -39,6 +39,9 @@ const STILL_M: f32 = 0.12;
 const FIRST: u8 = 4;
 const FIRST_TURN: u8 = LOOK / 2;
 
+/// Sums of the same steps by wheels and by the filter's motion differ by less, metres.
+const ROUNDING_M: f32 = 0.02;
+
 /// What is held swings a little, metres.
 const SWING_M: f32 = 0.01;
 
@@ -185,6 +188,11 @@ impl<const S: usize> Stillness<S> {
         }
     }
 
+    /// Whether no reading changed while beams should have moved by so much, metres, by another sum of the same steps.
+    pub fn is_unchanged_over(&self, moved_m: f32) -> bool {
+        !self.is_changed && self.moved_m > moved_m - ROUNDING_M
+    }
+
     /// Whether the robot has not begun to move again.
     pub fn is_still(&self) -> bool {
         self.is_same_over(STILL_M)
@@ -212,11 +220,15 @@ impl<const S: usize> Stillness<S> {
     }
 
     /// Whether enough sensors said the same while beams should have moved by so much, metres.
-    #[inline(never)]
     fn is_same_over(&self, moved_m: f32) -> bool {
+        self.moved_m > moved_m && self.is_witnessed()
+    }
+
+    /// Whether enough sensors say so.
+    #[inline(never)]
+    pub fn is_witnessed(&self) -> bool {
         let halves = |kept: &Kept| if kept.is_near { 1 } else { 2 };
-        let told = || self.kept.iter().filter(|kept| kept.is_told());
-        self.moved_m > moved_m && told().map(halves).sum::<u8>() >= 2 * WITNESSES
+        self.kept.iter().filter(|kept| kept.is_told()).map(halves).sum::<u8>() >= 2 * WITNESSES
     }
 }
 

@@ -220,7 +220,7 @@ impl Jolts {
     }
 
     /// Ends the search, if there is one.
-    pub fn give_up(&mut self) {
+    fn give_up(&mut self) {
         self.trial = None;
         self.now = Look::default();
     }
