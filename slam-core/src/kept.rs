@@ -9,7 +9,6 @@ use crate::geometry::angle::wrap;
 use crate::geometry::pose::Pose;
 use crate::slam::Slam;
 pub use crate::walls::wall::Direction;
-use crate::walls::wall::Wall;
 use core::f32::consts::FRAC_PI_2;
 
 /// States of the pose: they lead the filter's states and are not kept.
@@ -90,11 +89,9 @@ pub trait Kept {
 
 impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Kept for Slam<S, W, B, ROWS> {
     fn frame(&self) -> KeptFrame {
-        let of_wall = |wall: &Wall| 1 + usize::from(wall.direction.state().is_some());
-        let in_walls: usize = self.map.walls().iter().map(of_wall).sum();
         KeptFrame {
             states: self.ekf.len() as u16,
-            common: self.ekf.len().saturating_sub(in_walls) as u16,
+            common: self.ekf.len().saturating_sub(self.map.states()) as u16,
             walls: self.map.walls().len() as u16,
             next_id: self.map.next_id(),
             has_grid: self.map.has_grid,

@@ -106,7 +106,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         sensors: [SensorState::NONE; S],
         latency: Latency::NONE,
         levels: NoiseLevels::STATED,
-        slippage: Slippage::STATED,
+        slippage: Slippage::BELIEVED,
         output_noise: OutputNoise::STATED,
         correlation: SurfaceCorrelation::NEW,
         ekf: Ekf::IDLE,
@@ -174,7 +174,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.sensors = [SensorState::NONE; S];
         self.latency = Latency::NONE;
         self.levels = NoiseLevels::STATED;
-        self.slippage = Slippage::STATED;
+        self.slippage = Slippage::BELIEVED;
         self.output_noise = OutputNoise::STATED;
         self.correlation = SurfaceCorrelation::NEW;
         self.first = FirstEstimates::START;
@@ -230,6 +230,10 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let predicted = Direction::of(&self.ekf);
         self.observe(&sample.ranges, tick.dt_s, &mut report);
         self.slippage.corrected(predicted, Direction::of(&self.ekf));
+        if let Some(times) = self.slippage.restated() {
+            let first_wall = self.ekf.len().saturating_sub(self.map.states());
+            self.ekf.widen(times, ALPHA + 1..first_wall);
+        }
         self.recover_from_hold();
         self.recover_from_jolt();
         self.extend_map(tick.dt_s, &mut report);

@@ -139,6 +139,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.counters.add_hand_over(judged);
         judged?;
         self.replace(found);
+        self.slippage.keep();
         self.map.begin_epoch();
         Ok(())
     }

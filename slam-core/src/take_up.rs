@@ -80,6 +80,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let [Some(first), Some(second)] = found.pairs.map(|(_, id)| wall_of(id)) else { return Err(Unfit::NoMatch) };
         let pose = Placement::of(kept, [first, second], &beside, found.quarters).ok_or(Unfit::NoMatch)?;
         self.load(kept, &frame);
+        self.slippage.keep();
         self.doubt_calibration();
         pose.initialise(&mut self.ekf);
         self.first.pose = layout::pose(&self.ekf);

@@ -4,7 +4,7 @@
 //! full cross-covariance, and removed. The costs are O(n) but for the update's downdate, which is n (n + 1) / 2.
 
 use crate::filter::covariance::{self, Covariance, HEAD, LANES, Pair, TILE};
-use core::ops::{Deref, DerefMut};
+use core::ops::{Deref, DerefMut, Range};
 use heapless::Vec;
 
 pub use crate::filter::jacobian::Jacobian;
@@ -228,6 +228,17 @@ impl EkfView {
             let variance = covariance.get(i, i);
             if variance >= least {
                 covariance.set(i, i, variance + ROUNDING * variance);
+            }
+        }
+    }
+
+    /// Multiplies the standard deviations of all states but these by so much. Correlations stay.
+    #[cold]
+    pub fn widen(&mut self, times: f32, but: Range<usize>) {
+        let of = |i: usize| if but.contains(&i) { 1.0 } else { times };
+        for i in 0..self.len {
+            for j in i..self.len {
+                self.set_covariance(i, j, of(i) * of(j) * self.covariance(i, j));
             }
         }
     }

@@ -3,25 +3,41 @@
 //! Over a stretch of path the corrections of the heading add up to what the motion got wrong. The filter expects their sum to
 //! have the variance that they take away (Mehra 1970, of single innovations; of those a slip is in each a little). Where the
 //! square of the sum is larger, the noise of motion is larger than stated.
+//!
+//! Walls that were drawn before that was known are as badly known as the motion was noisy, and the covariance says so once it is.
 
 use crate::filter::ekf::EkfView;
 use crate::filter::layout::{ALPHA, THETA};
 use crate::geometry::angle::wrap;
-use crate::sensing::noise_level::Level;
+use crate::sensing::noise_level::{Level, Prior};
 use crate::walls::decision::relative_variance;
 
 /// Path after which a stretch ends, metres. Beside a wall that two sensors meet, the readings of a second tell the heading again: that is
 /// a quarter of a metre, and a slip at the end of a stretch is in the next one.
 const STRETCH_M: f32 = 1.0;
 
-/// Wheels slip no less than the rig states, for its figure is that of a clean floor; where the variance is a hundred times as large, ten
-/// degrees a metre with the default robot, they tell nothing of the heading any more.
-const FACTORS: [f32; 2] = [1.0, 100.0];
+/// The factor of the variance of motion that is believed before the robot has driven. A rig states the noise of a clean floor, and slips
+/// of half a centimetre a metre, which no encoder tells, are as much again.
+const BELIEVED: f32 = 2.0;
+
+/// Wheels slip no less than the rig states; where the variance is a hundred times as large, ten degrees a metre with the default robot,
+/// they tell nothing of the heading any more. The factor believed may be twice as large or half, 1-sigma: 1 / ln^2 2.
+const PRIOR: Prior = Prior { limits: [1.0 / BELIEVED, 100.0 / BELIEVED], information: 2.0 };
+
+/// A covariance whose noise of motion was so many times another is as many times another to this power: to the first where motion alone
+/// made it, as that of the first walls, and to a half where readings and motion are in balance.
+const POWER: f32 = 0.75;
+
+/// The covariance is restated when the factor has changed by so much, as a share.
+const CHANGED: f32 = 0.05;
 
 /// The level of the noise of motion, and the corrections of the present stretch.
 #[derive(Clone, Copy, Debug)]
 pub struct Slippage {
     level: Level,
+    /// The level that the covariance is of, and whether it stays so.
+    stated: Level,
+    is_kept: bool,
     path_m: f32,
     corrected_rad: f32,
     /// What the corrections were expected to be, rad^2, and the noise of motion in it.
@@ -45,13 +61,36 @@ impl Direction {
 }
 
 impl Slippage {
-    /// As stated.
-    pub const STATED: Self =
-        Self { level: Level::STATED, path_m: 0.0, corrected_rad: 0.0, expected_rad2: 0.0, moved_rad2: 0.0 };
+    /// As believed.
+    pub const BELIEVED: Self = Self {
+        level: Level::STATED,
+        stated: Level::STATED,
+        is_kept: false,
+        path_m: 0.0,
+        corrected_rad: 0.0,
+        expected_rad2: 0.0,
+        moved_rad2: 0.0,
+    };
 
     /// The factor of the variance of motion.
     pub fn factor(&self) -> f32 {
-        self.level.factor()
+        BELIEVED * self.level.factor()
+    }
+
+    /// By how many times the standard deviations of pose and walls are larger than the covariance says, once the factor has turned out to
+    /// be another one.
+    pub fn restated(&mut self) -> Option<f32> {
+        let ratio = self.level.factor() / self.stated.factor();
+        if self.is_kept || (ratio - 1.0).abs() < CHANGED {
+            return None;
+        }
+        self.stated = self.level;
+        Some(libm::powf(ratio, 0.5 * POWER))
+    }
+
+    /// The covariance is that of another drive from now on, which knew its own factor.
+    pub fn keep(&mut self) {
+        self.is_kept = true;
     }
 
     /// A step of so much path, to whose direction the noise of motion added so much (rad^2).
@@ -71,8 +110,9 @@ impl Slippage {
         // Of what the corrections take away, the motion's noise is so much.
         let share = (self.moved_rad2 / self.expected_rad2).min(1.0);
         if excess.is_finite() && share.is_finite() {
-            self.level.learn(excess, share, 1.0, FACTORS);
+            self.level.learn(excess, share, 1.0, &PRIOR);
         }
-        *self = Self { level: self.level, ..Self::STATED };
+        let Self { level, stated, is_kept, .. } = *self;
+        *self = Self { level, stated, is_kept, ..Self::BELIEVED };
     }
 }

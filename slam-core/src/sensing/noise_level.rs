@@ -12,9 +12,17 @@
 
 use crate::rig::DriveModel;
 
-/// Information on the logarithm of a factor before any reading, as [`Level::learn`] counts it: a factor of 1.7 either
+/// A factor's limits, and the information on its logarithm before any reading.
+pub struct Prior {
+    /// Least and greatest factor.
+    pub limits: [f32; 2],
+    /// As [`Level::learn`] counts it.
+    pub information: f32,
+}
+
+/// Information on the logarithm of a factor before any reading: a factor of 1.7 either
 /// way, 1-sigma. On the logs of docs/notes/real-logs.md 6 to 8 do as well.
-const PRIOR: f32 = 7.0;
+const INFORMATION: f32 = 7.0;
 
 /// Most information: what is older than some 500 readings of different places fades.
 const MOST: f32 = 100.0;
@@ -22,11 +30,9 @@ const MOST: f32 = 100.0;
 /// One innovation changes a factor by no more than half of it.
 const LARGEST_CHANGE: f32 = 0.5;
 
-/// A rig file overstates variances by no more than 20.
-const LEAST: f32 = 0.05;
-
-/// Nor understates those of readings by more than four.
-const MOST_OF_READINGS: f32 = 4.0;
+/// A rig file overstates variances by no more than 20, nor understates those of readings by more than four.
+const OF_READINGS: Prior = Prior { limits: [0.05, 4.0], information: INFORMATION };
+const OF_MOTION: Prior = Prior { limits: [0.05, 1.0], information: INFORMATION };
 
 /// A factor of a variance.
 #[derive(Clone, Copy, Debug)]
@@ -46,11 +52,12 @@ impl Level {
     }
 
     /// One innovation: its square was larger than its variance by the share `excess`, its variance grows by the share
-    /// `sensitivity` when the factor does, which stays within these limits.
-    pub fn learn(&mut self, excess: f32, sensitivity: f32, weight: f32, [least, most]: [f32; 2]) {
+    /// `sensitivity` when the factor does.
+    pub fn learn(&mut self, excess: f32, sensitivity: f32, weight: f32, prior: &Prior) {
         self.information = (self.information + weight * sensitivity * sensitivity).min(MOST);
-        let change = weight * sensitivity * excess / (PRIOR + self.information);
+        let change = weight * sensitivity * excess / (prior.information + self.information);
         let factor = self.factor() * (1.0 + change.clamp(-LARGEST_CHANGE, LARGEST_CHANGE));
+        let [least, most] = prior.limits;
         self.above = factor.max(least).min(most) - 1.0;
     }
 }
@@ -90,10 +97,10 @@ impl NoiseLevels {
         if !excess.is_finite() {
             return;
         }
-        self.readings.learn(excess, noise_m2 / variance_m2, weight, [LEAST, MOST_OF_READINGS]);
+        self.readings.learn(excess, noise_m2 / variance_m2, weight, &OF_READINGS);
         // In the balance of prediction and update the variance of the state grows as the root of the motion's noise.
-        self.position.learn(excess, 0.5 * (1.0 - noise_m2 / variance_m2), weight, [LEAST, 1.0]);
-        self.heading.learn(excess, 0.5 * (heading_m2 / variance_m2).min(1.0), weight, [LEAST, 1.0]);
+        self.position.learn(excess, 0.5 * (1.0 - noise_m2 / variance_m2), weight, &OF_MOTION);
+        self.heading.learn(excess, 0.5 * (heading_m2 / variance_m2).min(1.0), weight, &OF_MOTION);
     }
 
     /// The covariance of (forward, left, turn) at these levels. What slips is allowed for in the position only: the heading of

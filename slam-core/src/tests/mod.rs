@@ -30,6 +30,7 @@ mod repeats;
 mod rigs;
 mod runs;
 mod signs;
+mod slippages;
 mod stillness;
 mod strides;
 mod take_overs;

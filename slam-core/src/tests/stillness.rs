@@ -60,3 +60,24 @@ fn a_robot_that_turns_between_walls_at_right_angles_is_not_held() {
     assert!(!is_held(true, 31), "it turns by 0.9 radians");
     assert!(is_held(false, 101), "it stands while its wheels turn by two");
 }
+
+#[test]
+fn a_claim_ends_with_the_first_reading_that_changes() {
+    let limits = sensor([0.2, 1.5]);
+    let mut stillness = Stillness::<4>::NONE;
+    stillness.settle(Pose::ORIGIN);
+    let mut read = |range_m: f32| {
+        stillness.follow(&Pose { x_m: 0.01, ..Pose::ORIGIN }, 0.01);
+        for index in 0..2 {
+            let range_m = if index == 0 { range_m } else { 0.8 };
+            stillness.note(&Sensor { index, limits: &limits, state: &SensorState::NONE }, range_m, 0.01);
+        }
+        let told = [stillness.is_unchanged_over(0.1), stillness.is_witnessed()];
+        stillness.settle(Pose::ORIGIN);
+        told
+    };
+    let still: [[bool; 2]; 30] = core::array::from_fn(|_| read(0.6));
+    assert_eq!(still[29], [true, true]);
+    assert!(!read(0.4)[0], "in the step of the reading");
+    assert_eq!(read(0.4), [false, false], "and from there on");
+}

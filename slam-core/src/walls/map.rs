@@ -164,6 +164,11 @@ impl MapView {
         &self.walls
     }
 
+    /// How many states of the filter are theirs: the last ones.
+    pub fn states(&self) -> usize {
+        self.walls.iter().map(|wall| 1 + usize::from(wall.direction.state().is_some())).sum()
+    }
+
     /// Fixes where wall `index` is drawn in the map frame from now on.
     pub fn draw(&mut self, index: usize, line: Line) {
         if let Some(wall) = self.walls.get_mut(index) {
