@@ -304,10 +304,10 @@ impl<const S: usize> Holds<S> {
         None
     }
 
-    /// Goes on with the confirmation where the robot seems to be held, for as long as no reading changes: by readings since, of one that
-    /// stands against one that moved as its wheels say, from where the filter has it or from somewhat beside that. Along a wall it is all the same to the readings whether a
-    /// robot stands or drives on, once a wheel that slipped has turned it back from where the wheels would have it head. Such slips
-    /// are as rare as holds.
+    /// Goes on with the confirmation where the robot seems to be held, for as long as no reading changes: by readings since, of one
+    /// that stands against one that moved as its wheels say, from where the filter has it or from somewhat beside that. Along a wall
+    /// it is all the same to the readings whether a robot stands or drives on, once a wheel that slipped has turned it back from where
+    /// the wheels would have it head. Such slips are as rare as holds.
     pub fn confirm(&mut self, scene: &Scene, recent: &Recent, moment: &recent::Moment) -> Option<Correction> {
         let Watch::Claim(Claim { correction, confirmation }) = &self.watch else { return None };
         if !self.stillness.is_unchanged_over(confirmation.moved_m()) {

@@ -57,6 +57,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     fn begin_anew(&mut self) {
         self.first = FirstEstimates::START;
         self.shortfall = Shortfall::NONE;
+        self.slippage.begin_map();
         self.candidates.clear();
         self.jolts = Jolts::NONE;
         self.holds.forget();

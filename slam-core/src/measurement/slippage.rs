@@ -88,6 +88,11 @@ impl Slippage {
         Some(libm::powf(ratio, 0.5 * POWER))
     }
 
+    /// A new map begins, whose covariance is of the factor as it is known now.
+    pub fn begin_map(&mut self) {
+        (self.stated, self.is_kept) = (self.level, false);
+    }
+
     /// The covariance is that of another drive from now on, which knew its own factor.
     pub fn keep(&mut self) {
         self.is_kept = true;

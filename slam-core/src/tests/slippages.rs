@@ -56,6 +56,9 @@ fn the_errors_of_a_map_of_another_drive_stay() {
     slippage.keep();
     assert_eq!(drive(&mut slippage, 400, 30.0), 1.0);
     assert!(slippage.factor() > 15.0, "what is learned of the wheels counts all the same: {}", slippage.factor());
+    slippage.begin_map();
+    assert_eq!(slippage.restated(), None, "a new map begins with what is known");
+    assert!(drive(&mut slippage, 400, 2.0) < 0.8);
 }
 
 #[test]
