@@ -63,6 +63,13 @@ fn feed(page: &mut Page, bytes: &[u8]) {
     page.run(&format!("window.feed(new Uint8Array({}));", json!(bytes)));
 }
 
+/// Waits until the page has taken in so many bytes in all.
+fn until_taken_in(page: &mut Page, bytes: usize) {
+    page.until(&format!(
+        "document.getElementById('status').textContent.replace(/(\\d)\\s(?=\\d)/g, '$1').includes(' {bytes} bytes')"
+    ));
+}
+
 #[test]
 #[ignore = "needs the built page: cargo xtask test studio"]
 fn a_robot_at_a_serial_port_is_shown_steered_and_recorded() {
@@ -233,6 +240,7 @@ fn a_robot_is_examined_and_its_calibration_told() {
     }
     page.until("document.querySelectorAll('#walls tbody tr').length > 3");
     page.run("document.querySelectorAll('#doctor, #calibrate').forEach((part) => (part.open = true));");
+    until_taken_in(&mut page, first.len());
     // Eight gains, two wheels.
     page.until("document.querySelectorAll('#calibrate-factors li').length === 10");
     page.run("document.getElementById('doctor-begin').click();");
@@ -243,6 +251,8 @@ fn a_robot_is_examined_and_its_calibration_told() {
     let (middle, rest) = rest.split_at(rest.len() / 2);
     feed(&mut page, middle);
     page.until("document.getElementById('doctor-now').textContent.includes('in front of sensor 0')");
+    // What comes late would be taken for what the sensor reads of the board.
+    until_taken_in(&mut page, first.len() + middle.len());
     page.run("document.getElementById('doctor-done').click();");
     page.until("document.getElementById('doctor-now').textContent.startsWith('Listening')");
     feed(&mut page, rest);
