@@ -45,8 +45,8 @@ const LEAST_COS: f32 = 0.2;
 /// What one sensor can say, as log odds: it may be what it sees that goes with the robot, for as long as it does.
 const SENSOR_SAYS: f32 = 6.0;
 
-/// Log odds by walls from which on a hold is claimed: fifty to one, what two walls can say. One hold in an hour of driving, e^10, is
-/// told by what confirms it.
+/// Log odds by walls from which on a hold is claimed: more than the 3.9 that one look of one sensor says at most, so that it takes
+/// two. That holds are as rare as one in an hour of driving is left to the confirmation.
 const WORTH: f32 = 4.0;
 
 /// Log of the odds against its end from one look to the next: most last for some of them.
@@ -175,7 +175,7 @@ impl<const S: usize> Holds<S> {
         self.stillness.is_unturned()
     }
 
-    /// Whether it seems to be held. Until that is confirmed, readings are used as before: such signs come every few minutes.
+    /// Whether it seems to be held. Until that is confirmed readings are used as before, for most such signs are none of a hold.
     pub fn is_claimed(&self) -> bool {
         matches!(self.watch, Watch::Claim(_))
     }
@@ -310,7 +310,7 @@ impl<const S: usize> Holds<S> {
     /// the wheels would have it head. Such slips are as rare as holds.
     pub fn confirm(&mut self, scene: &Scene, recent: &Recent, moment: &recent::Moment) -> Option<Correction> {
         let Watch::Claim(Claim { correction, confirmation }) = &self.watch else { return None };
-        if !self.stillness.is_unchanged_over(confirmation.moved_m()) {
+        if self.stillness.is_changed() {
             self.begin_anew(false);
             return None;
         }

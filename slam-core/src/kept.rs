@@ -91,7 +91,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Kept for
     fn frame(&self) -> KeptFrame {
         KeptFrame {
             states: self.ekf.len() as u16,
-            common: self.ekf.len().saturating_sub(self.map.states()) as u16,
+            common: self.map.first_state(&self.ekf) as u16,
             walls: self.map.walls().len() as u16,
             next_id: self.map.next_id(),
             has_grid: self.map.has_grid,

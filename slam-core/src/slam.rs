@@ -231,8 +231,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.observe(&sample.ranges, tick.dt_s, &mut report);
         self.slippage.corrected(predicted, Direction::of(&self.ekf));
         if let Some(times) = self.slippage.restated() {
-            let first_wall = self.ekf.len().saturating_sub(self.map.states());
-            self.ekf.widen(times, ALPHA + 1..first_wall);
+            let of_walls = self.map.first_state(&self.ekf);
+            self.ekf.widen(times, ALPHA + 1..of_walls);
         }
         self.recover_from_hold();
         self.recover_from_jolt();

@@ -235,10 +235,12 @@ impl EkfView {
     /// Multiplies the standard deviations of all states but these by so much. Correlations stay.
     #[cold]
     pub fn widen(&mut self, times: f32, but: Range<usize>) {
+        let len = self.len;
+        let Some(Parts { mut covariance, .. }) = self.parts() else { return };
         let of = |i: usize| if but.contains(&i) { 1.0 } else { times };
-        for i in 0..self.len {
-            for j in i..self.len {
-                self.set_covariance(i, j, of(i) * of(j) * self.covariance(i, j));
+        for i in 0..len {
+            for j in i..len {
+                covariance.set(i, j, of(i) * of(j) * covariance.get(i, j));
             }
         }
     }

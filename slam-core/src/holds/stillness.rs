@@ -39,9 +39,6 @@ const STILL_M: f32 = 0.12;
 const FIRST: u8 = 4;
 const FIRST_TURN: u8 = LOOK / 2;
 
-/// Sums of the same steps by wheels and by the filter's motion differ by less, metres.
-const ROUNDING_M: f32 = 0.02;
-
 /// What is held swings a little, metres.
 const SWING_M: f32 = 0.01;
 
@@ -188,9 +185,9 @@ impl<const S: usize> Stillness<S> {
         }
     }
 
-    /// Whether no reading changed while beams should have moved by so much, metres, by another sum of the same steps.
-    pub fn is_unchanged_over(&self, moved_m: f32) -> bool {
-        !self.is_changed && self.moved_m > moved_m - ROUNDING_M
+    /// Whether a reading of this step changed.
+    pub fn is_changed(&self) -> bool {
+        self.is_changed
     }
 
     /// Whether the robot has not begun to move again.

@@ -44,11 +44,6 @@ impl Confirmation {
         self.onset
     }
 
-    /// How far beams moved since it was found, metres.
-    pub fn moved_m(&self) -> f32 {
-        self.moved_m
-    }
-
     /// Whether it is so, by the log odds that those readings have for it; none while they have not said enough. A robot that
     /// stands sees no other places, and it is. Readings of the same places may agree with what was found by them, and not be right: but
     /// where even they speak against it, it is not so.

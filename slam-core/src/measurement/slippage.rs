@@ -38,11 +38,21 @@ pub struct Slippage {
     /// The level that the covariance is of, and whether it stays so.
     stated: Level,
     is_kept: bool,
+    stretch: Stretch,
+}
+
+/// What readings corrected along a stretch of path.
+#[derive(Clone, Copy, Debug)]
+struct Stretch {
     path_m: f32,
     corrected_rad: f32,
     /// What the corrections were expected to be, rad^2, and the noise of motion in it.
     expected_rad2: f32,
     moved_rad2: f32,
+}
+
+impl Stretch {
+    const NONE: Self = Self { path_m: 0.0, corrected_rad: 0.0, expected_rad2: 0.0, moved_rad2: 0.0 };
 }
 
 /// The robot's direction against the grid of walls, or in the map frame until there is one, radians, and its variance: that
@@ -61,16 +71,9 @@ impl Direction {
 }
 
 impl Slippage {
-    /// As believed.
-    pub const BELIEVED: Self = Self {
-        level: Level::STATED,
-        stated: Level::STATED,
-        is_kept: false,
-        path_m: 0.0,
-        corrected_rad: 0.0,
-        expected_rad2: 0.0,
-        moved_rad2: 0.0,
-    };
+    /// What is believed before the robot has driven.
+    pub const BELIEVED: Self =
+        Self { level: Level::STATED, stated: Level::STATED, is_kept: false, stretch: Stretch::NONE };
 
     /// The factor of the variance of motion.
     pub fn factor(&self) -> f32 {
@@ -100,24 +103,24 @@ impl Slippage {
 
     /// A step of so much path, to whose direction the noise of motion added so much (rad^2).
     pub fn moved(&mut self, path_m: f32, noise_rad2: f32) {
-        self.path_m += path_m;
-        self.moved_rad2 += noise_rad2;
+        self.stretch.path_m += path_m;
+        self.stretch.moved_rad2 += noise_rad2;
     }
 
     /// The readings of a step corrected the direction.
     pub fn corrected(&mut self, from: Direction, to: Direction) {
-        self.corrected_rad += wrap(to.rad - from.rad);
-        self.expected_rad2 += (from.variance - to.variance).max(0.0);
-        if self.path_m < STRETCH_M {
+        let stretch = &mut self.stretch;
+        stretch.corrected_rad += wrap(to.rad - from.rad);
+        stretch.expected_rad2 += (from.variance - to.variance).max(0.0);
+        if stretch.path_m < STRETCH_M {
             return;
         }
-        let excess = self.corrected_rad * self.corrected_rad / self.expected_rad2 - 1.0;
+        let Stretch { corrected_rad, expected_rad2, moved_rad2, .. } = core::mem::replace(stretch, Stretch::NONE);
+        let excess = corrected_rad * corrected_rad / expected_rad2 - 1.0;
         // Of what the corrections take away, the motion's noise is so much.
-        let share = (self.moved_rad2 / self.expected_rad2).min(1.0);
+        let share = (moved_rad2 / expected_rad2).min(1.0);
         if excess.is_finite() && share.is_finite() {
             self.level.learn(excess, share, 1.0, &PRIOR);
         }
-        let Self { level, stated, is_kept, .. } = *self;
-        *self = Self { level, stated, is_kept, ..Self::BELIEVED };
     }
 }

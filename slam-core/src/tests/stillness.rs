@@ -72,7 +72,8 @@ fn a_claim_ends_with_the_first_reading_that_changes() {
             let range_m = if index == 0 { range_m } else { 0.8 };
             stillness.note(&Sensor { index, limits: &limits, state: &SensorState::NONE }, range_m, 0.01);
         }
-        let told = [stillness.is_unchanged_over(0.1), stillness.is_witnessed()];
+        let is_as_before = !stillness.is_changed() && stillness.begun(0.1).is_some();
+        let told = [is_as_before, stillness.is_witnessed()];
         stillness.settle(Pose::ORIGIN);
         told
     };

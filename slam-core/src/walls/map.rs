@@ -164,9 +164,9 @@ impl MapView {
         &self.walls
     }
 
-    /// How many states of the filter are theirs: the last ones.
-    pub fn states(&self) -> usize {
-        self.walls.iter().map(|wall| 1 + usize::from(wall.direction.state().is_some())).sum()
+    /// The first of the filter's states that is a wall's: theirs are the last ones.
+    pub fn first_state(&self, ekf: &EkfView) -> usize {
+        ekf.len().saturating_sub(self.walls.iter().map(Wall::states).sum())
     }
 
     /// Fixes where wall `index` is drawn in the map frame from now on.
