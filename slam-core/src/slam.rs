@@ -331,8 +331,13 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             report.outcome = outcome.unwrap_or_else(Outcome::Refused);
             self.counters.add_reading(&report.outcome);
             self.monitor.note(&report.outcome, observer.path_m);
-            if matches!(report.outcome, Outcome::Updated { .. }) {
+            if let Outcome::Updated { wall, .. } = report.outcome {
                 self.shortfall = Shortfall::NONE;
+                if self.sign.is_open()
+                    && let Some(wall) = observer.map.walls().iter().find(|other| other.id == wall)
+                {
+                    self.sign.met(index, wall.beta_rad(observer.ekf) - observer.ekf.mean(THETA));
+                }
             }
             let Ok(reading) = &reading else { continue };
             self.holds.note(&sensor, reading, &timing, (observer.ekf, observer.map), &report.outcome);

@@ -16,7 +16,7 @@ pub struct Part {
 }
 
 /// Every part.
-pub const PARTS: [Part; 16] = [
+pub const PARTS: [Part; 17] = [
     Part::new("grid", "every wall has a direction of its own", |config| config.walls.policy = WallPolicy::Free),
     Part::new("gains", "the range sensors' gains are taken for exact", |config| config.sensing.calibrate_gains = false),
     Part::new("scales", "the drive's scales are taken for exact", |config| config.motion.calibrate_scales = false),
@@ -43,6 +43,7 @@ pub const PARTS: [Part; 16] = [
         config.sensing.calibrate_age = false;
     }),
     Part::new("slip", "the rig states all the noise of motion", |config| config.motion.slip = Slip::Stated),
+    Part::new("sign", "odometry that always says forwards is believed", |config| config.motion.find_sign = false),
     Part::new("mean-travel", "scales multiply each step's motion as it is", |config| config.motion.mean_travel = false),
     Part::new("levels", "the noise is as large as the rig states", |config| config.sensing.learn_noise = false),
 ];

@@ -22,9 +22,6 @@ pub struct VariantArgs {
     /// At which estimates the models are differentiated.
     #[arg(long, value_enum, default_value_t = Jacobians::First)]
     jacobians: Jacobians,
-    /// The odometry has no sign: it says forwards where the robot drives backwards, and the ranges in metres tell.
-    #[arg(long)]
-    unsigned_odometry: bool,
     /// Look back while the robot drives, as a robot would, and let the estimator take over what is found.
     #[arg(long)]
     hand_overs: bool,
@@ -142,7 +139,6 @@ impl VariantArgs {
         config.walls.policy = self.walls.map_or(base.walls.policy, Walls::policy);
         config.births.clustering = self.clusters.clustering();
         config.measurement.linearisation = self.jacobians.linearisation();
-        config.motion.find_sign = base.motion.find_sign || self.unsigned_odometry;
         config.hand_overs = base.hand_overs || self.hand_overs;
         config.sensing.calibrate_gains = calibrate;
         config.motion.calibrate_scales = calibrate;

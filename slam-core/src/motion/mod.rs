@@ -31,8 +31,7 @@ pub struct MotionSettings {
     pub slip: Slip,
     /// Scales, track and veer multiply the mean motion of the last while, which has less noise than that of a step.
     pub mean_travel: bool,
-    /// Odometry has no sign and says forwards where the robot drove backwards: the ranges of sensors that report metres tell.
-    /// Off for odometry that may have one, since people who walk ahead of a robot look like a robot that drives backwards.
+    /// Odometry may have no sign and say forwards where the robot drove backwards: the ranges of sensors that report metres tell.
     pub find_sign: bool,
     /// The readings tell when something holds the robot while its wheels turn. With wheels alone: where a pose is logged, what
     /// turned is not known.
@@ -51,7 +50,7 @@ impl MotionSettings {
 
     /// For floors and odometry as they are.
     pub fn real_rooms() -> Self {
-        Self { slip: Slip::OfFloors, ..Self::default() }
+        Self { slip: Slip::OfFloors, find_sign: true, ..Self::default() }
     }
 }
 

@@ -2,8 +2,9 @@
 //!
 //! An encoder with one channel counts the same whichever way its wheel turns, and the odometry that is made of it says
 //! forwards always. The ranges tell: while a robot drives forwards, a beam that points ahead gets shorter by what was
-//! driven, and longer while it drives backwards. That takes no wall and no map. A surface that a beam meets at an angle goes its
-//! own way row by row, so that one such surface alone does not decide.
+//! driven, and longer while it drives backwards. By how much, the direction of the wall tells that the beam met; where it met none
+//! of the map, a surface may stand anyhow and move by itself, so that one such surface alone does not decide. People who walk ahead
+//! are no walls: while they say backwards, the walls beside them say forwards.
 //!
 //! A robot turns round where it stands. So a stretch between two stops was driven one way as a whole, and which way is a
 //! hidden Markov model with two states, of which the log odds are kept. Once they tell that a stretch goes the other way, the
@@ -11,7 +12,7 @@
 
 use crate::geometry::angle::sin_cos;
 use crate::motion::travel::Travel;
-use crate::rig::{RangeModel, RangeSensor};
+use crate::rig::{Mount, RangeModel, RangeSensor};
 use crate::sample::RangeInput;
 
 /// Probability that an odometry has no sign before anything tells, and the least that is left after any number of stretches.
@@ -46,15 +47,22 @@ const STAMP_SHARE: f32 = 0.09;
 /// to it: of a normal that may stand anywhere up to 70 degrees from the beam, 0.7 rad 1-sigma.
 const INCIDENCE_SHARE: f32 = 0.5;
 
-/// What one surface tells is at most this over the sine of the beam's angle to the way, as log odds: how it stands is in all of
-/// its rows. Of one that is met straight ahead that does not matter.
-const MOST_OF_SURFACE: f32 = 1.5;
+/// What one surface tells is at most this, as log odds: one in fifty moves by itself. Of one that fitted a wall of the map, one in a
+/// thousand does.
+const MOST_OF_SURFACE: f32 = 3.9;
+const MOST_OF_WALL: f32 = 6.9;
+
+/// How far the surface of a wall is from its line, metres.
+const RELIEF_M: f32 = 0.01;
+
+/// Least cosine of the incidence on a wall whose reading tells something.
+const LEAST_COS: f32 = 0.3;
 
 /// What one row tells is at most this, as log odds: its readings share the stamp, and the motion.
 const MOST_OF_ROW: f32 = 3.0;
 
 /// A range that changes by more than this many times what was driven, and by more than its noise and the beam's sweep, is of
-/// another surface: 70 degrees from the beam it would change by three times that.
+/// another surface: one 70 degrees from the beam would change by three times that. One of a wall that is off by more than its noise either way is, too.
 const SAME_SURFACE: f32 = 3.0;
 const SIGMAS: f32 = 4.0;
 
@@ -173,6 +181,18 @@ impl<const S: usize> Sign<S> {
         }
     }
 
+    /// A sensor met a wall whose normal has this direction in the robot's frame, radians.
+    pub fn met(&mut self, sensor: usize, normal_rad: f32) {
+        if let Some(surface) = self.surfaces.get_mut(sensor) {
+            surface.normal_rad = Some(normal_rad);
+        }
+    }
+
+    /// Whether that may matter: the odometry may have no sign.
+    pub fn is_open(&self) -> bool {
+        self.unsigned > 0.0
+    }
+
     /// Takes in a row's ranges. Where they tell that the stretch goes the other way: by how much the position is to be moved,
     /// metres, in the frame of dead reckoning.
     pub fn tell(&mut self, sensors: &[RangeSensor], inputs: &[RangeInput]) -> Option<[f32; 2]> {
@@ -181,22 +201,25 @@ impl<const S: usize> Sign<S> {
             return None;
         }
         let (forward_m, turn_rad) = (core::mem::take(&mut self.forward_m), core::mem::take(&mut self.turn_rad));
-        let mut told = 0.0;
+        let mut says = 0.0;
         for ((sensor, input), surface) in sensors.iter().zip(inputs).zip(&mut self.surfaces) {
             if !self.is_moving {
                 *surface = Surface::NONE;
             }
-            told += surface.told_by(sensor, *input, forward_m, turn_rad);
+            says += surface.look(sensor, *input, forward_m, turn_rad);
         }
         if !self.is_moving {
             return None;
         }
+        let told: f32 = self.surfaces.iter().map(|surface| surface.tells).sum();
+        let share = (MOST_OF_ROW / told.abs()).min(1.0);
+        self.surfaces.iter_mut().for_each(|surface| surface.told += share * core::mem::take(&mut surface.tells));
         // Bounded, so that probabilities stay numbers between zero and one.
-        self.log_odds = (self.log_odds + told.clamp(-MOST_OF_ROW, MOST_OF_ROW)).clamp(-15.0, 15.0);
+        self.log_odds = (self.log_odds + share * told).clamp(-15.0, 15.0);
         let is_other = if self.is_reversed { self.log_odds < -DECISION } else { self.log_odds > DECISION };
         self.is_reversed ^= is_other;
         let stretch_m = self.stretch_m;
-        if self.log_odds.abs() > DECISION && self.is_reversed == (told > 0.0) {
+        if self.log_odds.abs() > DECISION && self.is_reversed == (says > 0.0) {
             // What was driven up to here is settled.
             self.stretch_m = [0.0; 2];
         }
@@ -209,40 +232,88 @@ impl<const S: usize> Sign<S> {
 struct Surface {
     /// The last range, metres; zero where there is none.
     last_m: f32,
-    /// What it has told since, as log odds of backwards against forwards.
+    /// What it has told since, as log odds of backwards against forwards, and what it would tell now.
     told: f32,
+    tells: f32,
+    /// Direction of the normal of the wall that it is, either way, in the robot's frame, radians.
+    normal_rad: Option<f32>,
+}
+
+/// How a range should change.
+struct Change {
+    /// What it would be had the robot only turned, metres.
+    turned_m: f32,
+    /// By how much more it changes forwards, metres.
+    forwards_m: f32,
+    /// Variance of both, m^2, without the reading's own noise.
+    variance_m2: f32,
+    /// By more than this it is another surface, beside the noise, metres.
+    most_m: f32,
 }
 
 impl Surface {
-    const NONE: Self = Self { last_m: 0.0, told: 0.0 };
+    const NONE: Self = Self { last_m: 0.0, told: 0.0, tells: 0.0, normal_rad: None };
 
-    /// How much more it tells by a row's range and motion.
-    fn told_by(&mut self, sensor: &RangeSensor, input: RangeInput, forward_m: f32, turn_rad: f32) -> f32 {
-        let (sin, cos) = sin_cos(sensor.mount.bearing_rad);
+    /// What a row's range and motion say, as log odds of backwards against forwards, whatever it told before.
+    fn look(&mut self, sensor: &RangeSensor, input: RangeInput, forward_m: f32, turn_rad: f32) -> f32 {
         let (RangeModel::Metric { noise_m, noise_rel }, RangeInput::Metres(now_m)) = (sensor.model, input) else {
             *self = Self::NONE;
             return 0.0;
         };
-        if !(now_m >= sensor.min_m && now_m <= sensor.max_m) || cos.abs() < AHEAD_COS {
+        if !(now_m >= sensor.min_m && now_m <= sensor.max_m) {
             *self = Self::NONE;
             return 0.0;
         }
+        let before = core::mem::replace(self, Self { last_m: now_m, ..Self::NONE });
+        let change = match before.normal_rad {
+            Some(normal_rad) => before.change_of_wall(&sensor.mount, normal_rad, forward_m, turn_rad),
+            None => before.change(&sensor.mount, now_m, forward_m, turn_rad),
+        };
+        let Some(change) = change else { return 0.0 };
         let noise_m = noise_m + noise_rel * now_m;
-        let swept_m = now_m * turn_rad;
-        let change_m = now_m - self.last_m;
-        let is_new =
-            self.last_m == 0.0 || change_m.abs() > SAME_SURFACE * forward_m.abs() + swept_m.abs() + SIGMAS * noise_m;
-        self.last_m = now_m;
-        if is_new {
-            self.told = 0.0;
+        let variance_m2 = 2.0 * noise_m * noise_m + change.variance_m2;
+        let off_m = now_m - change.turned_m;
+        let sigma_m = if before.normal_rad.is_some() { libm::sqrtf(variance_m2) } else { noise_m };
+        if off_m.abs() > change.most_m + SIGMAS * sigma_m {
             return 0.0;
         }
-        let motion_m2 = forward_m * forward_m * (STAMP_SHARE + INCIDENCE_SHARE * sin * sin);
-        let variance_m2 = 2.0 * noise_m * noise_m + swept_m * swept_m + motion_m2;
-        let ratio = log_ratio(change_m, -forward_m * cos, variance_m2, sensor.span_m());
-        let most = MOST_OF_SURFACE / sin.abs().max(1e-3);
-        let told = (self.told + ratio).clamp(-most, most);
-        told - core::mem::replace(&mut self.told, told)
+        let ratio = log_ratio(off_m, change.forwards_m, variance_m2, sensor.span_m());
+        let most = if before.normal_rad.is_some() { MOST_OF_WALL } else { MOST_OF_SURFACE };
+        let tells = (before.told + ratio).clamp(-most, most) - before.told;
+        *self = Self { last_m: now_m, tells, normal_rad: before.normal_rad.map(|rad| rad - turn_rad), ..before };
+        ratio
+    }
+
+    /// Of a surface that may stand anyhow, seen now at this range.
+    fn change(&self, mount: &Mount, now_m: f32, forward_m: f32, turn_rad: f32) -> Option<Change> {
+        let (sin, cos) = sin_cos(mount.bearing_rad);
+        if self.last_m == 0.0 || cos.abs() < AHEAD_COS {
+            return None;
+        }
+        let swept_m = now_m * turn_rad;
+        let share = STAMP_SHARE + INCIDENCE_SHARE * sin * sin;
+        Some(Change {
+            turned_m: self.last_m,
+            forwards_m: -forward_m * cos,
+            variance_m2: swept_m * swept_m + forward_m * forward_m * share,
+            most_m: SAME_SURFACE * forward_m.abs() + swept_m.abs(),
+        })
+    }
+
+    /// Of a wall with this normal. The robot moves and then turns.
+    fn change_of_wall(&self, mount: &Mount, normal_rad: f32, forward_m: f32, turn_rad: f32) -> Option<Change> {
+        let (sin, cos) = sin_cos(normal_rad);
+        let before_cos = sin_cos(normal_rad - mount.bearing_rad).1;
+        let (now_sin, now_cos) = sin_cos(normal_rad - turn_rad - mount.bearing_rad);
+        if before_cos.abs() < LEAST_COS || now_cos.abs() < LEAST_COS {
+            return None;
+        }
+        // The turn takes a sensor along that is not on the axle's centre.
+        let beside_m = self.last_m * before_cos - turn_rad * (sin * mount.x_m - cos * mount.y_m);
+        let (turned_m, forwards_m) = (beside_m / now_cos, -forward_m * cos / now_cos);
+        let swept_m = turned_m * turn_rad * now_sin / now_cos;
+        let variance_m2 = RELIEF_M * RELIEF_M + STAMP_SHARE * (forwards_m * forwards_m + swept_m * swept_m);
+        Some(Change { turned_m, forwards_m, variance_m2, most_m: forwards_m.abs() })
     }
 }
 
