@@ -311,10 +311,10 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.jolts.wait(dt_s, &self.drive.step, self.counters.steps);
         self.holds.wait(dt_s, &self.drive.step, self.counters.steps);
         let sensors = self.rig.sensors.iter().zip(&mut self.sensors).enumerate();
-        for (((index, (limits, state)), input), report) in sensors.zip(inputs).zip(&mut report.readings) {
-            if *input == RangeInput::Missing {
-                continue;
-            }
+        let inputs = sensors.zip(inputs).zip(&mut report.readings);
+        for (((index, (limits, state)), input), report) in
+            inputs.filter(|((_, input), _)| **input != RangeInput::Missing)
+        {
             let (adc, noise) = (self.rig.adc.as_ref(), &mut self.output_noise);
             let reading = state.front_end.read(limits, adc, *input, dt_s, odometry.path_m, noise);
             let sensor = Sensor { index, limits, state };
@@ -333,11 +333,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             self.monitor.note(&report.outcome, observer.path_m);
             if let Outcome::Updated { wall, .. } = report.outcome {
                 self.shortfall = Shortfall::NONE;
-                if self.sign.is_open()
-                    && let Some(wall) = observer.map.walls().iter().find(|other| other.id == wall)
-                {
-                    self.sign.met(index, wall.beta_rad(observer.ekf) - observer.ekf.mean(THETA));
-                }
+                self.sign.met(index, || observer.normal_rad(wall));
             }
             let Ok(reading) = &reading else { continue };
             self.holds.note(&sensor, reading, &timing, (observer.ekf, observer.map), &report.outcome);

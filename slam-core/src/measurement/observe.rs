@@ -152,6 +152,12 @@ struct Sight<'a> {
 }
 
 impl Observer<'_> {
+    /// Direction of the normal of the wall of this identifier in the robot's frame, radians.
+    pub fn normal_rad(&self, wall: u16) -> Option<f32> {
+        let wall = self.map.walls().iter().find(|other| other.id == wall)?;
+        Some(wall.beta_rad(self.ekf) - self.ekf.mean(THETA))
+    }
+
     /// Finds the wall that the beam met and updates with the reading (Rousse & Qiu eq. 3).
     ///
     /// # Errors

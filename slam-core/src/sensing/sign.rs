@@ -182,15 +182,12 @@ impl<const S: usize> Sign<S> {
     }
 
     /// A sensor met a wall whose normal has this direction in the robot's frame, radians.
-    pub fn met(&mut self, sensor: usize, normal_rad: f32) {
-        if let Some(surface) = self.surfaces.get_mut(sensor) {
-            surface.normal_rad = Some(normal_rad);
+    pub fn met(&mut self, sensor: usize, normal_rad: impl FnOnce() -> Option<f32>) {
+        if self.unsigned > 0.0
+            && let Some(surface) = self.surfaces.get_mut(sensor)
+        {
+            surface.normal_rad = normal_rad();
         }
-    }
-
-    /// Whether that may matter: the odometry may have no sign.
-    pub fn is_open(&self) -> bool {
-        self.unsigned > 0.0
     }
 
     /// Takes in a row's ranges. Where they tell that the stretch goes the other way: by how much the position is to be moved,
