@@ -198,19 +198,22 @@ impl<const S: usize> Sign<S> {
             return None;
         }
         let (forward_m, turn_rad) = (core::mem::take(&mut self.forward_m), core::mem::take(&mut self.turn_rad));
-        let mut says = 0.0;
-        for ((sensor, input), surface) in sensors.iter().zip(inputs).zip(&mut self.surfaces) {
+        let (mut says, mut tells) = (0.0, [0.0; S]);
+        let surfaces = self.surfaces.iter_mut().zip(&mut tells);
+        for ((sensor, input), (surface, tells)) in sensors.iter().zip(inputs).zip(surfaces) {
             if !self.is_moving {
                 *surface = Surface::NONE;
             }
-            says += surface.look(sensor, *input, forward_m, turn_rad);
+            let ratio = surface.look(sensor, *input, forward_m, turn_rad);
+            *tells = surface.more(ratio);
+            says += ratio;
         }
         if !self.is_moving {
             return None;
         }
-        let told: f32 = self.surfaces.iter().map(|surface| surface.tells).sum();
+        let told: f32 = tells.iter().sum();
         let share = (MOST_OF_ROW / told.abs()).min(1.0);
-        self.surfaces.iter_mut().for_each(|surface| surface.told += share * core::mem::take(&mut surface.tells));
+        self.surfaces.iter_mut().zip(tells).for_each(|(surface, tells)| surface.told += share * tells);
         // Bounded, so that probabilities stay numbers between zero and one.
         self.log_odds = (self.log_odds + share * told).clamp(-15.0, 15.0);
         let is_other = if self.is_reversed { self.log_odds < -DECISION } else { self.log_odds > DECISION };
@@ -229,9 +232,8 @@ impl<const S: usize> Sign<S> {
 struct Surface {
     /// The last range, metres; zero where there is none.
     last_m: f32,
-    /// What it has told since, as log odds of backwards against forwards, and what it would tell now.
+    /// What it has told since, as log odds of backwards against forwards.
     told: f32,
-    tells: f32,
     /// Direction of the normal of the wall that it is, either way, in the robot's frame, radians.
     normal_rad: Option<f32>,
 }
@@ -249,7 +251,7 @@ struct Change {
 }
 
 impl Surface {
-    const NONE: Self = Self { last_m: 0.0, told: 0.0, tells: 0.0, normal_rad: None };
+    const NONE: Self = Self { last_m: 0.0, told: 0.0, normal_rad: None };
 
     /// What a row's range and motion say, as log odds of backwards against forwards, whatever it told before.
     fn look(&mut self, sensor: &RangeSensor, input: RangeInput, forward_m: f32, turn_rad: f32) -> f32 {
@@ -274,11 +276,14 @@ impl Surface {
         if off_m.abs() > change.most_m + SIGMAS * sigma_m {
             return 0.0;
         }
-        let ratio = log_ratio(off_m, change.forwards_m, variance_m2, sensor.span_m());
-        let most = if before.normal_rad.is_some() { MOST_OF_WALL } else { MOST_OF_SURFACE };
-        let tells = (before.told + ratio).clamp(-most, most) - before.told;
-        *self = Self { last_m: now_m, tells, normal_rad: before.normal_rad.map(|rad| rad - turn_rad), ..before };
-        ratio
+        *self = Self { last_m: now_m, normal_rad: before.normal_rad.map(|rad| rad - turn_rad), ..before };
+        log_ratio(off_m, change.forwards_m, variance_m2, sensor.span_m())
+    }
+
+    /// By how much that changes what it tells.
+    fn more(&self, says: f32) -> f32 {
+        let most = if self.normal_rad.is_some() { MOST_OF_WALL } else { MOST_OF_SURFACE };
+        (self.told + says).clamp(-most, most) - self.told
     }
 
     /// Of a surface that may stand anyhow, seen now at this range.
