@@ -252,18 +252,17 @@ impl Observer<'_> {
         let step = self.timing.step;
         let stride_m = step.path_m + (step.increment.turn_rad * candidate.range_m).abs();
         let at_end = candidate.inside_m < END_M.max(stride_m);
-        // Where two surfaces are possible, the reading says half as much. But it must fit by its own noise, where that is
-        // known: an analogue sensor's is electric, while one that reports metres has errors of the surface, too.
+        // Where two surfaces are possible, the reading says half as much. But it must fit by its own noise: in a gate of twice that, the
+        // side of an opening turned the wall that ends there, and the robot with it.
         let noise_m2 = if at_end { 4.0 * white_m2 } else { white_m2 };
         let is_analogue = matches!(reading.noise, Noise::Volts { .. });
-        let own_m2 = if is_analogue { white_m2 } else { noise_m2 };
         let gate = if at_end { self.settings.gate.min(END_GATE) } else { self.settings.gate };
         let known_m2 = self.ekf.variance(&jacobian);
         let level = self.levels.readings.factor();
         let variance_m2 = known_m2 + level * noise_m2;
         let innovation_m = innovation.value_m;
         let square_m2 = innovation_m * innovation_m;
-        let fits_m2 = known_m2 + level * own_m2;
+        let fits_m2 = known_m2 + level * white_m2;
         let span_m = limits.span_m();
         let is_told = known_m2 <= TOLD_SHARE * TOLD_SHARE * span_m * span_m;
         let likelier = match self.settings.clutter {
