@@ -23,6 +23,10 @@ const STAY_M: f32 = 0.002;
 /// Weight of the frame's present place, that of a wall's end a decimetre off: it holds the directions that no wall holds.
 const INERTIA: f32 = 10.0;
 
+/// More such weight in every direction, as a share of what all walls hold: of where they are along themselves a wall ten degrees askew to them
+/// says a thirtieth of that, and its own error draws the frame along, step by step and far in the end. What more and less do: docs/notes/real-logs.md.
+const STEADINESS: f32 = 0.3;
+
 /// Number of readings after which a wall is drawn: twice the number below which it may be forgotten as noise.
 const DRAWN_AFTER: u32 = 20;
 
@@ -71,6 +75,14 @@ impl CommonMotion {
         }
     }
 
+    /// With a weight of the frame's present place in proportion to what holds it.
+    fn steadied(mut self) -> Self {
+        let held = self.rows[1][1] + self.rows[2][2];
+        self.rows[1][1] += STEADINESS * held;
+        self.rows[2][2] += STEADINESS * held;
+        self
+    }
+
     /// The motion; none where it is not a number.
     pub fn solve(mut self) -> Option<Pose> {
         // Gauss and Jordan: the matrix is positive definite, the diagonal is pivot enough.
@@ -100,7 +112,7 @@ impl MapView {
             return;
         }
         let importance = |wall: &Wall| if path_m - wall.seen_at_m < IN_VIEW_M { 1.0 } else { OUT_OF_VIEW };
-        let motion = self.motion_of_drawn(ekf, importance);
+        let motion = self.motion_of_drawn(ekf, importance).steadied().solve();
         self.draw_all(ekf, |wall| wall.drawn.is_none() && wall.updates >= DRAWN_AFTER);
         if let Some(motion) = motion {
             self.start = motion.compose(&self.start);
@@ -120,7 +132,7 @@ impl MapView {
             if has_turned { 0.0 } else { 1.0 }
         };
         for _ in 0..REDRAW_ROUNDS {
-            let Some(motion) = self.motion_of_drawn(ekf, importance) else { break };
+            let Some(motion) = self.motion_of_drawn(ekf, importance).solve() else { break };
             self.start = motion.compose(&self.start);
         }
         self.draw_all(ekf, |wall| wall.updates >= DRAWN_AFTER);
@@ -136,7 +148,7 @@ impl MapView {
     }
 
     /// The motion of the map that brings the walls back to where they were drawn, by how important each is.
-    fn motion_of_drawn(&self, ekf: &EkfView, importance: impl Fn(&Wall) -> f32) -> Option<Pose> {
+    fn motion_of_drawn(&self, ekf: &EkfView, importance: impl Fn(&Wall) -> f32) -> CommonMotion {
         let grid = ManhattanFrame::of(ekf);
         let mut motion = CommonMotion::about(self.point_in_map([ekf.mean(X), ekf.mean(Y)]));
         for (wall, [rho_m, beta_rad]) in self.walls().iter().filter_map(|wall| Some((wall, wall.drawn?))) {
@@ -146,7 +158,7 @@ impl MapView {
             motion.add(&line, &drawn, wall.lo_m + origin_m, importance);
             motion.add(&line, &drawn, wall.hi_m + origin_m, importance);
         }
-        motion.solve()
+        motion
     }
 
     /// The filter's frame in the map frame; none where they are one.
