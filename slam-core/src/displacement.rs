@@ -32,7 +32,9 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     }
 
     /// Where the readings tell that something moved the robot besides its wheels, it is there. What was seen meanwhile was
-    /// seen from elsewhere and is forgotten as far as it waits to become a wall; the map is of another epoch.
+    /// seen from elsewhere and is forgotten as far as it waits to become a wall; the map is of another epoch. The search's variables are on the stack
+    /// only while it runs.
+    #[inline(never)]
     pub(crate) fn recover_from_jolt(&mut self) {
         let moment = Moment { map: layout::pose(&self.ekf), reckoned: self.drive.dead_reckoning.pose };
         let scene = Scene { ekf: &self.ekf, map: &self.map, sensors: &self.rig.sensors };

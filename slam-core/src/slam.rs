@@ -353,7 +353,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.latency.stamps.end_row(&self.ekf);
     }
 
-    /// Finds new walls among the outliers (Rousse & Qiu 3.3), and keeps the map tidy.
+    /// Finds new walls among the outliers (Rousse & Qiu 3.3), and keeps the map tidy. Its variables are on the stack only while it runs.
+    #[inline(never)]
     fn extend_map(&mut self, dt_s: f32, report: &mut StepReport<S>) {
         let born = Extension {
             settings: &self.config.births,

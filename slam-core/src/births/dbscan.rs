@@ -11,6 +11,7 @@ pub const NOISE: u8 = u8::MAX;
 /// points that can be reached from a core point over core points. A border point in reach of two clusters goes to the
 /// one found first. The points are sorted along the longer side of their extent, so that only those within `epsilon_m`
 /// along it are looked at; at worst O(B^2) distances, no recursion.
+#[inline(never)]
 pub fn dbscan<const B: usize>(points: &[[f32; 2]], epsilon_m: f32, min_points: usize) -> [u8; B] {
     let mut labels = [NOISE; B];
     let points = points.get(..B).unwrap_or(points);

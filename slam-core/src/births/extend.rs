@@ -115,7 +115,9 @@ impl<const B: usize> Extension<'_, B> {
         }
     }
 
-    /// Adds the wall that a line is, where it is clear which, and takes its points out of the buffer.
+    /// Adds the wall that a line is, where it is clear which, and takes its points out of the buffer. Its variables are on the stack only
+    /// while it runs, not beside those of the clustering.
+    #[inline(never)]
     fn give_birth(&mut self, members: &Members<B>, line: &FittedLine, changes: &mut Changes) -> bool {
         self.drop_anchor();
         let points = self.candidates.buffer.iter().zip(members).filter(|(_, member)| **member).map(|(point, _)| point);
