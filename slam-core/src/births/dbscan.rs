@@ -10,7 +10,7 @@ pub const NOISE: u8 = u8::MAX;
 /// A point with at least `min_points` points within `epsilon_m` (itself included) is a core point; clusters are the
 /// points that can be reached from a core point over core points. A border point in reach of two clusters goes to the
 /// one found first. The points are sorted along the longer side of their extent, so that only those within `epsilon_m`
-/// along it are looked at; at worst O(B^2) distances, no recursion.
+/// along it are looked at; at worst O(B^2) distances, no recursion. What it sorts and queues is on the stack only while it runs.
 #[inline(never)]
 pub fn dbscan<const B: usize>(points: &[[f32; 2]], epsilon_m: f32, min_points: usize) -> [u8; B] {
     let mut labels = [NOISE; B];

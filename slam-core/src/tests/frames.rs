@@ -78,6 +78,22 @@ fn where_no_wall_holds_the_frame_it_stays() {
     assert_eq!(broken.solve(), None);
 }
 
+#[test]
+fn a_wall_askew_to_a_corridor_s_sides_does_not_draw_the_frame_along() {
+    // It moved by 30 cm beside the others, as its own error does: along the corridor that would be 1.7 m.
+    let own = Pose { x_m: 0.0, y_m: 0.3, theta_rad: 0.0 };
+    let mut common = CommonMotion::about([0.0, 0.0]);
+    for was in [line(1.0, FRAC_PI_2), line(1.0, -FRAC_PI_2)] {
+        common.add(&was, &was, -2.0, 1.0);
+        common.add(&was, &was, 2.0, 1.0);
+    }
+    let askew = line(1.0, FRAC_PI_2 - 10.0f32.to_radians());
+    common.add(&askew, &moved(&own, &askew), -1.0, 1.0);
+    common.add(&askew, &moved(&own, &askew), 1.0, 1.0);
+    let step = common.steadied().solve().expect("a motion");
+    assert!(step.x_m.abs() < 1e-3, "{step:?}");
+}
+
 /// A robot that turns in a room, with both frames: where each says that the robot, its start and the walls are.
 fn turned(frame: MapFrame) -> Slam<4, 16, 64, { storage(48) }> {
     let sensors = (0..4).map(|i| RangeSensor {

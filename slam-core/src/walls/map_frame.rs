@@ -76,7 +76,7 @@ impl CommonMotion {
     }
 
     /// With a weight of the frame's present place in proportion to what holds it.
-    fn steadied(mut self) -> Self {
+    pub fn steadied(mut self) -> Self {
         let held = self.rows[1][1] + self.rows[2][2];
         self.rows[1][1] += STEADINESS * held;
         self.rows[2][2] += STEADINESS * held;
