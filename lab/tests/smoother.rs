@@ -74,6 +74,7 @@ fn misled(laps: usize, reads_long: f64) -> Recording {
             t_s: 0.2 * step as f64,
             pose: dead_reckoning,
             dead_reckoning,
+            sensed: dead_reckoning,
             truth: Some(first.relative(&here)),
             alpha: Some((0.0, 0.01)),
             ..Step::default()

@@ -22,12 +22,10 @@ const UNMOVED: MotionJacobian = {
 };
 
 impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, W, B, ROWS> {
-    /// Where the ranges tell that the robot drove the other way since it stopped, it is where that leads. What waited to
-    /// become a wall was seen from elsewhere, and is forgotten.
+    /// Where the ranges tell that the robot drove the other way since it stopped, it is where that leads.
     pub(crate) fn turn_round(&mut self, inputs: &[RangeInput; S]) {
         if let Some(moved_m) = self.sign.tell(&self.rig.sensors, inputs) {
             self.displace(moved_m, [0.0; 2]);
-            self.candidates.clear();
         }
     }
 
@@ -81,7 +79,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.map.begin_epoch_elsewhere();
     }
 
-    /// Moves the pose, and makes it less certain by a 1-sigma vector, both metres, in the frame of dead reckoning.
+    /// Moves the pose and the dead reckoning, and makes both less certain by a 1-sigma vector, both metres, in the frame of dead
+    /// reckoning. Where they move, what waited to become a wall was seen from elsewhere, and is forgotten.
     pub(crate) fn displace(&mut self, moved_m: [f32; 2], sigma_m: [f32; 2]) {
         let pose = layout::pose(&self.ekf);
         let (s, c) = sin_cos(wrap(pose.theta_rad - self.drive.dead_reckoning.pose.theta_rad));
@@ -95,6 +94,10 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         }
         self.ekf.predict([pose.x_m, pose.y_m, pose.theta_rad], &UNMOVED, &noise);
         self.first.pose = pose;
+        self.drive.displace(moved_m, sigma_m);
+        if moved_m != [0.0; 2] {
+            self.candidates.clear();
+        }
         self.holds.forget();
     }
 }

@@ -7,6 +7,7 @@ use crate::config::Config;
 use crate::filter::ekf::{Ekf, Jacobian, storage};
 use crate::filter::layout::{self, ALPHA, THETA};
 use crate::geometry::angle::{sin_cos, wrap};
+use crate::geometry::pose::Pose;
 use crate::health::HealthMonitor;
 use crate::holds::Holds;
 use crate::jolts::Jolts;
@@ -223,6 +224,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.counters.add_step();
         let Some(tick) = self.clock.tick(sample.time_us) else {
             self.counters.add_motion(true);
+            self.drive.last_motion = Pose::ORIGIN;
             return report;
         };
         self.predict(&sample.motion, tick);
@@ -258,9 +260,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         }
         self.counters.add_motion(travel.is_none());
         let turn_rad = travel.map_or(0.0, |travel| travel.turn_rad(&self.rig.drive));
-        if let Some(ended) = travel.and_then(|travel| self.sign.follow(&travel, turn_rad, tick.dt_s)) {
-            self.displace(ended.moved_m, ended.sigma_m);
-        }
+        let ended = travel.and_then(|travel| self.sign.follow(&travel, turn_rad, tick.dt_s));
         let Self { rig, config, drive, ekf, .. } = self;
         let seen = drive.dead_reckoning.pose;
         let way = Way { is_reversed: self.sign.is_reversed, is_held: self.holds.is_held() };
@@ -287,6 +287,9 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let now = drive.dead_reckoning.pose;
         self.sign.moved([now.x_m - seen.x_m, now.y_m - seen.y_m]);
         self.latency.follow(step.increment, tick.dt_s);
+        if let Some(ended) = ended {
+            self.displace(ended.moved_m, ended.sigma_m);
+        }
     }
 
     /// Updates with every reading that is a wall's, and keeps those that fit none (Rousse & Qiu eq. 3).

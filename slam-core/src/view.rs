@@ -122,7 +122,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.map.has_grid.then(|| self.ekf.mean(ALPHA))
     }
 
-    /// The odometry of the last step: what it sensed, with the rig's nominal calibration, before it is calibrated.
+    /// The odometry of the last step: what it sensed, with the rig's nominal calibration, before it is calibrated. Where earlier ones
+    /// turn out to have been driven the other way, by what they were, too.
     pub fn last_motion(&self) -> Pose {
         self.drive.last_motion
     }

@@ -164,6 +164,7 @@ fn step(t_s: f64, noise: &mut Noise) -> Step {
         covariance,
         alpha: (t_s > 2.0).then(|| (0.01 / (1.0 + t_s as f32), 0.02 / (1.0 + t_s as f32))),
         dead_reckoning,
+        sensed: dead_reckoning,
         truth: Some(truth),
         ..Step::default()
     }

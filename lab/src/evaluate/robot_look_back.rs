@@ -102,7 +102,7 @@ impl RobotLooksBack {
     /// Writes a step down; whether a keyframe was begun.
     fn write_down(&mut self, recording: &Recording, rig: &Rig<MAX_SENSORS>, index: usize, is_last: bool) -> bool {
         let step = &recording.steps[index];
-        let moved = recording.steps[index - 1].dead_reckoning.relative(&step.dead_reckoning);
+        let moved = recording.steps[index - 1].sensed.relative(&step.sensed);
         let increment =
             Increment { forward_m: moved.x_m as f32, left_m: moved.y_m as f32, turn_rad: moved.theta_rad as f32 };
         self.diary.travel(&increment);
@@ -167,7 +167,7 @@ impl RobotLooksBack {
         let place = |step: usize| {
             let before = keys.partition_point(|(begun, _)| *begun <= step) - 1;
             let (begun, pose) = keys[before];
-            let local = |to: usize| recording.steps[begun].dead_reckoning.relative(&recording.steps[to].dead_reckoning);
+            let local = |to: usize| recording.steps[begun].sensed.relative(&recording.steps[to].sensed);
             let now = pose.compose(&local(step));
             let Some(&(next, next_pose)) = keys.get(before + 1) else { return now };
             let share = (step - begun) as f64 / (next - begun) as f64;

@@ -101,6 +101,8 @@ pub struct Step {
     pub alpha: Option<(f32, f32)>,
     /// Pose by the motion input alone.
     pub dead_reckoning: Pose2,
+    /// The same, the way that the ranges tell, and not moved by wheels that turn while something holds the robot.
+    pub sensed: Pose2,
     /// True pose, where known at this time.
     pub truth: Option<Pose2>,
     /// Number of walls in the map.

@@ -124,6 +124,7 @@ impl RelativeSession {
             pose: to_record(&output.pose),
             covariance: covariance_of(output.covariance),
             dead_reckoning: to_record(&self.dead_reckoning),
+            sensed: to_record(&self.dead_reckoning),
             truth: row.truth,
             walls: self.recording.maps.last().map_or(0, |map| map.walls.len()),
             ..Step::default()

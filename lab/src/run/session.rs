@@ -154,6 +154,7 @@ impl Session {
     pub fn record(&mut self, row: &Row, report: &StepReport<MAX_SENSORS>) -> &Step {
         let index = self.recording.steps.len();
         let estimate = self.slam.estimate();
+        let sensed = self.recording.steps.last().map_or_else(Pose2::default, |last| last.sensed);
         let step = Step {
             t_text: row.t_text.clone(),
             t_s: row.t_s - *self.first_s.get_or_insert(row.t_s),
@@ -162,6 +163,7 @@ impl Session {
             covariance: estimate.covariance.into(),
             alpha: self.slam.alpha(),
             dead_reckoning: self.slam.dead_reckoning().into(),
+            sensed: sensed.compose(&self.slam.last_motion().into()),
             truth: row.truth.filter(|_| self.life.is_located()),
             searching: !self.life.is_located(),
             walls: self.slam.walls().count(),

@@ -1,4 +1,5 @@
-//! Dead reckoning with the calibration as estimated: the frame of the outlier buffer, in which nothing ever jumps.
+//! Dead reckoning with the calibration as estimated: the frame of the outlier buffer, in which nothing jumps but a robot that
+//! turns out to have driven the other way.
 
 use crate::geometry::angle::sin_cos;
 use crate::geometry::pose::Pose;
@@ -52,6 +53,13 @@ impl DeadReckoning {
         self.path_m += step.path_m;
         self.position_variance += 0.5 * (step.noise[0][0] + step.noise[1][1]);
         self.heading_variance += step.noise[2][2];
+    }
+
+    /// Moves the position, and makes it less certain by a 1-sigma vector, metres: the motion so far turns out to have been another.
+    pub fn displace(&mut self, moved_m: [f32; 2], sigma_m: [f32; 2]) {
+        let Pose { x_m, y_m, theta_rad } = self.pose;
+        self.pose = Pose { x_m: x_m + moved_m[0], y_m: y_m + moved_m[1], theta_rad };
+        self.position_variance += 0.5 * (sigma_m[0] * sigma_m[0] + sigma_m[1] * sigma_m[1]);
     }
 
     /// Derivatives of a point that is fixed to the robot now, by the factors.

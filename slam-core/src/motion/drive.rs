@@ -1,6 +1,7 @@
 //! The drive of the robot: from a sample's motion input to the step that it made.
 
 use crate::filter::ekf::EkfView;
+use crate::geometry::angle::{sin_cos, wrap};
 use crate::geometry::pose::Pose;
 use crate::motion::dead_reckoning::DeadReckoning;
 use crate::motion::mean_motion::MeanMotion;
@@ -74,7 +75,8 @@ pub struct Drive {
     pub step: Step,
     /// The pose by the motion input alone, with the nominal calibration.
     pub nominal: Pose,
-    /// The last step by the motion input and the nominal calibration, the way that the ranges tell, in its own frame.
+    /// The last step by the motion input and the nominal calibration, the way that the ranges tell, in the frame of where it began; with
+    /// it what earlier ones turn out to have been otherwise.
     pub last_motion: Pose,
     /// The same, whether or not something holds the robot.
     pub turned: Pose,
@@ -127,6 +129,16 @@ impl Drive {
         self.turned = driven.map_or(Pose::ORIGIN, |travel| nominal(travel).applied_to(&Pose::ORIGIN));
         self.last_motion = if way.is_held { Pose::ORIGIN } else { self.turned };
         factors
+    }
+
+    /// The motion so far turns out to have been another: moves the dead reckoning by so much, metres, in its frame, as part of the last
+    /// step, and makes it less certain by a 1-sigma vector.
+    pub fn displace(&mut self, moved_m: [f32; 2], sigma_m: [f32; 2]) {
+        self.dead_reckoning.displace(moved_m, sigma_m);
+        let (s, c) = sin_cos(wrap(self.dead_reckoning.pose.theta_rad - self.last_motion.theta_rad));
+        let Pose { x_m, y_m, theta_rad } = self.last_motion;
+        let [x, y] = moved_m;
+        self.last_motion = Pose { x_m: x_m + c * x + s * y, y_m: y_m + c * y - s * x, theta_rad };
     }
 
     /// The step that was travelled, as real floors and odometry make it.

@@ -7,7 +7,7 @@
 //! are no walls: while they say backwards, the walls beside them say forwards.
 //!
 //! A robot turns round where it stands. So a stretch between two stops was driven one way as a whole, and which way is a
-//! hidden Markov model with two states, of which the log odds are kept. Once they tell that a stretch goes the other way, the
+//! hidden Markov model with two states, of which the log odds are kept: the slower a row, the likelier a stop in it. Once they tell that a stretch goes the other way, the
 //! pose is moved by twice what was driven since the stop, or since it was last settled. An odometry that once said backwards has a sign, and is believed.
 
 use crate::geometry::angle::sin_cos;
@@ -22,11 +22,15 @@ const LEAST_UNSIGNED: f32 = 1e-3;
 /// Share of its stretches that such a robot drives backwards: out of corners and away from what it met.
 const BACKWARDS_SHARE: f32 = 0.3;
 
-/// A row slower than this may be a stop, metres per second: at five rows a second a robot that stops and goes on within one
-/// is seen at half its speed.
+/// Log odds of a stretch that is driven backwards by both, at first.
+const LOG_ODDS_AT_FIRST: f32 = -5.109_978;
+
+/// A row slower than this is a stop, metres per second, and one that is not much faster may have one in it, 1-sigma: a robot that brakes
+/// by a metre per second squared, turns round and speeds up again within a row of a fifth of a second is seen at 0.05 m/s, and at
+/// twice that where the stamps are off by as much as rows are long.
 const STOP_M_S: f32 = 0.1;
 
-/// Probability that a robot stopped and turned round between two rows unseen.
+/// Probability that a robot stopped and turned round between two fast rows unseen.
 const UNSEEN_STOP: f32 = 1e-3;
 
 /// Backwards motion that no noise of standing wheels makes, metres together; single steps below the second are rounding.
@@ -77,8 +81,9 @@ pub struct Sign<const S: usize> {
     /// Displacement since the last stop, or since it was last settled which way the robot drives, as it is believed, in the frame of dead reckoning, metres.
     stretch_m: [f32; 2],
     is_moving: bool,
-    /// Of backwards against forwards.
+    /// Of backwards against forwards, and what they were when the stretch began.
     log_odds: f32,
+    begun_at: f32,
     /// Probability that the odometry has no sign.
     unsigned: f32,
     backwards_m: f32,
@@ -113,6 +118,7 @@ impl<const S: usize> Sign<S> {
         stretch_m: [0.0; 2],
         is_moving: false,
         log_odds: 0.0,
+        begun_at: 0.0,
         unsigned: 0.0,
         backwards_m: 0.0,
         surfaces: [Surface::NONE; S],
@@ -121,7 +127,7 @@ impl<const S: usize> Sign<S> {
     };
 
     /// It is not known whether it has one.
-    pub const UNKNOWN: Self = Self { unsigned: UNSIGNED, ..Self::TRUE };
+    pub const UNKNOWN: Self = Self { unsigned: UNSIGNED, log_odds: LOG_ODDS_AT_FIRST, ..Self::TRUE };
 
     /// The probability that a stretch begins backwards.
     fn prior(&self) -> f32 {
@@ -141,17 +147,18 @@ impl<const S: usize> Sign<S> {
         }
         self.forward_m += forward_m;
         self.turn_rad += turn_rad;
-        if forward_m.abs() < STOP_M_S * dt_s {
-            return self.stop();
-        }
-        if !self.is_moving {
-            self.is_moving = true;
-            self.log_odds = log_odds(self.prior());
-        }
+        let stops_m = STOP_M_S * dt_s;
+        let is_stop = forward_m.abs() < stops_m;
+        let ended = if is_stop { self.stop() } else { None };
+        let slow = forward_m / stops_m;
+        let stopped = UNSEEN_STOP + (1.0 - UNSEEN_STOP) * libm::expf(-0.5 * slow * slow);
         let backwards = probability(self.log_odds);
-        let turned = UNSEEN_STOP * ((1.0 - backwards) * self.prior() - backwards);
-        self.log_odds = log_odds(backwards + turned);
-        None
+        self.log_odds = log_odds(backwards + stopped * (self.prior() - backwards));
+        if !is_stop && !self.is_moving {
+            self.is_moving = true;
+            self.begun_at = self.log_odds;
+        }
+        ended
     }
 
     /// Ends the stretch.
@@ -161,7 +168,7 @@ impl<const S: usize> Sign<S> {
         }
         let backwards = probability(self.log_odds);
         // Bayes' rule for the odometry, by how much likelier backwards was than forwards.
-        let ratio = libm::expf(self.log_odds - log_odds(self.prior()));
+        let ratio = libm::expf(self.log_odds - self.begun_at);
         let unsigned = self.unsigned * (1.0 - BACKWARDS_SHARE + BACKWARDS_SHARE * ratio);
         self.unsigned = (unsigned / (unsigned + 1.0 - self.unsigned)).clamp(LEAST_UNSIGNED, 1.0 - LEAST_UNSIGNED);
         let share = if (self.log_odds > 0.0) == self.is_reversed { 0.0 } else { -2.0 };
@@ -222,6 +229,8 @@ impl<const S: usize> Sign<S> {
         if self.log_odds.abs() > DECISION && self.is_reversed == (says > 0.0) {
             // What was driven up to here is settled.
             self.stretch_m = [0.0; 2];
+        } else if is_other {
+            self.stretch_m = stretch_m.map(|m| -m);
         }
         is_other.then(|| stretch_m.map(|m| -2.0 * m))
     }

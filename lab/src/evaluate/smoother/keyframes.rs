@@ -37,12 +37,12 @@ impl Keyframes {
                 steps.push(index);
                 continue;
             };
-            let moved = recording.steps[index - 1].dead_reckoning.relative(&step.dead_reckoning);
+            let moved = recording.steps[index - 1].sensed.relative(&step.sensed);
             path_m += moved.x_m.hypot(moved.y_m);
             turning_rad += moved.theta_rad.abs();
             let is_last = index + 1 == recording.steps.len();
             if path_m >= SPACING_M || turning_rad >= SPACING_RAD || is_last {
-                let motion = recording.steps[begin].dead_reckoning.relative(&step.dead_reckoning);
+                let motion = recording.steps[begin].sensed.relative(&step.sensed);
                 stretches.push(Stretch { motion, path_m, turning_rad });
                 steps.push(index);
                 (path_m, turning_rad) = (0.0, 0.0);
@@ -64,7 +64,7 @@ impl Keyframes {
     /// The pose of a step in the frame of its keyframe, by the odometry.
     pub fn local(&self, recording: &Recording, step: usize) -> Pose2 {
         let key = self.steps[self.before(step)];
-        recording.steps[key].dead_reckoning.relative(&recording.steps[step].dead_reckoning)
+        recording.steps[key].sensed.relative(&recording.steps[step].sensed)
     }
 
     /// Every step's pose, given those of the keyframes: between two of them, what the odometry misses is spread evenly.
@@ -94,14 +94,14 @@ mod tests {
     #[test]
     fn the_odometry_s_own_keyframes_give_its_path_back() {
         let at = |i: i32| Pose2::new(0.03 * f64::from(i), (0.05 * f64::from(i)).sin(), 0.04 * f64::from(i));
-        let steps = (0..200).map(|i| Step { dead_reckoning: at(i), ..Step::default() }).collect();
+        let steps = (0..200).map(|i| Step { sensed: at(i), ..Step::default() }).collect();
         let recording = Recording { steps, ..Recording::default() };
         let keyframes = Keyframes::of(&recording);
         assert!(keyframes.steps().len() > 20 && keyframes.steps().len() < 100);
         assert_eq!((keyframes.steps()[0], keyframes.steps().last()), (0, Some(&199)));
-        let poses: Vec<Pose2> = keyframes.steps().iter().map(|step| recording.steps[*step].dead_reckoning).collect();
+        let poses: Vec<Pose2> = keyframes.steps().iter().map(|step| recording.steps[*step].sensed).collect();
         for (step, pose) in recording.steps.iter().zip(keyframes.path(&recording, &poses)) {
-            let off = step.dead_reckoning.relative(&pose);
+            let off = step.sensed.relative(&pose);
             assert!(off.x_m.abs() < 1e-9 && off.y_m.abs() < 1e-9 && off.theta_rad.abs() < 1e-9, "{off:?}");
         }
     }

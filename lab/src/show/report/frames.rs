@@ -35,7 +35,7 @@ impl Frames {
 /// Where the fresh frame lay, by the last pose in it and the first in the kept one, the drive between them left out.
 fn found_at(recording: &Recording, found: usize) -> Pose2 {
     let (before, after) = (&recording.steps[found - 1], &recording.steps[found]);
-    let driven = before.dead_reckoning.relative(&after.dead_reckoning);
+    let driven = before.sensed.relative(&after.sensed);
     let fresh = before.pose.compose(&driven);
     after.pose.compose(&fresh.relative(&Pose2::default()))
 }
@@ -51,7 +51,7 @@ mod tests {
         let step = |searching, pose: Pose2, driven_m| Step {
             searching,
             pose,
-            dead_reckoning: Pose2::new(driven_m, 0.0, 0.0),
+            sensed: Pose2::new(driven_m, 0.0, 0.0),
             ..Step::default()
         };
         let quarter = std::f64::consts::FRAC_PI_2;
