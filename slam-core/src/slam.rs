@@ -171,7 +171,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         }
         self.clock = Clock::NEW;
         self.drive = Drive::START;
-        self.sign = if config.motion.find_sign { Sign::UNKNOWN } else { Sign::TRUE };
+        self.sign = if config.motion.find_sign { Sign::unknown(&self.rig.drive) } else { Sign::TRUE };
         self.sensors = [SensorState::NONE; S];
         self.latency = Latency::NONE;
         self.levels = NoiseLevels::STATED;

@@ -12,18 +12,16 @@
 
 use crate::geometry::angle::sin_cos;
 use crate::motion::travel::Travel;
-use crate::rig::{Mount, RangeModel, RangeSensor};
+use crate::rig::{DriveModel, Mount, RangeModel, RangeSensor};
 use crate::sample::RangeInput;
 
-/// Probability that an odometry has no sign before anything tells, and the least that is left after any number of stretches.
+/// Probability that a logged pose has no sign before anything tells. Of counted wheels, whose counts are to be signed, and after any
+/// number of stretches the least is left.
 const UNSIGNED: f32 = 0.02;
 const LEAST_UNSIGNED: f32 = 1e-3;
 
 /// Share of its stretches that such a robot drives backwards: out of corners and away from what it met.
 const BACKWARDS_SHARE: f32 = 0.3;
-
-/// Log odds of a stretch that is driven backwards by both, at first.
-const LOG_ODDS_AT_FIRST: f32 = -5.109_978;
 
 /// A row slower than this is a stop, metres per second, and one that is not much faster may have one in it, 1-sigma: a robot that brakes
 /// by a metre per second squared, turns round and speeds up again within a row of a fifth of a second is seen at 0.05 m/s, and at
@@ -126,8 +124,14 @@ impl<const S: usize> Sign<S> {
         turn_rad: 0.0,
     };
 
-    /// It is not known whether it has one.
-    pub const UNKNOWN: Self = Self { unsigned: UNSIGNED, log_odds: LOG_ODDS_AT_FIRST, ..Self::TRUE };
+    /// It is not known whether the odometry of such a drive has one.
+    pub fn unknown(drive: &DriveModel) -> Self {
+        let unsigned = match drive {
+            DriveModel::Wheels { .. } => LEAST_UNSIGNED,
+            DriveModel::Odometry { .. } => UNSIGNED,
+        };
+        Self { unsigned, log_odds: log_odds(BACKWARDS_SHARE * unsigned), ..Self::TRUE }
+    }
 
     /// The probability that a stretch begins backwards.
     fn prior(&self) -> f32 {
