@@ -1,7 +1,7 @@
 //! The map that the robot keeps: found again after a start, saved where the robot stands.
 //!
 //! ```text
-//! start -> Fresh        no record of a robot like this one
+//! start -> Fresh        no record of a robot like this one, or none that it has room for
 //! start -> Searching    a record, and no place in it
 //! Fresh -> Tracking     the first save
 //! any   -> Searching    lifted, or the map is begun anew; what was known is saved before where it is sure
@@ -16,10 +16,10 @@ mod transfer;
 
 use embedded_storage::nor_flash::NorFlash;
 use kept_map::{Corner, Record, Saved, Store, rig_hash};
-use relocate::{Event, HYPOTHESES, Locator, State, Step, agreement};
+use relocate::{COMPARISONS, Event, Locator, State, Step, agreement};
 use robot::{AreaCorner, AreaKind};
 use slam_core::kept::Kept;
-use slam_core::{Pose, Rig, RobotSlam, StepReport};
+use slam_core::{Pose, RobotSlam, StepReport};
 use wire::{Place, PlaceState, SENSORS};
 
 /// Bytes of a slot: the small sectors of the processor's flash.
@@ -64,13 +64,13 @@ pub struct Keeper<F> {
 }
 
 impl<F: MapFlash> Keeper<F> {
-    /// What is in this flash, for a robot of this rig.
-    pub fn start(flash: F, rig: &Rig<SENSORS>) -> Self {
-        let (mut store, rig) = (Store::new(flash, SLOT_BYTES), rig_hash(rig));
+    /// What is in this flash, for this robot. A map of another one, or one that its estimator has no room for, is none.
+    pub fn start(flash: F, slam: &RobotSlam) -> Self {
+        let (mut store, rig) = (Store::new(flash, SLOT_BYTES), rig_hash(slam.rig()));
         let newest = store.newest();
         let is_own = |saved: &Saved| {
             let record = slot(store.flash(), *saved).and_then(|bytes| Record::parse(bytes).ok());
-            record.is_some_and(|record| record.of_rig(rig).is_ok())
+            record.is_some_and(|record| record.of_rig(rig).is_ok() && slam.suits(&record).is_ok())
         };
         let saved = newest.filter(is_own);
         let state = if saved.is_some() { State::Searching } else { State::Tracking };
@@ -218,7 +218,7 @@ impl<F: MapFlash> Keeper<F> {
         let Ok(record) = Record::whole(bytes) else { return };
         let position_m = [slam.state_mean(0), slam.state_mean(1)];
         let step = Step { position_m, travelled_m, readings: agreement(report) };
-        match locator.step(&*slam, &record, &step, HYPOTHESES) {
+        match locator.step(&*slam, &record, &step, COMPARISONS) {
             Some(Event::Found(found)) => {
                 if slam.take_up(&record, &found).is_ok() {
                     self.tally.found = self.tally.found.saturating_add(1);

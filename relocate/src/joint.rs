@@ -17,6 +17,9 @@ use crate::side::{Side, is_one};
 /// Entries of the factor: its lower triangle with the diagonal.
 const ENTRIES: usize = FRESH_SIDES * (FRESH_SIDES + 1) / 2;
 
+/// Comparisons of a match with itself and the seeds.
+const WITH_SEEDS: u32 = 3;
+
 /// A match is out of the question beyond so many sigmas, squared.
 const GATE: f32 = 16.0;
 
@@ -55,6 +58,8 @@ pub(crate) struct Joint<'m, K> {
     factor: Vec<f32, ENTRIES>,
     /// How far apart they are against the seeds, whitened by it.
     white: Vec<f32, FRESH_SIDES>,
+    /// Comparisons of two matches made so far.
+    pub comparisons: u32,
 }
 
 /// How far apart two walls are, given the matches so far.
@@ -80,6 +85,7 @@ impl<'m, K: Kept> Joint<'m, K> {
             with_seeds: Vec::new(),
             factor: Vec::new(),
             white: Vec::new(),
+            comparisons: 0,
         };
         joint.seeds = seeds.map(|seed| seed.map(|pair| (pair, pair.apart_m(fresh, kept))));
         joint.of_seeds = seeds.map(|seed| seed.map_or([0.0; 2], |pair| joint.with_seeds(pair)));
@@ -159,7 +165,9 @@ impl<'m, K: Kept> Joint<'m, K> {
         for (j, b) in self.kept.iter().enumerate().filter(|(_, b)| b.facing == a.facing) {
             let share = self.extents.overlap(a, b);
             let pair = Pair { fresh: i as u8, kept: j as u8 };
+            self.comparisons += WITH_SEEDS;
             let Some(offset) = (share > 0.0).then(|| self.offset(pair, axis)).flatten() else { continue };
+            self.comparisons += offset.row.len() as u32;
             let bare = odds::of_wall(offset.off_m, offset.variance_m2, share);
             let whole = odds::of_wall(offset.off_m, offset.variance_m2, share * self.extents.ends(a, b, ends));
             if best.as_ref().is_none_or(|(most, ..)| *most < whole) {

@@ -41,8 +41,8 @@ pub use odds::Verdict;
 pub use search::{Hypothesis, Progress, Search};
 pub use side::{Side, path_on_grid, sides};
 
-/// Hypotheses that a robot may score in a step of its estimator.
-pub const HYPOTHESES: usize = 4;
+/// Comparisons of two matches that a robot may make in a step of its estimator.
+pub const COMPARISONS: u32 = 8_000;
 /// Most walls of a kept map that are matched.
 pub const KEPT_SIDES: usize = 64;
 /// Most walls of a fresh map that are matched: the longest.

@@ -22,6 +22,9 @@ use crate::search::{Hypothesis, Progress, Search};
 /// Path from one search to the next, metres.
 const SEARCH_EVERY_M: f32 = 0.5;
 
+/// To begin one takes as long as so many comparisons of two matches, with a full map.
+const TO_BEGIN: u32 = 3000;
+
 /// Logarithm of the odds that a claim needs: 1000 to 1.
 pub const CLAIM: f32 = 6.907_755;
 
@@ -152,9 +155,9 @@ impl Locator {
         self.search.hypotheses()
     }
 
-    /// Takes in a step of the robot with its map, the one that it is to find itself in, and about how many hypotheses may be
-    /// scored now. Where there is something to do, it is taken for done.
-    pub fn step(&mut self, own: &impl Kept, kept: &impl Kept, step: &Step, hypotheses: usize) -> Option<Event> {
+    /// Takes in a step of the robot with its map, the one that it is to find itself in, and about how many comparisons of two matches
+    /// may be made now. Where there is something to do, it is taken for done.
+    pub fn step(&mut self, own: &impl Kept, kept: &impl Kept, step: &Step, comparisons: u32) -> Option<Event> {
         self.path_m += step.travelled_m;
         if self.state == State::Searching {
             let anchor = own.frame().anchor.map(|(pose, _)| pose);
@@ -163,7 +166,7 @@ impl Locator {
                 self.trail.clear();
             }
             self.remember(step.position_m);
-            let found = self.work(own, kept, hypotheses)?;
+            let found = self.work(own, kept, comparisons)?;
             self.become_state(State::Probation);
             return Some(Event::Found(found));
         }
@@ -215,12 +218,14 @@ impl Locator {
     }
 
     /// Goes on with the search, or begins one where it is time.
-    fn work(&mut self, own: &impl Kept, kept: &impl Kept, hypotheses: usize) -> Option<Match> {
+    fn work(&mut self, own: &impl Kept, kept: &impl Kept, comparisons: u32) -> Option<Match> {
+        let mut comparisons = comparisons;
         if !self.is_searching && self.path_m >= self.next_search_m {
             self.next_search_m = self.path_m + SEARCH_EVERY_M;
             self.is_searching = self.search.begin(own, kept, &self.trail);
+            comparisons = comparisons.saturating_sub(TO_BEGIN);
         }
-        if !self.is_searching || self.search.work(kept, hypotheses) == Progress::Working {
+        if !self.is_searching || self.search.work(kept, comparisons) == Progress::Working {
             return None;
         }
         self.is_searching = false;

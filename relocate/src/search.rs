@@ -9,7 +9,7 @@ use crate::fresh::Fresh;
 use crate::joint::{Joint, Pair};
 use crate::odds::{self, Verdict};
 use crate::order::descending;
-use crate::shift::{SHIFTS, Shift, shifts};
+use crate::shift::Shifts;
 use crate::side::{ALPHA, Side, find_sides, path_on_grid, turned_point};
 use crate::{KEPT_SIDES, PATH_POINTS};
 
@@ -24,6 +24,9 @@ const SAME_SIGMAS: f32 = 3.0;
 
 /// A hypothesis whose bound is so far below the best one's score adds nothing to the odds, natural logarithm.
 const NEGLIGIBLE: f32 = 16.0;
+
+/// Points of a path beside a kept wall take as long as a comparison of two matches.
+const POINTS_A_COMPARISON: u32 = 4;
 
 /// A place of the fresh map in the kept one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,6 +71,17 @@ pub enum Progress {
     Done,
 }
 
+/// What a search does next.
+#[derive(Clone, Copy, Debug)]
+enum Next {
+    /// Finds a shift along this axis.
+    Shift(usize),
+    /// Scores the hypothesis of these shifts along x and along y.
+    Hypothesis(usize, usize),
+    /// Turns the fresh map on.
+    Quarter,
+}
+
 /// A search of a fresh map in a kept one: some 5 KB, which therefore stays where it is from one search to the next.
 #[derive(Clone, Debug)]
 pub struct Search {
@@ -77,9 +91,9 @@ pub struct Search {
     path_m: Vec<[f32; 2], PATH_POINTS>,
     /// Logarithm of the density of places.
     of_place: f32,
-    xs: Vec<Shift, SHIFTS>,
-    ys: Vec<Shift, SHIFTS>,
-    next: (usize, usize),
+    /// Along x and along y.
+    shifts: [Shifts; 2],
+    next: Next,
     best: Vec<Hypothesis, REMEMBERED>,
     /// Logarithm of what all others sum up to.
     rest: f32,
@@ -92,9 +106,8 @@ impl Search {
         kept: Vec::new(),
         path_m: Vec::new(),
         of_place: 0.0,
-        xs: Vec::new(),
-        ys: Vec::new(),
-        next: (0, 0),
+        shifts: [Shifts::NONE; 2],
+        next: Next::Shift(0),
         best: Vec::new(),
         rest: f32::NEG_INFINITY,
     };
@@ -115,48 +128,67 @@ impl Search {
         }
         self.best.clear();
         self.rest = f32::NEG_INFINITY;
-        self.find_shifts(kept);
+        self.begin_quarter();
         true
     }
 
-    fn find_shifts(&mut self, map: &impl Kept) {
-        shifts(&self.fresh, &self.kept, map, 0, &mut self.xs);
-        shifts(&self.fresh, &self.kept, map, 1, &mut self.ys);
-        self.next = (0, 0);
+    fn begin_quarter(&mut self) {
+        self.shifts.iter_mut().for_each(Shifts::begin);
+        self.next = Next::Shift(0);
     }
 
-    /// Scores about so many hypotheses in the kept map of [`begin`](Self::begin).
-    pub fn work(&mut self, map: &impl Kept, hypotheses: usize) -> Progress {
-        for _ in 0..hypotheses {
-            let (x, y) = self.next;
-            let (Some(along_x), Some(along_y)) = (self.xs.get(x).copied(), self.ys.get(y).copied()) else {
-                if y == 0 || self.xs.get(x + 1).is_none() {
-                    if self.fresh.quarters == 3 {
-                        return Progress::Done;
-                    }
+    /// Goes on in the kept map of [`begin`](Self::begin) until about so many comparisons of two matches are made: those of one hypothesis
+    /// more at most.
+    pub fn work(&mut self, map: &impl Kept, comparisons: u32) -> Progress {
+        let mut made = 0u32;
+        while made < comparisons {
+            made += match self.next {
+                Next::Shift(axis) => self.find_shift(map, axis),
+                Next::Hypothesis(x, y) => self.try_hypothesis(map, x, y),
+                Next::Quarter if self.fresh.quarters == 3 => return Progress::Done,
+                Next::Quarter => {
                     self.fresh.turn();
-                    self.find_shifts(map);
-                } else {
-                    self.next = (x + 1, 0);
+                    self.begin_quarter();
+                    1
                 }
-                continue;
             };
-            let least = self.best.first().map_or(f32::NEG_INFINITY, |best| best.score - NEGLIGIBLE);
-            if along_x.bound + along_y.bound + self.of_place < least.max(-NEGLIGIBLE) {
-                // Those that follow have lower bounds.
-                self.next = if y == 0 { (self.xs.len(), 0) } else { (x + 1, 0) };
-                continue;
-            }
-            self.next = (x, y + 1);
-            let hypothesis = self.score(map, [along_x.pair, along_y.pair], least);
-            self.remember(hypothesis);
         }
         Progress::Working
     }
 
+    fn find_shift(&mut self, map: &impl Kept, axis: usize) -> u32 {
+        let found = self.shifts.get_mut(axis).and_then(|shifts| shifts.find(&self.fresh, &self.kept, map, axis));
+        if found.is_none() {
+            self.next = if axis == 0 { Next::Shift(1) } else { Next::Hypothesis(0, 0) };
+        }
+        found.unwrap_or(1)
+    }
+
+    fn try_hypothesis(&mut self, map: &impl Kept, x: usize, y: usize) -> u32 {
+        let [xs, ys] = &self.shifts;
+        let Some(along_x) = xs.found.get(x).copied() else {
+            self.next = Next::Quarter;
+            return 1;
+        };
+        let Some(along_y) = ys.found.get(y).copied() else {
+            self.next = if y == 0 { Next::Quarter } else { Next::Hypothesis(x + 1, 0) };
+            return 1;
+        };
+        let least = self.best.first().map_or(f32::NEG_INFINITY, |best| best.score - NEGLIGIBLE);
+        if along_x.bound + along_y.bound + self.of_place < least.max(-NEGLIGIBLE) {
+            // Those that follow have lower bounds.
+            self.next = if y == 0 { Next::Quarter } else { Next::Hypothesis(x + 1, 0) };
+            return 1;
+        }
+        self.next = Next::Hypothesis(x, y + 1);
+        let (hypothesis, comparisons) = self.score(map, [along_x.pair, along_y.pair], least);
+        self.remember(hypothesis);
+        comparisons
+    }
+
     /// The hypothesis of two matches that settle the shift. Where it is below `least` as it is, it is not asked what the path says
-    /// against it, too.
-    fn score(&self, map: &impl Kept, seeds: [Pair; 2], least: f32) -> Hypothesis {
+    /// against it, too. With it, the comparisons that it took.
+    fn score(&self, map: &impl Kept, seeds: [Pair; 2], least: f32) -> (Hypothesis, u32) {
         let mut joint = Joint::new(&self.fresh, &self.kept, map, seeds.map(Some));
         let mut found = Hypothesis {
             quarters: self.fresh.quarters,
@@ -166,11 +198,13 @@ impl Search {
             matched: [0; 2],
             pairs: [None; 2],
         };
+        let mut comparisons = joint.comparisons;
         if found.score > least {
             found.score += self.crossings(map, seeds, found.shift_m);
+            comparisons += (self.kept.len() * self.path_m.len()) as u32 / POINTS_A_COMPARISON;
         }
         seeds.iter().chain(&joint.pairs).for_each(|pair| self.place(&mut found, *pair));
-        found
+        (found, comparisons)
     }
 
     /// Takes a match into a hypothesis: the robot's place is that beside the walls that it knows itself beside best.

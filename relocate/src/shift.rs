@@ -14,6 +14,9 @@ const MERGE_M: f32 = 0.04;
 /// Most shifts along one axis.
 pub(crate) const SHIFTS: usize = 128;
 
+/// Shifts held against another one take as long as a comparison of two matches.
+const SHIFTS_A_COMPARISON: u32 = 8;
+
 /// A match that settles the shift along an axis, and the most that the walls across that axis can say for it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shift {
@@ -21,30 +24,59 @@ pub(crate) struct Shift {
     pub bound: f32,
 }
 
-/// Every shift along an axis that lays a fresh wall on a kept one that faces the same way; the best supported ones where there
-/// is no room for all, best first.
-pub(crate) fn shifts(fresh: &Fresh, kept: &[Side], map: &impl Kept, axis: usize, found: &mut Vec<Shift, SHIFTS>) {
-    found.clear();
-    for (i, a) in fresh.sides.iter().enumerate().filter(|(_, side)| side.axis() == axis) {
-        for (j, b) in kept.iter().enumerate().filter(|(_, side)| side.facing == a.facing) {
+/// The shifts along an axis that lay a fresh wall on a kept one that faces the same way; the best supported ones where there is no room
+/// for all. They are found one after the other.
+#[derive(Clone, Debug)]
+pub(crate) struct Shifts {
+    pub found: Vec<Shift, SHIFTS>,
+    /// The walls that are matched next: their places in the lists.
+    next: (usize, usize),
+}
+
+impl Shifts {
+    pub(crate) const NONE: Self = Self { found: Vec::new(), next: (0, 0) };
+
+    pub(crate) fn begin(&mut self) {
+        self.found.clear();
+        self.next = (0, 0);
+    }
+
+    /// Finds the next one along this axis, and gives the comparisons that it took; none, and all in order, best first, after the last.
+    pub(crate) fn find(&mut self, fresh: &Fresh, kept: &[Side], map: &impl Kept, axis: usize) -> Option<u32> {
+        let mut comparisons = 0;
+        while let Some(a) = fresh.sides.get(self.next.0) {
+            let (i, j) = self.next;
+            let Some(b) = kept.get(j).filter(|_| a.axis() == axis) else {
+                self.next = (i + 1, 0);
+                continue;
+            };
+            self.next = (i, j + 1);
             let by_m = b.at_m - a.at_m;
-            if found.iter().any(|shift| (shift.pair.apart_m(fresh, kept) - by_m).abs() < MERGE_M) {
+            let is_same = |shift: &Shift| (shift.pair.apart_m(fresh, kept) - by_m).abs() < MERGE_M;
+            if b.facing != a.facing {
+                continue;
+            }
+            comparisons += 1 + self.found.len() as u32 / SHIFTS_A_COMPARISON;
+            if self.found.iter().any(is_same) {
                 continue;
             }
             let pair = Pair { fresh: i as u8, kept: j as u8 };
-            let shift = Shift { pair, bound: bound(fresh, kept, map, axis, pair) };
-            if let Err(shift) = found.push(shift)
-                && let Some(worst) = found.iter_mut().min_by(|a, b| a.bound.total_cmp(&b.bound))
-                && worst.bound < shift.bound
-            {
-                *worst = shift;
-            }
+            let mut joint = Joint::new(fresh, kept, map, [0, 1].map(|other| (other == axis).then_some(pair)));
+            // The most that the walls across the axis can say for it.
+            let bound = joint.match_all();
+            self.keep(Shift { pair, bound });
+            return Some(comparisons + joint.comparisons);
+        }
+        descending(&mut self.found, |shift| shift.bound);
+        None
+    }
+
+    fn keep(&mut self, shift: Shift) {
+        if let Err(shift) = self.found.push(shift)
+            && let Some(worst) = self.found.iter_mut().min_by(|a, b| a.bound.total_cmp(&b.bound))
+            && worst.bound < shift.bound
+        {
+            *worst = shift;
         }
     }
-    descending(found, |shift| shift.bound);
-}
-
-/// The most that the walls across an axis can say for a shift.
-fn bound(fresh: &Fresh, kept: &[Side], map: &impl Kept, axis: usize, seed: Pair) -> f32 {
-    Joint::new(fresh, kept, map, [0, 1].map(|i| (i == axis).then_some(seed))).match_all()
 }

@@ -170,7 +170,7 @@ fn carry_there(there: &Home, kept: &Home, homes: &[Home], sensors: usize, seed: 
             }
         }
         let step = Step { position_m, travelled_m, readings: [0; 2] };
-        if let Some(Event::Found(found)) = locator.step(&*slam, &*kept.kept, &step, usize::MAX) {
+        if let Some(Event::Found(found)) = locator.step(&*slam, &*kept.kept, &step, u32::MAX) {
             slam.take_up(&*kept.kept, &found).expect("a map to go on in");
             let pose: Pose2 = slam.pose().into();
             carry.claimed_m = Some(path_m);
@@ -185,7 +185,7 @@ fn carry_there(there: &Home, kept: &Home, homes: &[Home], sensors: usize, seed: 
 fn verdict(slam: &HostSlam, home: &Home, trail_m: &[[f32; 2]]) -> Option<Verdict> {
     let mut search = Search::IDLE;
     search.begin(slam, &*home.kept, trail_m);
-    while search.work(&*home.kept, 1000) == Progress::Working {}
+    while search.work(&*home.kept, u32::MAX) == Progress::Working {}
     search.verdict()
 }
 

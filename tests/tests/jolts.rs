@@ -36,7 +36,7 @@ fn lost_in_kept(plan: &Plan, kept: &HostSlam, seed: u64) -> (Option<f64>, u32) {
     let slam = drive(plan, &rig(8), BACK_S, seed, |Driven { slam, report, path_m, in_plan, .. }| {
         let position_m = [slam.state_mean(0), slam.state_mean(1)];
         let travelled_m = (path_m - std::mem::replace(&mut last_m, path_m)) as f32;
-        match locator.step(&*slam, kept, &Step { position_m, travelled_m, readings: agreement(report) }, usize::MAX) {
+        match locator.step(&*slam, kept, &Step { position_m, travelled_m, readings: agreement(report) }, u32::MAX) {
             Some(Event::Found(place)) => slam.take_up(kept, &place).expect("a map to go on in"),
             Some(Event::Lost) => slam.restart_map(),
             None => {}

@@ -176,7 +176,7 @@ impl Home {
         let mut slam = RobotSlam::with_config(robot.rig(), config).unwrap();
         let mut flash = self.flash.borrow_mut();
         let mut backup = self.backup.borrow_mut();
-        let mut keeper = Keeper::start(&mut *flash, &robot.rig());
+        let mut keeper = Keeper::start(&mut *flash, &slam);
         let mut job = Job::IDLE;
         job.begin(&robot.rig());
         let (mut encoders, mut motors, pins) = (self.board.encoders(), self.board.motors(), self.board.contacts());

@@ -12,8 +12,8 @@ use slam_core::{HostSlam, Rig, StepReport};
 
 use crate::input::rig_file::MAX_SENSORS;
 
-/// A search on the desk is done at once; after so many hypotheses it is looked at.
-const BETWEEN_LOOKS: usize = 64;
+/// A search on the desk is done in the step in which it begins.
+const AT_ONCE: u32 = u32::MAX;
 
 /// A place whose odds against the best one are below this is none, natural logarithm: one in a thousand.
 const UNLIKELY: f32 = -6.9;
@@ -217,7 +217,7 @@ impl Life {
         let Ok(record) = Record::whole(kept) else { return false };
         let before = self.locator.verdict().copied();
         let event = loop {
-            let event = self.locator.step(&*slam, &record, &step, BETWEEN_LOOKS);
+            let event = self.locator.step(&*slam, &record, &step, AT_ONCE);
             if !self.locator.is_searching() {
                 break event;
             }

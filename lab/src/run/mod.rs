@@ -17,7 +17,7 @@ pub use life::{Place, Searched};
 pub use map_file::MapId;
 pub use relative::{RelativeReplay, RelativeSession, covariance_of, look_back, to_record, views};
 pub use replay::{Replay, Replayed};
-pub use session::{Session, begun, parameter_name};
+pub use session::{Session, begun, parameter_name, unsuitable};
 pub use simulate::Run;
 
 /// How far a run or a replay is.

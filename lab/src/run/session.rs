@@ -319,7 +319,7 @@ const MAP: &str = "map.bin";
 pub(super) const JOB: &str = "job.bin";
 
 /// Why a kept map cannot be gone on with.
-fn unsuitable(unfit: Unfit) -> &'static str {
+pub fn unsuitable(unfit: Unfit) -> &'static str {
     match unfit {
         Unfit::TooLarge => "has more walls or states than there is room for; it must be the map of a smaller home",
         Unfit::OtherCalibration => {

@@ -22,23 +22,25 @@ use crate::port;
 use boot::{Boot, PERIOD_US};
 use flash::Memory;
 use keeper::SLOT_BYTES;
-use kept_map::{Record, rig_hash};
+use kept_map::{Record, Refused, rig_hash};
 use lab::input::built_in;
 use lab::input::log::writer;
 use lab::input::rig_file::Robot;
 use lab::numbers::shortest;
 use lab::recording::{Job, Pose2};
+use lab::run::unsuitable;
 use lab::show::output::folder::Folder;
 use lab::show::output::streams::{LineFile, tum_line};
 pub use outcome::Outcome;
 pub use outlive::Outlived;
 use shadow::Shadow;
+use slam_core::{Config, RobotSlam};
 use sweeping::Sweeping;
 pub use sweeping::Swept;
 pub use target::Target;
 
 /// Files that a run writes.
-const NAMES: [&str; 5] = ["log.csv", "rig.toml", "trajectory.tum", "truth.tum", "hil.json"];
+const NAMES: [&str; 6] = ["log.csv", "rig.toml", "trajectory.tum", "truth.tum", "map.bin", "hil.json"];
 
 /// A drive in the loop.
 #[derive(Clone, Debug)]
@@ -94,6 +96,9 @@ impl Hil {
         }
         files.close()?;
         let (shadow, _) = boot.cut();
+        if let Some(map) = shadow.record() {
+            folder.write("map.bin", map).map_err(|error| error.to_string())?;
+        }
         let swept = (self.job == Job::Clean).then(|| sweeping.finish());
         let outcome = Outcome { swept, ..outcome(&self.plan()?, &simulation, shadow) };
         folder.write("hil.json", outcome.to_json(self)).map_err(|error| error.to_string())?;
@@ -117,9 +122,12 @@ impl Hil {
         let Memory(mut flash) = Memory::erased();
         if let Some(file) = &self.map {
             let map = std::fs::read(file).map_err(|error| format!("{}: {error}", file.display()))?;
-            let record =
-                Record::parse(&map).and_then(|record| record.of_rig(rig_hash(&self.robot.rig::<{ wire::SENSORS }>())));
-            record.map_err(|refused| format!("{} {refused}", file.display()))?;
+            let (rig, refused) = (self.robot.rig(), |refused: Refused| format!("{} {refused}", file.display()));
+            let record = Record::parse(&map).map_err(refused)?;
+            record.of_rig(rig_hash(&rig)).map_err(refused)?;
+            let config = Config::for_rig(&rig);
+            let slam = Box::new(RobotSlam::with_config(rig, config).expect("a built-in rig is a valid one"));
+            slam.suits(&record).map_err(|unfit| format!("{} {}", file.display(), unsuitable(unfit)))?;
             let slot = flash.get_mut(..map.len()).filter(|slot| slot.len() <= SLOT_BYTES as usize);
             let is_long = || format!("{}: a robot has room for {SLOT_BYTES} bytes, not {}", file.display(), map.len());
             slot.ok_or_else(is_long)?.copy_from_slice(&map);

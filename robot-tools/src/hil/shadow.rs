@@ -2,6 +2,7 @@
 
 use hal_sim::{Face, SeenWall};
 use keeper::{Circumstances, Keeper};
+use kept_map::{Writer, rig_hash};
 use look_back::{RobotBackEnd, STEP_US};
 use robot::rig::BuiltIn;
 use slam_core::{Config, RobotSlam, StepReport};
@@ -40,7 +41,7 @@ impl Shadow {
         let config = Config { hand_overs, ..Config::for_rig::<{ wire::SENSORS }>(&robot.rig()) };
         let slam = RobotSlam::with_config(robot.rig(), config);
         let slam = Box::new(slam.map_err(|error| format!("the built-in rig: {} {}", error.key, error.allowed))?);
-        let keeper = Keeper::start(Memory(flash), &robot.rig());
+        let keeper = Keeper::start(Memory(flash), &slam);
         Ok(Self {
             slam,
             back_end: hand_overs.then(|| Box::new(RobotBackEnd::IDLE)),
@@ -115,6 +116,13 @@ impl Shadow {
 
     fn differ(&mut self, sample: &Sample, what: &str) {
         self.differences.push(Difference { time_us: sample.time_us, what: what.to_owned() });
+    }
+
+    /// The record that the robot would keep now; none without a map, or where it does not know where it is in the one that it has.
+    pub fn record(&self) -> Option<Vec<u8>> {
+        let mut bytes = Vec::new();
+        Writer::new(&*self.slam, 1, rig_hash(self.slam.rig())).bytes(|piece| bytes.extend_from_slice(piece));
+        (self.keeper.is_located() && self.slam.walls().next().is_some()).then_some(bytes)
     }
 
     /// Scores the drive.

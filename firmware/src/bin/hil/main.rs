@@ -50,7 +50,7 @@ fn main() -> ! {
     let slam = core_ram::SLAM.take();
     assert!(slam.start_with_config(ROBOT.rig(), config).is_ok(), "the built-in rig is valid");
     let job = core_ram::job(ROBOT);
-    let keeper = keeper();
+    let keeper = keeper(slam);
     LOOK_BACKS.give_back(BACK_END.take());
     let link = link::Link::new(transport::Transport::open());
     schedule::run(|levels| spawn(levels, Robot { slam, keeper, job }, config), link)
@@ -58,8 +58,8 @@ fn main() -> ! {
 
 /// What the flash has. What start-up needs of the stack is free again when this returns.
 #[inline(never)]
-fn keeper() -> &'static mut Keeper<Flash> {
-    KEEPER.init_with(|| Keeper::start(Flash::open(), &ROBOT.rig()))
+fn keeper(slam: &RobotSlam) -> &'static mut Keeper<Flash> {
+    KEEPER.init_with(|| Keeper::start(Flash::open(), slam))
 }
 
 /// Whether hand-overs are taken: as suits the robot, unless the emulator's command line has the word `hand-overs` or

@@ -49,7 +49,7 @@ async fn main(below: Spawner) {
     let slam = core_ram::SLAM.take();
     assert!(slam.start_with_config(ROBOT.rig(), config()).is_ok(), "the built-in rig is valid");
     let job = core_ram::job(ROBOT);
-    let keeper = keeper(board.map_flash);
+    let keeper = keeper(board.map_flash, slam);
     LOOK_BACKS.give_back(BACK_END.take());
     let once = "each task is spawned once";
     below.spawn(look_back().expect(once));
@@ -72,8 +72,8 @@ fn config() -> Config {
 
 /// What is in this flash. What start-up needs of the stack is free again when this returns.
 #[inline(never)]
-fn keeper(flash: SmallSectors) -> &'static mut Keeper<SmallSectors> {
-    KEEPER.init_with(|| Keeper::start(flash, &ROBOT.rig()))
+fn keeper(flash: SmallSectors, slam: &RobotSlam) -> &'static mut Keeper<SmallSectors> {
+    KEEPER.init_with(|| Keeper::start(flash, slam))
 }
 
 #[embassy_executor::task]
