@@ -53,11 +53,10 @@ fn state_with(states: u16) -> PlaceState {
     let mut state = None;
     home.run(BuiltIn::Sharp, Ranges(home.board.range_sensors()), |tasks| {
         tasks.drive(1.5);
-        let places = home
-            .heard()
-            .into_iter()
-            .filter_map(|frame| if let Frame::Place(place) = frame { Some(place) } else { None });
-        state = places.last().map(|place| place.state);
+        let said = home.heard();
+        let place =
+            said.iter().rev().find_map(|frame| if let Frame::Place(place) = frame { Some(place.state) } else { None });
+        state = place;
     });
     state.expect("the place is told")
 }

@@ -32,9 +32,9 @@ fn four_hours_are_as_good_as_one() {
 
 /// Largest error of the position in the start frame, metres, of a robot with time-of-flight sensors that looks back while it drives, and
 /// how many look backs it took over.
-fn worst_with_hand_overs(plan: &str, minutes: f64) -> (f64, u32) {
+fn worst_with_hand_overs(plan: &str, minutes: f64, seed: u64) -> (f64, u32) {
     let (home, rig) = (hal_sim::plan_file::load(plan).expect("a built-in plan"), BuiltIn::TimeOfFlight.rig());
-    let simulation = Simulation::new(&home, &rig, SimOptions::default(), 1).expect("the robot fits");
+    let simulation = Simulation::new(&home, &rig, SimOptions::default(), seed).expect("the robot fits");
     let mut slam = HostSlam::with_config(rig.clone(), Config::for_rig(&rig)).expect("a good rig");
     let mut robot = ClosedLoop::new(simulation, &rig, PilotConfig::default());
     let mut back = Box::new(RobotBackEnd::IDLE);
@@ -56,12 +56,15 @@ fn worst_with_hand_overs(plan: &str, minutes: f64) -> (f64, u32) {
 
 #[test]
 fn hand_overs_of_a_diary_that_is_long_full_keep_the_map() {
-    let (worst_m, taken) = worst_with_hand_overs("corridor-loop", 34.0);
-    assert!(taken > 10 && worst_m < 0.4, "{worst_m} m, {taken} taken over");
+    // In the second drive a surface once seemed to say that the robot drove backwards: two metres off.
+    for seed in [1, 8] {
+        let (worst_m, taken) = worst_with_hand_overs("corridor-loop", 34.0, seed);
+        assert!(taken > 10 && worst_m < 0.4, "seed {seed}: {worst_m} m, {taken} taken over");
+    }
 }
 
 #[test]
 fn a_robot_that_was_held_keeps_the_frame_of_its_start() {
-    let (worst_m, taken) = worst_with_hand_overs("room", 24.0);
+    let (worst_m, taken) = worst_with_hand_overs("room", 24.0, 1);
     assert!(taken > 5 && worst_m < 0.4, "{worst_m} m, {taken} taken over");
 }

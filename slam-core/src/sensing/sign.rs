@@ -223,7 +223,9 @@ impl<const S: usize> Sign<S> {
             return None;
         }
         let told: f32 = tells.iter().sum();
-        let share = (MOST_OF_ROW / told.abs()).min(1.0);
+        // Surfaces that have told all that they may go on to speak: one that says the other way is not heard against them.
+        let heard = told.clamp(says.min(0.0), says.max(0.0)).clamp(-MOST_OF_ROW, MOST_OF_ROW);
+        let share = if told == 0.0 { 0.0 } else { heard / told };
         self.surfaces.iter_mut().zip(tells).for_each(|(surface, tells)| surface.told += share * tells);
         // Bounded, so that probabilities stay numbers between zero and one.
         self.log_odds = (self.log_odds + share * told).clamp(-15.0, 15.0);

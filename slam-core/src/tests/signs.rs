@@ -2,6 +2,8 @@
 
 use std::vec::Vec;
 
+use crate::motion::travel::Travel;
+use crate::sensing::sign::Sign;
 use crate::{
     Config, DriveModel, HostSlam, Increment, Motion, Mount, RangeInput, RangeModel, RangeSensor, Rig, Sample,
     VEER_SIGMA,
@@ -141,4 +143,31 @@ fn an_odometry_with_a_sign_is_believed() {
 fn who_walks_ahead_does_not_turn_the_odometry_round() {
     let (looking, without) = (miss_behind_people_m(true), miss_behind_people_m(false));
     assert!((looking - without).abs() < 0.005, "{looking} and {without} m off");
+}
+
+/// Whether an odometry is taken for one without a sign while three walls ahead say forwards, and a surface that said so, too, and is
+/// taken for a wall of the map says backwards from then on, as one does when its beam has passed a corner.
+fn is_turned_round_by_one_surface() -> bool {
+    let rig = rig();
+    let mut sign = Sign::<16>::unknown(&rig.drive);
+    let travel = Travel::Body(Increment { forward_m: 0.05, left_m: 0.0, turn_rad: 0.0 });
+    let ahead = &rig.sensors[2..5];
+    let sensors = [ahead, &ahead[..1]].concat();
+    let mut ranges_m = [4.0f32; 4];
+    (0..40).any(|row| {
+        let turns_back = row >= 20;
+        for (range_m, mount) in ranges_m.iter_mut().zip(sensors.iter().map(|sensor| &sensor.mount)) {
+            *range_m -= 0.05 / mount.bearing_rad.cos();
+        }
+        ranges_m[3] += if turns_back { 0.1 / sensors[3].mount.bearing_rad.cos() } else { 0.0 };
+        let _ = sign.follow(&travel, 0.0, 0.2);
+        let claims = sign.tell(&sensors, &ranges_m.map(RangeInput::Metres)).is_some();
+        (0..4).for_each(|sensor| sign.met(sensor, || Some(std::f32::consts::PI)));
+        claims
+    })
+}
+
+#[test]
+fn one_surface_is_not_heard_against_all_others() {
+    assert!(!is_turned_round_by_one_surface());
 }
