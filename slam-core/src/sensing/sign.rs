@@ -224,7 +224,8 @@ impl<const S: usize> Sign<S> {
         }
         let told: f32 = tells.iter().sum();
         // Surfaces that have told all that they may go on to speak: one that says the other way is not heard against them.
-        let heard = told.clamp(says.min(0.0), says.max(0.0)).clamp(-MOST_OF_ROW, MOST_OF_ROW);
+        let [least, most] = [says.clamp(-MOST_OF_ROW, 0.0), says.clamp(0.0, MOST_OF_ROW)];
+        let heard = told.max(least).min(most);
         let share = if told == 0.0 { 0.0 } else { heard / told };
         self.surfaces.iter_mut().zip(tells).for_each(|(surface, tells)| surface.told += share * tells);
         // Bounded, so that probabilities stay numbers between zero and one.
