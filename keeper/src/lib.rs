@@ -217,7 +217,7 @@ impl<F: MapFlash> Keeper<F> {
         let Some(bytes) = saved.and_then(|saved| slot(store.flash(), saved)) else { return };
         let Ok(record) = Record::whole(bytes) else { return };
         let position_m = [slam.state_mean(0), slam.state_mean(1)];
-        let step = Step { position_m, travelled_m, readings: agreement(report) };
+        let step = Step { position_m, travelled_m, readings: agreement(report, record.frame().next_id) };
         match locator.step(&*slam, &record, &step, COMPARISONS) {
             Some(Event::Found(found)) => {
                 if slam.take_up(&record, &found).is_ok() {

@@ -5,12 +5,14 @@ use slam_core::{Outcome, StepReport};
 /// A reading that is off by less than this says nothing against the robot's place, metres: an end of a wall, a thing before it.
 const GROSS_M: f32 = 0.08;
 
-/// Readings of walls that agreed with the map, and that are grossly off.
-pub fn agreement<const S: usize>(report: &StepReport<S>) -> [u8; 2] {
-    let count = |is: fn(&Outcome) -> bool| report.readings.iter().filter(|reading| is(&reading.outcome)).count() as u8;
-    let is_off =
-        |outcome: &Outcome| matches!(outcome, Outcome::Gated { innovation_m, .. } if innovation_m.abs() > GROSS_M);
-    [count(|outcome| matches!(outcome, Outcome::Updated { .. })), count(is_off)]
+/// Readings that agreed with a wall of the kept map, and that are grossly off. Walls that were drawn since, of this identifier or a later
+/// one, say nothing: a robot that is elsewhere draws the home a second time, askew, and everything agrees with that.
+pub fn agreement<const S: usize>(report: &StepReport<S>, since: u16) -> [u8; 2] {
+    let is_kept = |wall: u16| since.wrapping_sub(wall) as i16 > 0;
+    let outcomes = || report.readings.iter().map(|reading| reading.outcome);
+    let agrees = |outcome: &Outcome| matches!(*outcome, Outcome::Updated { wall, .. } if is_kept(wall));
+    let is_off = |outcome: &Outcome| matches!(*outcome, Outcome::Gated { wall, innovation_m, .. } if is_kept(wall) && innovation_m.abs() > GROSS_M);
+    [outcomes().filter(agrees).count() as u8, outcomes().filter(is_off).count() as u8]
 }
 
 /// The last readings that met a wall, a bit each: set where it fitted.

@@ -212,7 +212,7 @@ impl Life {
         let mut step = Step {
             position_m: [slam.state_mean(0), slam.state_mean(1)],
             travelled_m: travelled_m.x_m.hypot(travelled_m.y_m) as f32,
-            readings: agreement(report),
+            readings: agreement(report, Record::whole(kept).map_or(0, |record| record.frame().next_id)),
         };
         let Ok(record) = Record::whole(kept) else { return false };
         let before = self.locator.verdict().copied();
