@@ -5,7 +5,7 @@ use slam_core::angle::wrap;
 use slam_core::hand_over::MOST_GAINS;
 use slam_core::{Calibration, DriveModel, Increment, Pose};
 
-use crate::frame::{Moving, relative};
+use crate::frame::{Frame, Moving, relative};
 use crate::gains::Gains;
 use crate::group::Group;
 use crate::keyframe::Keyframe;
@@ -76,6 +76,8 @@ pub struct Diary<const K: usize, const G: usize, const W: usize> {
     pub(crate) keyframes: Vec<Keyframe, K>,
     /// In the order of their keyframes.
     pub(crate) groups: Vec<Group, G>,
+    /// So many at their end are the next keyframe's, and in the last one's frame until that begins.
+    ahead: u16,
     pub(crate) walls: [Option<Wall>; W],
     pub(crate) names: Vec<Name, NAMES>,
     /// Where among the names that of the last wall is that a sensor saw, where it still is there.
@@ -107,6 +109,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     pub const IDLE: Self = Self {
         keyframes: Vec::new(),
         groups: Vec::new(),
+        ahead: 0,
         walls: [Some(Wall::NEW); W],
         names: Vec::new(),
         seen: [0; MOST_GAINS],
@@ -138,6 +141,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         // There is room for four.
         let _ = self.keyframes.push(Keyframe::at(0, start));
         self.groups.clear();
+        self.ahead = 0;
         self.walls.fill(None);
         self.names.clear();
         self.calibration = Calibration::EXACT;
@@ -182,7 +186,13 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
 
     /// Whether it is time for a keyframe.
     pub fn is_due(&self) -> bool {
-        self.keyframes.last().is_some_and(|last| last.path_m >= SPACING_M || last.turning_rad >= SPACING_RAD)
+        self.is_past(1.0)
+    }
+
+    /// Whether the robot is past so much of the way to the next keyframe.
+    fn is_past(&self, share: f32) -> bool {
+        let is_far = |last: &Keyframe| last.path_m >= share * SPACING_M || last.turning_rad >= share * SPACING_RAD;
+        self.keyframes.last().is_some_and(is_far)
     }
 
     /// Begins a keyframe where the robot is; `filter` is the filter's pose there. Only its motion since the last one counts.
@@ -192,7 +202,11 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         }
         let Some(last) = self.keyframes.last() else { return };
         let pose = last.pose.compose(&relative(&self.filter, filter));
-        if self.keyframes.push(Keyframe::at(last.serial.wrapping_add(1), pose)).is_ok() {
+        let next = Keyframe { groups: self.ahead, ..Keyframe::at(last.serial.wrapping_add(1), pose) };
+        if self.keyframes.push(next).is_ok() {
+            let ahead = usize::from(core::mem::take(&mut self.ahead));
+            let (before, there) = (self.groups.len().saturating_sub(ahead), Frame::of(&self.robot.pose().inverse()));
+            self.groups.iter_mut().skip(before).for_each(|group| *group = group.moved(&there));
             self.filter = *filter;
             self.robot = Moving::ORIGIN;
         }
@@ -224,12 +238,14 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         self.put(&one);
     }
 
-    /// Puts a hit to its group of the last keyframe: on a wall mostly that which its sensor's last hit went to.
+    /// Puts a hit to its group of the last keyframe, or past the middle of the way to the next one of that: where hits are seen from
+    /// is then known to an eighth of the odometry's noise between two keyframes, and errors ahead and behind go against each other.
+    /// On a wall it is mostly the group that its sensor's last hit went to.
     fn put(&mut self, one: &Group) {
         let last = self.last_groups.get(usize::from(one.sensor)).map_or(0, |place| usize::from(*place));
-        let Self { keyframes, groups, gains, .. } = self;
-        let before = groups.len().saturating_sub(keyframes.last().map_or(0, |last| usize::from(last.groups)));
-        // The groups of the last keyframe.
+        let count = self.open_groups().map_or(0, |count| usize::from(*count));
+        let Self { groups, gains, .. } = self;
+        let before = groups.len().saturating_sub(count);
         let open = groups.get_mut(before..).unwrap_or_default();
         let is_last = one.wall().is_some() && open.get(last).is_some_and(|group| is_of(group, one, gains));
         let place = if is_last { Some(last) } else { open.iter().position(|group| is_of(group, one, gains)) };
@@ -244,11 +260,21 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
 
     fn open_group(&mut self, group: Group) {
         while self.groups.is_full() && (self.drop_fewest() || self.thin()) {}
-        let Some(last) = self.keyframes.last_mut() else { return };
-        match self.groups.push(group) {
-            Ok(()) => last.groups += 1,
-            Err(_) => self.losses.hits = self.losses.hits.saturating_add(u32::from(group.hits)),
+        if self.groups.push(group).is_err() {
+            self.losses.hits = self.losses.hits.saturating_add(u32::from(group.hits));
+        } else if let Some(count) = self.open_groups() {
+            *count += 1;
         }
+    }
+
+    /// How many groups, at their end, hits may go to: those of the nearer keyframe.
+    fn open_groups(&mut self) -> Option<&mut u16> {
+        if self.is_past(0.5) { Some(&mut self.ahead) } else { self.keyframes.last_mut().map(|last| &mut last.groups) }
+    }
+
+    /// Forgets what is to be seen from the next keyframe.
+    pub(crate) fn drop_ahead(&mut self) {
+        self.groups.truncate(self.groups.len().saturating_sub(core::mem::take(&mut self.ahead).into()));
     }
 
     /// Forgets the groups on no wall that have the fewest hits, some at once; false where those on no wall are few.
@@ -283,6 +309,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
             let own = groups.by_ref().take(key.groups.into());
             key.groups = own.filter(|group| group.hits > 0).count() as u16;
         }
+        self.ahead = groups.filter(|group| group.hits > 0).count() as u16;
         self.groups.retain(|group| group.hits > 0);
     }
 

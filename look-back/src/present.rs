@@ -25,10 +25,8 @@ const UNKNOWN_COST: usize = 40;
 #[derive(Clone, Copy, Debug)]
 pub struct Present {
     pose: Pose,
-    /// The keyframe whose stretch it goes along next, or has gone along.
+    /// The keyframe at which it is.
     key: usize,
-    /// Where it went on that.
-    gone: Option<Pose>,
     /// The first group that is not taken in yet.
     group: usize,
     /// Groups of that keyframe that are.
@@ -37,7 +35,7 @@ pub struct Present {
 
 impl Present {
     /// At no keyframe; every byte is zero.
-    pub const NONE: Self = Self { pose: Pose::ORIGIN, key: 0, gone: None, group: 0, taken: 0 };
+    pub const NONE: Self = Self { pose: Pose::ORIGIN, key: 0, group: 0, taken: 0 };
 
     /// At the last keyframe that was placed.
     pub fn begin<const K: usize, const G: usize, const W: usize, const B: usize, const P: usize>(
@@ -50,13 +48,12 @@ impl Present {
         *self = Self {
             pose: diary.keyframes.get(key).map_or(Pose::ORIGIN, |key| key.pose),
             key,
-            gone: None,
             group: diary.keyframes.iter().take(key).map(|key| usize::from(key.groups)).sum(),
             taken: 0,
         };
     }
 
-    /// Takes in the next group, or the stretch to the next keyframe, in so many multiply-adds; none at the last keyframe, which is still
+    /// Takes in the next group, or after the last of its keyframe the stretch to the next one, in so many multiply-adds; none at the last keyframe, which is still
     /// being written.
     pub fn go_on<const K: usize, const G: usize, const W: usize, const B: usize, const P: usize>(
         &mut self,
@@ -83,19 +80,13 @@ impl Present {
         key: &Keyframe,
     ) -> Option<u32> {
         let unknowns = solver.system.len();
-        let Some(gone) = self.gone else {
-            self.gone = Some(self.travel(diary, solver, key));
-            return Some((UNKNOWN_COST * unknowns) as u32);
-        };
         if self.taken == usize::from(key.groups) {
+            self.travel(diary, solver, key);
             self.key += 1;
-            self.gone = None;
             self.taken = 0;
-            return Some(1);
+            return Some((UNKNOWN_COST * unknowns) as u32);
         }
-        // What was seen on the way, seen from its end: the pose there is what it tells of.
-        let group = diary.groups.get(self.group)?;
-        self.see(diary, solver, &group.moved(&Frame::of(&gone.inverse())));
+        self.see(diary, solver, diary.groups.get(self.group)?);
         self.group += 1;
         self.taken += 1;
         Some((unknowns * (unknowns + UNKNOWN_COST)) as u32)
@@ -130,14 +121,12 @@ impl Present {
         diary: &Diary<K, G, W>,
         solver: &mut Solver<K, W, B, P>,
         key: &Keyframe,
-    ) -> Pose {
+    ) {
         let calibration = calibration(diary, solver);
         let variances = diary.odometry.variances(key);
         let (by, noise) = stretch(key, &self.pose, &calibration, variances);
         solver.system.move_on(&by, noise);
-        let gone = calibrated(key, &calibration);
-        self.pose = self.pose.compose(&gone);
-        gone
+        self.pose = self.pose.compose(&calibrated(key, &calibration));
     }
 }
 

@@ -53,6 +53,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     /// The robot was found elsewhere in the same map: how it came there the odometry did not sense, nor what it did before that was
     /// found out. `filter` is the filter's pose there.
     pub(crate) fn go_on_elsewhere(&mut self, filter: &Pose) {
+        self.drop_ahead();
         self.begin_keyframe(filter);
         self.revision = self.revision.wrapping_add(1);
         let Self { keyframes, calibration, .. } = self;
