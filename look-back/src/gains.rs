@@ -8,9 +8,6 @@ use crate::group::Group;
 /// Variance of a gain that is known.
 const KNOWN: f32 = 1e-10;
 
-/// The sensor of a group whose gain is settled.
-const SETTLED: u8 = u8::MAX;
-
 /// What is known of each gain beforehand, and where it is likeliest.
 #[derive(Clone, Copy, Debug)]
 pub struct Gains {
@@ -58,11 +55,15 @@ impl Gains {
         corrected
     }
 
-    /// The same for good: later gains do not move it.
-    pub fn settled(&self, group: &Group) -> Group {
-        let mut settled = self.correct(group);
-        settled.sensor = SETTLED;
-        settled
+    /// A group as another sensor would have reported it: from then on it goes with that one's gain, and what it was to the own gain is
+    /// what that is known to be at present.
+    pub fn told_by(&self, sensor: u8, group: &Group) -> Group {
+        let gain = |sensor| self.of(sensor).map_or(1.0, |(_, gain)| gain);
+        let ratio = gain(sensor) / gain(group.sensor);
+        let mean_m = [0, 1].map(|i| group.from_m[i] + ratio * (group.mean_m[i] - group.from_m[i]));
+        let mut told = *group;
+        (told.mean_m, told.sensor) = (mean_m, sensor);
+        told
     }
 
     /// Weight and residual of what is known of each beforehand.

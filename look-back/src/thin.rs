@@ -58,13 +58,12 @@ fn join(groups: &mut [Group], own: usize, gains: &Gains, apart: &Frame) -> u16 {
         let Some((before, [group, ..])) = groups.split_at_mut_checked(i) else { break };
         // Those of the first keyframe were kept apart for their gains only.
         let joins = i >= own || gains.of(group.sensor).is_some();
-        *group = gains.settled(group);
         if i >= own {
             *group = group.moved(apart);
         }
         let is_same = |other: &&mut Group| other.hits > 0 && group.wall().is_some() && other.wall() == group.wall();
         if let Some(same) = before.iter_mut().find(is_same).filter(|_| joins) {
-            same.add(group);
+            same.add(&gains.told_by(same.sensor, group));
             group.hits = 0;
             gone += 1;
         }
