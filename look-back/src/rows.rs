@@ -46,6 +46,8 @@ pub struct Odometry {
     drive: DriveModel,
     /// Factor of the variance of a logged pose's position, slips included, as the filter learned it.
     pub position_level: f32,
+    /// The same of how far counted wheels went.
+    pub wheel_level: f32,
 }
 
 impl Odometry {
@@ -59,11 +61,12 @@ impl Odometry {
             noise_m2_per_m: 0.0,
         },
         position_level: 0.0,
+        wheel_level: 0.0,
     };
 
     /// Of a drive, as stated.
     pub fn of(drive: &DriveModel) -> Self {
-        Self { drive: *drive, position_level: 1.0 }
+        Self { drive: *drive, position_level: 1.0, wheel_level: 1.0 }
     }
 
     /// Variance of each axis of the position, m^2, and of the heading, rad^2, after a keyframe's motion.
@@ -71,7 +74,7 @@ impl Odometry {
         let Keyframe { path_m, turning_rad, .. } = *key;
         let [position_m2, heading_rad2] = match self.drive {
             DriveModel::Wheels { track_m, noise_m2_per_m, .. } => {
-                let wheel_m2 = noise_m2_per_m * (path_m + 0.5 * track_m * turning_rad);
+                let wheel_m2 = self.wheel_level * noise_m2_per_m * (path_m + 0.5 * track_m * turning_rad);
                 [0.5 * wheel_m2, 2.0 * wheel_m2 / (track_m * track_m)]
             }
             DriveModel::Odometry { noise_m2_per_m, noise_rad2_per_m, noise_rad2_per_rad, .. } => [

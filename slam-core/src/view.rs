@@ -3,6 +3,7 @@
 use crate::config::Config;
 use crate::filter::layout::{self, ALPHA};
 use crate::geometry::pose::Pose;
+use crate::motion::Slip;
 use crate::report::{Counters, Health};
 use crate::rig::{DriveModel, Rig};
 use crate::slam::Slam;
@@ -131,6 +132,11 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     /// Factor of the variance of the position in motion, as it was learned: of what the rig states and slips add to it.
     pub fn position_level(&self) -> f32 {
         self.levels.position.factor()
+    }
+
+    /// Factor of the variance of how far counted wheels went, as it was learned; one where it is not.
+    pub fn wheel_level(&self) -> f32 {
+        if self.config.motion.slip == Slip::Learned { self.slippage.factor() } else { 1.0 }
     }
 
     /// Whether something holds the robot, so that its wheels turn and it stays where it is.
