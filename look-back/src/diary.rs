@@ -329,6 +329,12 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         is_done
     }
 
+    /// What was seen from the first so many keyframes.
+    pub(crate) fn seen_from_first(&self, keyframes: usize) -> &[Group] {
+        let count = self.keyframes.iter().take(keyframes).map(|key| usize::from(key.groups)).sum();
+        self.groups.get(..count).unwrap_or(&self.groups)
+    }
+
     /// Each keyframe with what was seen from it.
     pub(crate) fn sightings(&self) -> impl Iterator<Item = (&Keyframe, &[Group])> {
         let mut rest = self.groups.as_slice();

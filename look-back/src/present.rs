@@ -48,7 +48,7 @@ impl Present {
         *self = Self {
             pose: diary.keyframes.get(key).map_or(Pose::ORIGIN, |key| key.pose),
             key,
-            group: diary.keyframes.iter().take(key).map(|key| usize::from(key.groups)).sum(),
+            group: diary.seen_from_first(key).len(),
             taken: 0,
         };
     }
