@@ -248,10 +248,9 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K,
 
     fn begin_solving<const G: usize>(&mut self, diary: &mut Diary<K, G, W>, steps: u32) -> u32 {
         let mut hits = [0u32; W];
-        // What is seen from the last keyframe is no part of the solution. A wall of which that is all would be known to metres, and what
-        // is seen of it afterwards would take from that variance what f32 does not hold.
-        let seen = diary.seen_from_first(diary.keyframes.len().saturating_sub(1));
-        for (wall, group) in seen.iter().filter_map(|group| Some((group.wall()?, group))) {
+        // What only the last keyframe sees is not solved for: of a variance of metres f32 loses what is left once more is seen.
+        let seen = diary.seen_from_first(diary.keyframes.len().saturating_sub(1)).iter();
+        for (wall, group) in seen.filter_map(|group| Some((group.wall()?, group))) {
             if let Some(hits) = hits.get_mut(wall) {
                 *hits = hits.saturating_add(u32::from(group.hits));
             }

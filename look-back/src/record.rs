@@ -71,7 +71,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
 }
 
 /// What a reading ended on, seen from the robot; none where it ended on nothing.
-fn hit(
+pub(crate) fn hit(
     robot: &Frame,
     (gain, last_m): (f32, f32),
     number: u8,
@@ -84,7 +84,13 @@ fn hit(
         Outcome::Missing | Outcome::Refused(_) => return None,
     };
     let end_m = robot.seen(reading.hit_m?);
-    let (variance_m2, alike) = noise(&sensor.model, expected_m(sensor, reading, (gain, last_m))?);
+    let about_m = expected_m(sensor, reading, (gain, last_m))?;
+    let (variance_m2, alike) = noise(&sensor.model, about_m);
+    // Of a surface near the largest range only the readings that came out short get here: they would draw it near.
+    let is_analogue = matches!(sensor.model, RangeModel::Sharp { .. });
+    if wall.is_none() && is_analogue && gain * about_m + 2.0 * libm::sqrtf(variance_m2) > sensor.max_m {
+        return None;
+    }
     let [x, y] = [sensor.mount.x_m, sensor.mount.y_m];
     // What the sensor reported, before the filter's gain: gains are found here, too.
     let end_m = [x + gain * (end_m[0] - x), y + gain * (end_m[1] - y)];

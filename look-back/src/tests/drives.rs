@@ -1,8 +1,8 @@
 use nalgebra::{Matrix3, Vector3};
-use slam_core::Pose;
+use slam_core::{Increment, Pose};
 
 use super::drive::{DRIVE, Robot, SCALE};
-use crate::{Diary, LookBack, Progress, Unknown, border_len, packed_len};
+use crate::{Diary, Hit, LookBack, Progress, Unknown, border_len, packed_len};
 
 const W: usize = 16;
 const B: usize = border_len(W);
@@ -176,4 +176,38 @@ fn the_covariance_of_the_last_pose_is_that_of_its_errors() {
         nees += (error.transpose() * covariance.try_inverse().expect("positive") * error)[0] / drives as f64;
     }
     assert!((1.0..4.0).contains(&nees), "{nees}");
+}
+
+/// Where hits are seen from is known best at the nearer of two keyframes.
+#[test]
+fn hits_are_seen_from_the_nearer_keyframe() {
+    let mut diary = SmallDiary::new(&DRIVE, Pose::ORIGIN);
+    let hit = Hit { from_m: [0.0; 2], end_m: [0.0, 1.0], variance_m2: 1e-4, alike: 1.0, sensor: 0, wall: Some(1) };
+    for way_m in [0.1, 0.1, 0.1] {
+        diary.travel(&Increment { forward_m: way_m, left_m: 0.0, turn_rad: 0.0 });
+        if diary.is_due() {
+            diary.begin_keyframe(&Pose::new(0.3, 0.0, 0.0));
+        }
+        diary.hit(&hit);
+    }
+    let seen: std::vec::Vec<_> = diary.sightings().flat_map(|(_, groups)| groups.iter()).collect();
+    assert_eq!(seen.iter().map(|group| group.hits).collect::<std::vec::Vec<_>>(), [1, 2]);
+    let along_m: std::vec::Vec<f32> = seen.iter().map(|group| group.mean_m[0]).collect();
+    let expected_m = [0.1, -0.05];
+    assert!(along_m.iter().zip(expected_m).all(|(along_m, at_m)| (along_m - at_m).abs() < 1e-6), "{along_m:?}");
+}
+
+#[test]
+fn a_wall_that_only_the_last_keyframe_sees_is_not_placed() {
+    let (mut robot, mut diary) = (Robot::new(1), SmallDiary::new(&DRIVE, Pose::ORIGIN));
+    robot.drive(&mut diary, 300);
+    robot.begin_keyframe(&mut diary);
+    let hit = Hit { from_m: [0.0; 2], end_m: [0.5, 0.0], variance_m2: 1e-6, alike: 1.0, sensor: 0, wall: Some(99) };
+    (0..100).for_each(|_| diary.hit(&hit));
+    let mut look_back = Small::new();
+    assert_eq!(finish(&mut look_back, &mut diary, u32::MAX), Progress::Done);
+    let variance = |wall: usize| look_back.covariance(Unknown::Offset(wall), Unknown::Offset(wall));
+    let new = diary.wall_named(99).expect("a wall");
+    assert_eq!(variance(new), None);
+    assert!((0..W).filter_map(variance).all(|variance_m2| variance_m2 < 0.01), "walls that were seen before are known");
 }

@@ -58,9 +58,7 @@ fn groups_put_together_are_the_group_of_all_hits() {
     assert!((first.mean_m[0] - all.mean_m[0]).abs() < 1e-6 && (first.independent - 8.5).abs() < 1e-6);
 }
 
-/// Hits that came out short or long tell as much of a gain: else their noise would draw it up.
-#[test]
-fn the_noise_of_hits_does_not_draw_gains() {
+fn gains(sensors: usize) -> Gains {
     let mount = Mount { x_m: 0.0, y_m: 0.0, bearing_rad: 0.0 };
     let model = RangeModel::Metric { noise_m: 0.01, noise_rel: 0.0 };
     let sensor = RangeSensor { mount, min_m: 0.1, max_m: 2.0, max_incidence_rad: 1.2, gain_sigma: 0.01, model };
@@ -71,7 +69,29 @@ fn the_noise_of_hits_does_not_draw_gains() {
         scale_sigma: 0.0,
         noise_m2_per_m: 1e-5,
     };
-    let gains = Gains::of_rig::<1>(&Rig { drive, adc: None, sensors: [sensor].into_iter().collect() });
+    Gains::of_rig::<2>(&Rig { drive, adc: None, sensors: core::iter::repeat_n(sensor, sensors).collect() })
+}
+
+/// Groups of two sensors put together: later on both go with the gain of one, as far as the gains have one size in common.
+#[test]
+fn a_group_that_another_sensor_tells_goes_on_with_its_gain() {
+    let mut gains = gains(2);
+    gains.values[..2].copy_from_slice(&[1.02, 0.99]);
+    let own = Group::of([0.1, 0.0], [1.3, 0.2], 1e4, 1.0, 1);
+    let told = gains.told_by(0, &own);
+    assert_eq!(told.sensor, 0);
+    for common in [1.0, 0.97, 1.03] {
+        let mut later = gains;
+        later.values[..2].iter_mut().for_each(|gain| *gain *= common);
+        let (own, told) = (later.correct(&own).mean_m, later.correct(&told).mean_m);
+        assert!((own[0] - told[0]).abs() + (own[1] - told[1]).abs() < 1e-6, "{common}: {own:?} {told:?}");
+    }
+}
+
+/// Hits that came out short or long tell as much of a gain: else their noise would draw it up.
+#[test]
+fn the_noise_of_hits_does_not_draw_gains() {
+    let gains = gains(1);
     let wall = Wall { rho_m: 1.0, lo_m: -1.0, hi_m: 1.0, hits: 20, is_placed: true, ..Wall::NEW };
     for off_m in [-0.05, 0.0, 0.05] {
         let group = Group::of([0.0; 2], [1.0 + off_m, 0.0], 1e4, 1.0, 0);

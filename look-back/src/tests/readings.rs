@@ -1,8 +1,9 @@
 //! What a reading's noise is told by.
 
-use slam_core::{Mount, Outcome, RangeModel, RangeSensor, ReadingReport};
+use slam_core::{Mount, Outcome, Pose, RangeModel, RangeSensor, ReadingReport};
 
-use crate::record::expected_m;
+use crate::frame::Frame;
+use crate::record::{expected_m, hit};
 
 fn sensor(model: RangeModel) -> RangeSensor {
     let mount = Mount { x_m: 0.06, y_m: 0.0, bearing_rad: 0.0 };
@@ -32,4 +33,18 @@ fn a_sensor_that_reports_metres_tells_its_noise() {
     let metric = sensor(RangeModel::Metric { noise_m: 0.01, noise_rel: 0.01 });
     let met = Outcome::Updated { wall: 1, innovation_m: 0.05, variance_m2: 1e-3 };
     assert_eq!(expected_m(&metric, &read(1.2, met), (1.0, 1.21)), Some(1.2));
+}
+
+/// Of a surface at a sensor's largest range only the readings that came out short are any, and would draw a new wall near.
+#[test]
+fn readings_of_no_wall_near_the_largest_range_are_not_kept() {
+    let sharp = sensor(RangeModel::Sharp { scale_m: 0.6, exponent: -1.16, noise_v: 0.012 });
+    let metric = sensor(RangeModel::Metric { noise_m: 0.01, noise_rel: 0.0 });
+    let met = Outcome::Updated { wall: 1, innovation_m: 0.0, variance_m2: 1e-3 };
+    let kept = |sensor: &RangeSensor, range_m: f32, outcome| {
+        let reading = ReadingReport { hit_m: Some([0.06 + range_m, 0.0]), ..read(range_m, outcome) };
+        hit(&Frame::of(&Pose::ORIGIN), (1.0, range_m), 0, sensor, &reading).is_some()
+    };
+    assert!(kept(&sharp, 1.2, Outcome::Unexplained) && !kept(&sharp, 1.49, Outcome::Unexplained));
+    assert!(kept(&sharp, 1.49, met) && kept(&metric, 1.49, Outcome::Unexplained));
 }
