@@ -239,7 +239,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     }
 
     /// Puts a hit to its group of the last keyframe, or past the middle of the way to the next one of that: where hits are seen from
-    /// is then known to an eighth of the odometry's noise between two keyframes, and errors ahead and behind go against each other.
+    /// is then known, on average over both sides, to a twelfth of the odometry's variance between two keyframes.
     /// On a wall it is mostly the group that its sensor's last hit went to.
     fn put(&mut self, one: &Group) {
         let last = self.last_groups.get(usize::from(one.sensor)).map_or(0, |place| usize::from(*place));
