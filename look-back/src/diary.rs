@@ -14,12 +14,6 @@ use crate::rows::Odometry;
 use crate::thin;
 use crate::wall::Wall;
 
-/// A new keyframe after so much path, metres.
-const SPACING_M: f32 = 0.25;
-
-/// Or so much turning, radians.
-const SPACING_RAD: f32 = 0.2;
-
 /// Hits of one sensor that no wall explains and that are so near to each other are on one thing, metres.
 const ONE_THING_M: f32 = 0.5;
 
@@ -78,6 +72,8 @@ pub struct Diary<const K: usize, const G: usize, const W: usize> {
     pub(crate) groups: Vec<Group, G>,
     /// So many at their end are the next keyframe's, and in the last one's frame until that begins.
     ahead: u16,
+    /// The robot is past the middle of the way to that.
+    is_ahead: bool,
     pub(crate) walls: [Option<Wall>; W],
     pub(crate) names: Vec<Name, NAMES>,
     /// Where among the names that of the last wall is that a sensor saw, where it still is there.
@@ -110,6 +106,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         keyframes: Vec::new(),
         groups: Vec::new(),
         ahead: 0,
+        is_ahead: false,
         walls: [Some(Wall::NEW); W],
         names: Vec::new(),
         seen: [0; MOST_GAINS],
@@ -141,7 +138,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         // There is room for four.
         let _ = self.keyframes.push(Keyframe::at(0, start));
         self.groups.clear();
-        self.ahead = 0;
+        (self.ahead, self.is_ahead) = (0, false);
         self.walls.fill(None);
         self.names.clear();
         self.calibration = Calibration::EXACT;
@@ -182,17 +179,12 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         self.robot.go_on([distance * moved.forward_m, distance * moved.left_m], turned);
         last.path_m += path_m;
         last.turning_rad += moved.turn_rad.abs();
+        self.is_ahead = last.is_past(0.5);
     }
 
     /// Whether it is time for a keyframe.
     pub fn is_due(&self) -> bool {
-        self.is_past(1.0)
-    }
-
-    /// Whether the robot is past so much of the way to the next keyframe.
-    fn is_past(&self, share: f32) -> bool {
-        let is_far = |last: &Keyframe| last.path_m >= share * SPACING_M || last.turning_rad >= share * SPACING_RAD;
-        self.keyframes.last().is_some_and(is_far)
+        self.keyframes.last().is_some_and(|last| last.is_past(1.0))
     }
 
     /// Begins a keyframe where the robot is; `filter` is the filter's pose there. Only its motion since the last one counts.
@@ -209,6 +201,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
             self.groups.iter_mut().skip(before).for_each(|group| *group = group.moved(&there));
             self.filter = *filter;
             self.robot = Moving::ORIGIN;
+            self.is_ahead = false;
         }
     }
 
@@ -243,9 +236,9 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     /// On a wall it is mostly the group that its sensor's last hit went to.
     fn put(&mut self, one: &Group) {
         let last = self.last_groups.get(usize::from(one.sensor)).map_or(0, |place| usize::from(*place));
-        let count = self.open_groups().map_or(0, |count| usize::from(*count));
-        let Self { groups, gains, .. } = self;
-        let before = groups.len().saturating_sub(count);
+        let Self { keyframes, groups, gains, ahead, .. } = self;
+        let count = if self.is_ahead { *ahead } else { keyframes.last().map_or(0, |last| last.groups) };
+        let before = groups.len().saturating_sub(count.into());
         let open = groups.get_mut(before..).unwrap_or_default();
         let is_last = one.wall().is_some() && open.get(last).is_some_and(|group| is_of(group, one, gains));
         let place = if is_last { Some(last) } else { open.iter().position(|group| is_of(group, one, gains)) };
@@ -269,7 +262,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
 
     /// How many groups, at their end, hits may go to: those of the nearer keyframe.
     fn open_groups(&mut self) -> Option<&mut u16> {
-        if self.is_past(0.5) { Some(&mut self.ahead) } else { self.keyframes.last_mut().map(|last| &mut last.groups) }
+        if self.is_ahead { Some(&mut self.ahead) } else { self.keyframes.last_mut().map(|last| &mut last.groups) }
     }
 
     /// Forgets what is to be seen from the next keyframe.

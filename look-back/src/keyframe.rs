@@ -4,6 +4,12 @@ use slam_core::{Calibration, Pose};
 
 use crate::frame::relative;
 
+/// A new keyframe after so much path, metres.
+const SPACING_M: f32 = 0.25;
+
+/// Or so much turning, radians.
+const SPACING_RAD: f32 = 0.2;
+
 /// Unit of [`Keyframe::swing`], metres.
 const SWING_M: f32 = 1e-4;
 
@@ -37,6 +43,11 @@ impl Keyframe {
     /// Where a drive begins, or goes on.
     pub fn at(serial: u32, pose: Pose) -> Self {
         Self { serial, pose, motion: Pose::ORIGIN, path_m: 0.0, turning_rad: 0.0, groups: 0, swing: 0 }
+    }
+
+    /// Whether the robot is past so much of the way to the next one.
+    pub fn is_past(&self, share: f32) -> bool {
+        self.path_m >= share * SPACING_M || self.turning_rad >= share * SPACING_RAD
     }
 
     /// Variance of where the motion ends by the errors of headings on the way, m^2.

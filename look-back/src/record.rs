@@ -86,15 +86,20 @@ pub(crate) fn hit(
     let end_m = robot.seen(reading.hit_m?);
     let about_m = expected_m(sensor, reading, (gain, last_m))?;
     let (variance_m2, alike) = noise(&sensor.model, about_m);
-    // Of a surface near the largest range only the readings that came out short get here: they would draw it near.
-    let is_analogue = matches!(sensor.model, RangeModel::Sharp { .. });
-    if wall.is_none() && is_analogue && gain * about_m + 2.0 * libm::sqrtf(variance_m2) > sensor.max_m {
+    if wall.is_none() && is_cut_off(sensor, gain * about_m, variance_m2) {
         return None;
     }
     let [x, y] = [sensor.mount.x_m, sensor.mount.y_m];
     // What the sensor reported, before the filter's gain: gains are found here, too.
     let end_m = [x + gain * (end_m[0] - x), y + gain * (end_m[1] - y)];
     Some(Hit { from_m: [x, y], end_m, variance_m2, alike, sensor: number, wall })
+}
+
+/// Whether of a surface at this range only the readings of an analogue sensor that come out short are any: they would draw it near.
+fn is_cut_off(sensor: &RangeSensor, range_m: f32, variance_m2: f32) -> bool {
+    // Two sigmas, squared with their sign: a square root is more than the step has.
+    let left_m = sensor.max_m - range_m;
+    matches!(sensor.model, RangeModel::Sharp { .. }) && left_m * left_m.abs() < 4.0 * variance_m2
 }
 
 /// The range at which a reading's noise is told, metres. That of an analogue one must not depend on the reading itself: those that came
