@@ -1,7 +1,7 @@
 //! How the extents of a fresh and a kept wall lie beside each other.
 
 use crate::odds;
-use crate::side::Side;
+use crate::side::{Side, dot};
 
 /// An extent overlaps another one also where it ends so much before, metres.
 const ENDS_M: f32 = 0.15;
@@ -22,9 +22,11 @@ impl Extents {
     /// Share of a fresh wall's extent that a kept one reaches along.
     pub(crate) fn overlap(&self, a: &Side, b: &Side) -> f32 {
         let Some(shift_m) = self.shift_m else { return 1.0 };
-        let along_m = shift_m[1 - a.axis()];
-        let [lo_m, hi_m] = a.extent_m.map(|end_m| end_m + along_m);
-        let common_m = hi_m.min(b.extent_m[1] + ENDS_M) - lo_m.max(b.extent_m[0] - ENDS_M);
+        let [x, y] = b.across();
+        let along_m = |point_m: [f32; 2]| dot([-y, x], point_m);
+        let apart_m = along_m(a.middle_m()) + along_m(shift_m) - along_m(b.middle_m());
+        let [half_m, reach_m] = [0.5 * a.length_m(), 0.5 * b.length_m() + ENDS_M];
+        let common_m = (apart_m + half_m).min(reach_m) - (apart_m - half_m).max(-reach_m);
         (common_m / a.length_m().max(1e-3)).clamp(0.0, 1.0)
     }
 

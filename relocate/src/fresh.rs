@@ -7,7 +7,7 @@ use slam_core::kept::Kept;
 use crate::FRESH_SIDES;
 use crate::odds;
 use crate::order::descending;
-use crate::side::{ALPHA, Side, find_sides};
+use crate::side::{ALPHA, Side, covariance_m2, find_sides};
 
 /// Entries of a symmetric matrix of so many rows, each once.
 const ENTRIES: usize = FRESH_SIDES * (FRESH_SIDES + 1) / 2;
@@ -23,7 +23,7 @@ fn beside_m2(map: &impl Kept, rho: usize, [x, y]: [f32; 2]) -> f32 {
     (map.covariance(rho, rho) - 2.0 * of_both + of_pose).max(0.0)
 }
 
-/// The walls of a fresh map that stand on its grid.
+/// The walls of a fresh map.
 #[derive(Clone, Debug)]
 pub(crate) struct Fresh {
     /// Turned by so many quarters.
@@ -33,7 +33,7 @@ pub(crate) struct Fresh {
     pub weights: Vec<f32, FRESH_SIDES>,
     /// And how much its ends do, as they are turned.
     pub end_weights: Vec<[f32; 2], FRESH_SIDES>,
-    /// Covariance of their distances from the map's origin.
+    /// Covariance of how far they are off along their normals.
     covariance_m2: Vec<f32, ENTRIES>,
     /// Variance of the robot's distance from each of them.
     beside_m2: Vec<f32, FRESH_SIDES>,
@@ -52,7 +52,7 @@ impl Fresh {
     /// Takes in the walls of a map; false where none stands on a grid.
     pub(crate) fn take(&mut self, map: &impl Kept) -> bool {
         find_sides(map, &mut self.sides);
-        descending(&mut self.sides, Side::length_m);
+        descending(&mut self.sides, Side::rank_m);
         self.quarters = 0;
         odds::weigh(&self.sides, &mut self.weights);
         odds::weigh_ends(&self.sides, &mut self.end_weights);
@@ -63,7 +63,7 @@ impl Fresh {
             let rho = usize::from(a.rho);
             for b in self.sides.iter().take(i + 1) {
                 // There is room for every entry.
-                let _ = self.covariance_m2.push(map.covariance(rho, usize::from(b.rho)));
+                let _ = self.covariance_m2.push(a.sign() * b.sign() * covariance_m2(map, a, b));
             }
             let normal = [[c, s], [-s, c]][a.axis()].map(|part| part * a.sign());
             let _ = self.beside_m2.push(beside_m2(map, rho, normal));
@@ -78,16 +78,11 @@ impl Fresh {
         odds::weigh_ends(&self.sides, &mut self.end_weights);
     }
 
-    /// Covariance of where the lines of two of its walls cut their axes.
+    /// Covariance of where two of its walls are across their axes.
     pub(crate) fn covariance_m2(&self, i: usize, j: usize) -> f32 {
         let (low, high) = if i < j { (i, j) } else { (j, i) };
         let sign = |k: usize| self.sides.get(k).map_or(0.0, Side::sign);
         sign(i) * sign(j) * self.covariance_m2.get(high * (high + 1) / 2 + low).copied().unwrap_or(0.0)
-    }
-
-    /// The axis that a wall's normal is along.
-    pub(crate) fn axis(&self, i: usize) -> usize {
-        self.sides.get(i).map_or(0, Side::axis)
     }
 
     /// Variance of the robot's distance from a wall.

@@ -12,7 +12,7 @@ use crate::FRESH_SIDES;
 use crate::extents::Extents;
 use crate::fresh::Fresh;
 use crate::odds::{self, BENT_M};
-use crate::side::{Side, is_one};
+use crate::side::{Side, covariance_m2, dot, is_one};
 
 /// Entries of the factor: its lower triangle with the diagonal.
 const ENTRIES: usize = FRESH_SIDES * (FRESH_SIDES + 1) / 2;
@@ -31,10 +31,10 @@ pub(crate) struct Pair {
 }
 
 impl Pair {
-    /// How far apart the two are without a shift, metres.
+    /// How far apart the two are without a shift, across the kept one, metres.
     pub(crate) fn apart_m(self, fresh: &Fresh, kept: &[Side]) -> f32 {
-        let at_m = |sides: &[Side], i: u8| sides.get(usize::from(i)).map_or(0.0, |side| side.at_m);
-        at_m(kept, self.kept) - at_m(&fresh.sides, self.fresh)
+        let walls = kept.get(usize::from(self.kept)).zip(fresh.sides.get(usize::from(self.fresh)));
+        walls.map_or(0.0, |(kept, fresh)| kept.off_m(fresh.middle_m()))
     }
 }
 
@@ -50,8 +50,12 @@ pub(crate) struct Joint<'m, K> {
     /// Covariances of the seeds.
     of_seeds: [[f32; 2]; 2],
     extents: Extents,
+    /// Askew walls that were matched, and that were not.
+    askew: [u8; 2],
     /// All matches but the seeds.
     pub pairs: Vec<Pair, FRESH_SIDES>,
+    /// How much each is moved by the shift along either axis.
+    across: Vec<[f32; 2], FRESH_SIDES>,
     /// Covariance of each with the seeds.
     with_seeds: Vec<[f32; 2], FRESH_SIDES>,
     /// Lower triangle of the Cholesky factor of their covariance against the seeds, by rows.
@@ -68,6 +72,7 @@ struct Offset {
     off_m: f32,
     variance_m2: f32,
     with_seeds: [f32; 2],
+    across: [f32; 2],
     row: Vec<f32, FRESH_SIDES>,
 }
 
@@ -81,7 +86,9 @@ impl<'m, K: Kept> Joint<'m, K> {
             seeds: [None; 2],
             of_seeds: [[0.0; 2]; 2],
             extents: Extents::ANYWHERE,
+            askew: [0; 2],
             pairs: Vec::new(),
+            across: Vec::new(),
             with_seeds: Vec::new(),
             factor: Vec::new(),
             white: Vec::new(),
@@ -99,7 +106,7 @@ impl<'m, K: Kept> Joint<'m, K> {
     fn covariance_m2(&self, p: Pair, q: Pair) -> f32 {
         let [a, b] = [p, q].map(|pair| self.kept.get(usize::from(pair.kept)));
         let (Some(a), Some(b)) = (a, b) else { return 0.0 };
-        let kept = a.sign() * b.sign() * self.map.covariance(usize::from(a.rho), usize::from(b.rho));
+        let kept = covariance_m2(self.map, a, b);
         let own = if p == q { BENT_M * BENT_M } else { 0.0 };
         kept + own + self.fresh.covariance_m2(usize::from(p.fresh), usize::from(q.fresh))
     }
@@ -108,22 +115,25 @@ impl<'m, K: Kept> Joint<'m, K> {
         self.seeds.map(|seed| seed.map_or(0.0, |(seed, _)| self.covariance_m2(pair, seed)))
     }
 
-    /// How far apart two walls across an axis are; none where that is out of the question.
-    fn offset(&self, pair: Pair, axis: usize) -> Option<Offset> {
+    /// How far apart two walls are; none where that is out of the question.
+    fn offset(&self, pair: Pair, across: [f32; 2]) -> Option<Offset> {
         let least_m2 = BENT_M * BENT_M;
-        let mut off_m = pair.apart_m(self.fresh, self.kept) - self.seeds[axis]?.1;
+        let shift_m = self.seeds.map(|seed| seed.map_or(0.0, |(_, apart_m)| apart_m));
+        let mut off_m = pair.apart_m(self.fresh, self.kept) - dot(across, shift_m);
         let with_seeds = self.with_seeds(pair);
-        let alone_m2 = self.covariance_m2(pair, pair) - 2.0 * with_seeds[axis] + self.of_seeds[axis][axis];
+        // What the shift moves them by, which is the seeds'.
+        let of_shift = self.of_seeds.map(|row| dot(across, row));
+        let alone_m2 = self.covariance_m2(pair, pair) - 2.0 * dot(across, with_seeds) + dot(across, of_shift);
         let mut variance_m2 = alone_m2.max(least_m2);
         if off_m * off_m > GATE * variance_m2 {
             return None;
         }
         let mut row: Vec<f32, FRESH_SIDES> = Vec::new();
         let mut entries = self.factor.iter();
-        for ((other, others), white) in self.pairs.iter().zip(&self.with_seeds).zip(&self.white) {
-            let across = self.fresh.axis(usize::from(other.fresh));
-            let mut sum = self.covariance_m2(pair, *other) + self.of_seeds[axis][across];
-            sum -= with_seeds[across] + others[axis];
+        let others = self.across.iter().zip(&self.with_seeds);
+        for ((other, (others_across, others_with)), white) in self.pairs.iter().zip(others).zip(&self.white) {
+            let mut sum = self.covariance_m2(pair, *other) + dot(*others_across, of_shift);
+            sum -= dot(*others_across, with_seeds) + dot(across, *others_with);
             sum -= row.iter().zip(&mut entries).map(|(a, b)| a * b).sum::<f32>();
             let entry = sum / entries.next().unwrap_or(&1.0);
             off_m -= entry * white;
@@ -131,7 +141,7 @@ impl<'m, K: Kept> Joint<'m, K> {
             // There is room for as many entries as walls.
             let _ = row.push(entry);
         }
-        Some(Offset { pair, off_m, variance_m2: variance_m2.max(least_m2), with_seeds, row })
+        Some(Offset { pair, off_m, variance_m2: variance_m2.max(least_m2), with_seeds, across, row })
     }
 
     fn take(&mut self, offset: &Offset) {
@@ -140,6 +150,7 @@ impl<'m, K: Kept> Joint<'m, K> {
         let _ = self.factor.extend_from_slice(&offset.row);
         let _ = self.factor.push(sigma_m);
         let _ = self.white.push(offset.off_m / sigma_m);
+        let _ = self.across.push(offset.across);
         let _ = self.with_seeds.push(offset.with_seeds);
         let _ = self.pairs.push(offset.pair);
     }
@@ -153,31 +164,40 @@ impl<'m, K: Kept> Joint<'m, K> {
     }
 
     fn match_wall(&mut self, i: usize, a: &Side, weight: f32, ends: [f32; 2]) -> f32 {
-        let axis = a.axis();
-        let Some((seed, _)) = self.seeds[axis] else { return 0.0 };
+        let Some((seed, _)) = self.seeds[a.axis()] else { return 0.0 };
         if usize::from(seed.fresh) == i {
             return self.of_seed(a, seed, ends);
+        }
+        let same = if !a.is_on_grid() { odds::same_askew(self.askew) } else { odds::SAME };
+        let likes = self.kept.iter().enumerate().filter(|(_, b)| b.is_like(a));
+        if !a.is_on_grid() && self.seeds.iter().any(Option::is_none) {
+            // Where it is across its line is open, too.
+            return likes.count().min(1) as f32 * weight * odds::of_wall(1.0, 0.0, BENT_M * BENT_M, 1.0);
         }
         // Walls of one origin with the seed say no more of positions than it does.
         let of_seed = self.fresh.sides.get(usize::from(seed.fresh));
         let weight = if of_seed.is_some_and(|other| is_one(a, other)) { 0.0 } else { weight };
         let mut best: Option<(f32, [f32; 2], Offset)> = None;
-        for (j, b) in self.kept.iter().enumerate().filter(|(_, b)| b.facing == a.facing) {
+        for (j, b) in likes {
             let share = self.extents.overlap(a, b);
             let pair = Pair { fresh: i as u8, kept: j as u8 };
             self.comparisons += WITH_SEEDS;
-            let Some(offset) = (share > 0.0).then(|| self.offset(pair, axis)).flatten() else { continue };
+            let Some(offset) = (share > 0.0).then(|| self.offset(pair, b.across())).flatten() else { continue };
             self.comparisons += offset.row.len() as u32;
-            let bare = odds::of_wall(offset.off_m, offset.variance_m2, share);
-            let whole = odds::of_wall(offset.off_m, offset.variance_m2, share * self.extents.ends(a, b, ends));
+            let bare = odds::of_wall(same, offset.off_m, offset.variance_m2, share);
+            let whole = odds::of_wall(same, offset.off_m, offset.variance_m2, share * self.extents.ends(a, b, ends));
             if best.as_ref().is_none_or(|(most, ..)| *most < whole) {
                 best = Some((whole, [bare, whole - bare], offset));
             }
         }
-        let Some((whole, [bare, of_ends], offset)) = best else { return weight * odds::of_nothing() };
-        if whole > odds::of_even() {
-            self.take(&offset);
+        let taken = best.as_ref().filter(|(whole, ..)| *whole > odds::of_even(same));
+        if !a.is_on_grid() {
+            self.askew[usize::from(taken.is_none())] += 1;
         }
+        if let Some((.., offset)) = taken {
+            self.take(offset);
+        }
+        let Some((_, [bare, of_ends], _)) = best else { return weight * odds::of_nothing(same) };
         weight * bare + of_ends
     }
 

@@ -214,7 +214,7 @@ impl Search {
         let variance_m2 = self.fresh.beside_m2(fresh) + odds::BENT_M * odds::BENT_M;
         let axis = a.axis();
         found.matched[axis] += 1;
-        if variance_m2 < found.variance_m2[axis] {
+        if a.is_on_grid() && variance_m2 < found.variance_m2[axis] {
             found.variance_m2[axis] = variance_m2;
             found.shift_m[axis] = b.at_m - a.at_m;
             found.pairs[axis] = Some((a.id, b.id));
@@ -237,7 +237,7 @@ impl Search {
             let path_m2 = self.fresh.beside_m2(usize::from(seed.fresh));
             odds::of_crossing(depth_m / libm::sqrtf(walls_m2.max(0.0) + path_m2 + odds::BENT_M * odds::BENT_M))
         };
-        self.kept.iter().map(of_wall).sum()
+        self.kept.iter().filter(|side| side.is_on_grid()).map(of_wall).sum()
     }
 
     fn remember(&mut self, hypothesis: Hypothesis) {
@@ -277,7 +277,7 @@ impl Search {
 /// Floor that a map's walls enclose, m^2.
 fn floor_m2(kept: &[Side]) -> f32 {
     let (mut lo_m, mut hi_m) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
-    for side in kept {
+    for side in kept.iter().filter(|side| side.is_on_grid()) {
         let (across, along) = (side.axis(), 1 - side.axis());
         lo_m[across] = lo_m[across].min(side.at_m);
         hi_m[across] = hi_m[across].max(side.at_m);

@@ -46,14 +46,14 @@ impl Shifts {
         let mut comparisons = 0;
         while let Some(a) = fresh.sides.get(self.next.0) {
             let (i, j) = self.next;
-            let Some(b) = kept.get(j).filter(|_| a.axis() == axis) else {
+            let Some(b) = kept.get(j).filter(|_| a.axis() == axis && a.is_on_grid()) else {
                 self.next = (i + 1, 0);
                 continue;
             };
             self.next = (i, j + 1);
             let by_m = b.at_m - a.at_m;
             let is_same = |shift: &Shift| (shift.pair.apart_m(fresh, kept) - by_m).abs() < MERGE_M;
-            if b.facing != a.facing {
+            if !b.is_like(a) {
                 continue;
             }
             comparisons += 1 + self.found.len() as u32 / SHIFTS_A_COMPARISON;

@@ -1,5 +1,7 @@
 //! A fresh map in a kept one that is bent.
 
+mod askew;
+
 use std::vec::Vec;
 
 use slam_core::Pose;
