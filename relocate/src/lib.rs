@@ -42,7 +42,7 @@ pub use search::{Hypothesis, Progress, Search};
 pub use side::{Side, path_on_grid, sides};
 
 /// Comparisons of two matches that a robot may make in a step of its estimator.
-pub const COMPARISONS: u32 = 8_000;
+pub const COMPARISONS: u32 = 5_000;
 /// Most walls of a kept map that are matched.
 pub const KEPT_SIDES: usize = 64;
 /// Most walls of a fresh map that are matched: the longest.

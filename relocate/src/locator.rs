@@ -23,7 +23,7 @@ use crate::search::{Hypothesis, Progress, Search};
 const SEARCH_EVERY_M: f32 = 0.5;
 
 /// To begin one takes as long as so many comparisons of two matches, with a full map.
-const TO_BEGIN: u32 = 3000;
+const TO_BEGIN: u32 = 2000;
 
 /// Logarithm of the odds that a claim needs: 1000 to 1.
 pub const CLAIM: f32 = 6.907_755;

@@ -24,6 +24,14 @@ pub(crate) struct Shift {
     pub bound: f32,
 }
 
+impl Shift {
+    /// How far, metres: both walls are on the grid.
+    fn by_m(&self, fresh: &Fresh, kept: &[Side]) -> f32 {
+        let at_m = |sides: &[Side], i: u8| sides.get(usize::from(i)).map_or(0.0, |side| side.at_m);
+        at_m(kept, self.pair.kept) - at_m(&fresh.sides, self.pair.fresh)
+    }
+}
+
 /// The shifts along an axis that lay a fresh wall on a kept one that faces the same way; the best supported ones where there is no room
 /// for all. They are found one after the other.
 #[derive(Clone, Debug)]
@@ -52,7 +60,7 @@ impl Shifts {
             };
             self.next = (i, j + 1);
             let by_m = b.at_m - a.at_m;
-            let is_same = |shift: &Shift| (shift.pair.apart_m(fresh, kept) - by_m).abs() < MERGE_M;
+            let is_same = |shift: &Shift| (shift.by_m(fresh, kept) - by_m).abs() < MERGE_M;
             if !b.is_like(a) {
                 continue;
             }

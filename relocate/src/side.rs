@@ -173,6 +173,10 @@ fn direction_rad2(kept: &impl Kept, beta: u16) -> f32 {
 /// Covariance of how far two walls of a map are off where they are, as both are counted across their axes. An askew wall that turns
 /// against the grid about the map's origin moves its middle, too.
 pub(crate) fn covariance_m2(kept: &impl Kept, a: &Side, b: &Side) -> f32 {
+    if a.is_on_grid() && b.is_on_grid() {
+        // Mostly, and at a third of the cost.
+        return a.sign() * b.sign() * kept.covariance(usize::from(a.rho), usize::from(b.rho));
+    }
     let states = |side: &Side| {
         let [x, y] = side.across();
         let arm_m = if side.is_on_grid() { 0.0 } else { dot([-y, x], side.middle_m()) };
