@@ -53,8 +53,8 @@ impl Present {
         };
     }
 
-    /// Takes in the next group, or after the last of its keyframe the stretch to the next one, in so many multiply-adds; none at the last keyframe, which is still
-    /// being written.
+    /// Takes in the next group, or after the last of its keyframe the stretch to the next one, in so many multiply-adds; none at the
+    /// last keyframe, which is still being written.
     pub fn go_on<const K: usize, const G: usize, const W: usize, const B: usize, const P: usize>(
         &mut self,
         diary: &Diary<K, G, W>,

@@ -218,8 +218,7 @@ impl Locator {
     }
 
     /// Goes on with the search, or begins one where it is time.
-    fn work(&mut self, own: &impl Kept, kept: &impl Kept, comparisons: u32) -> Option<Match> {
-        let mut comparisons = comparisons;
+    fn work(&mut self, own: &impl Kept, kept: &impl Kept, mut comparisons: u32) -> Option<Match> {
         if !self.is_searching && self.path_m >= self.next_search_m {
             self.next_search_m = self.path_m + SEARCH_EVERY_M;
             self.is_searching = self.search.begin(own, kept, &self.trail);

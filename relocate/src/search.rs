@@ -74,7 +74,7 @@ pub enum Progress {
 /// What a search does next.
 #[derive(Clone, Copy, Debug)]
 enum Next {
-    /// Finds a shift along this axis.
+    /// Finds the shifts along this axis.
     Shift(usize),
     /// Scores the hypothesis of these shifts along x and along y.
     Hypothesis(usize, usize),
@@ -143,7 +143,7 @@ impl Search {
         let mut made = 0u32;
         while made < comparisons {
             made += match self.next {
-                Next::Shift(axis) => self.find_shift(map, axis),
+                Next::Shift(axis) => self.go_on_with_shifts(map, axis),
                 Next::Hypothesis(x, y) => self.try_hypothesis(map, x, y),
                 Next::Quarter if self.fresh.quarters == 3 => return Progress::Done,
                 Next::Quarter => {
@@ -156,12 +156,12 @@ impl Search {
         Progress::Working
     }
 
-    fn find_shift(&mut self, map: &impl Kept, axis: usize) -> u32 {
-        let found = self.shifts.get_mut(axis).and_then(|shifts| shifts.find(&self.fresh, &self.kept, map, axis));
-        if found.is_none() {
+    fn go_on_with_shifts(&mut self, map: &impl Kept, axis: usize) -> u32 {
+        let comparisons = self.shifts.get_mut(axis).and_then(|shifts| shifts.go_on(&self.fresh, &self.kept, map, axis));
+        if comparisons.is_none() {
             self.next = if axis == 0 { Next::Shift(1) } else { Next::Hypothesis(0, 0) };
         }
-        found.unwrap_or(1)
+        comparisons.unwrap_or(1)
     }
 
     fn try_hypothesis(&mut self, map: &impl Kept, x: usize, y: usize) -> u32 {

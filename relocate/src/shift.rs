@@ -49,34 +49,34 @@ impl Shifts {
         self.next = (0, 0);
     }
 
-    /// Finds the next one along this axis, and gives the comparisons that it took; none, and all in order, best first, after the last.
-    pub(crate) fn find(&mut self, fresh: &Fresh, kept: &[Side], map: &impl Kept, axis: usize) -> Option<u32> {
-        let mut comparisons = 0;
-        while let Some(a) = fresh.sides.get(self.next.0) {
-            let (i, j) = self.next;
-            let Some(b) = kept.get(j).filter(|_| a.axis() == axis && a.is_on_grid()) else {
-                self.next = (i + 1, 0);
-                continue;
-            };
-            self.next = (i, j + 1);
-            let by_m = b.at_m - a.at_m;
-            let is_same = |shift: &Shift| (shift.by_m(fresh, kept) - by_m).abs() < MERGE_M;
-            if !b.is_like(a) {
-                continue;
-            }
-            comparisons += 1 + self.found.len() as u32 / SHIFTS_A_COMPARISON;
-            if self.found.iter().any(is_same) {
-                continue;
-            }
-            let pair = Pair { fresh: i as u8, kept: j as u8 };
-            let mut joint = Joint::new(fresh, kept, map, [0, 1].map(|other| (other == axis).then_some(pair)));
-            // The most that the walls across the axis can say for it.
-            let bound = joint.match_all();
-            self.keep(Shift { pair, bound });
-            return Some(comparisons + joint.comparisons);
+    /// Goes on with the next two walls along this axis, and gives the comparisons that it took; none, and all in order, best first, after
+    /// the last.
+    pub(crate) fn go_on(&mut self, fresh: &Fresh, kept: &[Side], map: &impl Kept, axis: usize) -> Option<u32> {
+        let (i, j) = self.next;
+        let Some(a) = fresh.sides.get(i) else {
+            descending(&mut self.found, |shift| shift.bound);
+            return None;
+        };
+        let Some(b) = kept.get(j).filter(|_| a.axis() == axis && a.is_on_grid()) else {
+            self.next = (i + 1, 0);
+            return Some(1);
+        };
+        self.next = (i, j + 1);
+        if !b.is_like(a) {
+            return Some(1);
         }
-        descending(&mut self.found, |shift| shift.bound);
-        None
+        let by_m = b.at_m - a.at_m;
+        let is_same = |shift: &Shift| (shift.by_m(fresh, kept) - by_m).abs() < MERGE_M;
+        let comparisons = 1 + self.found.len() as u32 / SHIFTS_A_COMPARISON;
+        if self.found.iter().any(is_same) {
+            return Some(comparisons);
+        }
+        let pair = Pair { fresh: i as u8, kept: j as u8 };
+        let mut joint = Joint::new(fresh, kept, map, [0, 1].map(|other| (other == axis).then_some(pair)));
+        // The most that the walls across the axis can say for it.
+        let bound = joint.match_all();
+        self.keep(Shift { pair, bound });
+        Some(comparisons + joint.comparisons)
     }
 
     fn keep(&mut self, shift: Shift) {

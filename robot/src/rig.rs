@@ -30,7 +30,7 @@ impl BuiltIn {
     }
 
     /// Whether its estimator takes over what look backs find while it drives: with sensors that report metres paths and walls
-    /// gain by it, with analogue ones paths in random homes are no better on average (docs/explanation/look-back.md).
+    /// gain by it, with analogue ones paths are as good without (docs/results/hand-overs.md).
     pub fn hands_over(self) -> bool {
         self == Self::TimeOfFlight
     }

@@ -14,7 +14,7 @@ use tests::carries::{Driven, carried, drive, rig};
 const HOMES: [&str; 6] = ["room", "l-shape", "flat", "corridor-loop", "clutter", "diagonal"];
 
 /// Seeds of homes drawn at random.
-const RANDOM: [u64; 8] = [201, 202, 203, 204, 205, 206, 207, 208];
+const RANDOM: [u64; 16] = [201, 202, 203, 204, 205, 206, 207, 208, 301, 302, 303, 304, 305, 306, 307, 308];
 
 /// Other homes in whose maps each fresh one is searched, by turns.
 const OTHERS: usize = 3;

@@ -209,20 +209,14 @@ impl Life {
         let reckoned: Pose2 = slam.dead_reckoning().into();
         let travelled_m = self.last.relative(&reckoned);
         self.last = reckoned;
-        let mut step = Step {
+        let Ok(record) = Record::whole(kept) else { return false };
+        let step = Step {
             position_m: [slam.state_mean(0), slam.state_mean(1)],
             travelled_m: travelled_m.x_m.hypot(travelled_m.y_m) as f32,
-            readings: agreement(report, Record::whole(kept).map_or(0, |record| record.frame().next_id)),
+            readings: agreement(report, record.frame().next_id),
         };
-        let Ok(record) = Record::whole(kept) else { return false };
         let before = self.locator.verdict().copied();
-        let event = loop {
-            let event = self.locator.step(&*slam, &record, &step, AT_ONCE);
-            if !self.locator.is_searching() {
-                break event;
-            }
-            (step.travelled_m, step.readings) = (0.0, [0; 2]);
-        };
+        let event = self.locator.step(&*slam, &record, &step, AT_ONCE);
         if let Some(verdict) = self.locator.verdict().filter(|verdict| before.as_ref() != Some(verdict)) {
             let [x, y] = verdict.best.matched;
             self.places = self.locator.hypotheses().to_vec();

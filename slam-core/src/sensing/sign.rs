@@ -7,8 +7,9 @@
 //! are no walls: while they say backwards, the walls beside them say forwards.
 //!
 //! A robot turns round where it stands. So a stretch between two stops was driven one way as a whole, and which way is a
-//! hidden Markov model with two states, of which the log odds are kept: the slower a row, the likelier a stop in it. Once they tell that a stretch goes the other way, the
-//! pose is moved by twice what was driven since the stop, or since it was last settled. An odometry that once said backwards has a sign, and is believed.
+//! hidden Markov model with two states, of which the log odds are kept: the slower a row, the likelier a stop in it. Once they tell
+//! that a stretch goes the other way, the pose is moved by twice what was driven since the stop, or since it was last settled. An
+//! odometry that once said backwards has a sign, and is believed.
 
 use crate::geometry::angle::sin_cos;
 use crate::motion::travel::Travel;
