@@ -1,5 +1,6 @@
 //! Prints `docs/results/relocation.md`: carried robots, how soon they find themselves, and what the odds of a claim are worth.
-//! `cargo run --release --package tests --example relocation -- CARRIES`, so many a home and number of sensors.
+//! `cargo run --release --package tests --example relocation -- CARRIES`, so many a home and number of sensors; with `FROM TO` after that in random
+//! homes of these seeds only.
 
 use std::{env, thread};
 
@@ -22,6 +23,9 @@ const OTHERS: usize = 3;
 /// Distance between two points of the path that are held against kept walls, metres: all of a drive's.
 const POINTS_M: f32 = 0.35;
 
+/// A place that is farther off is wrong, metres.
+const WRONG_M: f64 = 0.3;
+
 /// Drives in which the robot has not found itself end here, metres.
 const ENOUGH_M: f64 = 20.0;
 
@@ -41,12 +45,21 @@ struct Home {
     lies: Pose2,
 }
 
+impl Home {
+    /// Where the robot is in the map. The map as a whole lies turned against its start by what the heading was off when the first walls
+    /// were drawn, some degrees: that is no place's error.
+    fn truth(&self, in_plan: &Pose2) -> Pose2 {
+        self.lies.relative(&self.plan.start.relative(in_plan))
+    }
+}
+
 /// What became of a carried robot.
 #[derive(Default)]
 struct Carry {
     path_m: f64,
     claimed_m: Option<f64>,
-    is_wrong: bool,
+    /// How far off the robot was at its claim, metres.
+    off_m: f64,
     squares_m2: Vec<f64>,
     nees: Vec<f64>,
     own: Odds,
@@ -75,13 +88,22 @@ fn main() {
     let carries: u64 = env::args().nth(1).map_or(5, |text| text.parse().expect("a number of carries"));
     println!("{}", HEAD.replace("CARRIES", &carries.to_string()));
     println!(
-        "| home | sensors | carries | drove 10 m | of these found | path to the claim, median | 95 % | wrong claims | RMSE after | NEES after |\n\
-         |---|---|---|---|---|---|---|---|---|---|"
+        "| home | sensors | carries | drove 10 m | of these found | path to the claim, median | 95 % | wrong claims | farthest off at a claim | RMSE after | NEES after |\n\
+         |---|---|---|---|---|---|---|---|---|---|---|"
     );
     let [mut own, mut other] = [Odds::default(), Odds::default()];
+    let seeds: Vec<u64> = env::args().skip(2).map(|text| text.parse().expect("a seed")).collect();
+    let mut turned_rad = 0.0f64;
     for sensors in [8, 4] {
-        let plans = HOMES.iter().map(|name| plan_file::load(name).unwrap_or_else(|error| panic!("{error}")));
-        let homes: Vec<Home> = plans.chain(RANDOM.map(random_home)).map(|plan| home(plan, sensors)).collect();
+        let plans: Vec<Plan> = match seeds[..] {
+            [from, to] => (from..=to).map(random_home).collect(),
+            _ => {
+                let named = HOMES.iter().map(|name| plan_file::load(name).unwrap_or_else(|error| panic!("{error}")));
+                named.chain(RANDOM.map(random_home)).collect()
+            }
+        };
+        let homes: Vec<Home> = plans.into_iter().map(|plan| home(plan, sensors)).collect();
+        turned_rad = homes.iter().fold(turned_rad, |most, home| most.max(home.lies.theta_rad.abs()));
         for there in &homes {
             // In the furnished flat the map of the empty one is kept, and the other way round, in every second carry.
             let twin = homes.iter().find(|home| is_same(home, there) && home.plan.name != there.plan.name);
@@ -104,7 +126,8 @@ fn main() {
         }
     }
     println!(
-        "\n{ODDS}\n\n| log-odds | in the home's own map: searches | right | in another home's: searches | right |\n|---|---|---|---|---|"
+        "\n{}\n\n| log-odds | in the home's own map: searches | right | in another home's: searches | right |\n|---|---|---|---|---|",
+        ODDS.replace("TURNED", &format!("{:.1}", turned_rad.to_degrees()))
     );
     for (class, ([n, right], [others, none])) in own.0.iter().zip(&other.0).enumerate() {
         let from = CLASS * (class as f32 - 1.0);
@@ -141,10 +164,9 @@ fn carry_there(there: &Home, kept: &Home, homes: &[Home], sensors: usize, seed: 
     let mut restarts = 0;
     drive(&carried(&there.plan, seed), &rig(sensors), 300.0, seed, |Driven { slam, path_m, in_plan, .. }| {
         let travelled_m = (path_m - std::mem::replace(&mut carry.path_m, path_m)) as f32;
-        let truth = kept.plan.start.relative(&in_plan);
         if carry.claimed_m.is_some() {
-            carry.score(slam, &truth, &kept.lies);
-            return carry.nees.len() < STEPS && !carry.is_wrong;
+            carry.score(slam, kept, &in_plan);
+            return carry.nees.len() < STEPS && !carry.is_wrong();
         }
         if std::mem::replace(&mut restarts, slam.counters().restarts) != restarts {
             // Another frame.
@@ -161,7 +183,7 @@ fn carry_there(there: &Home, kept: &Home, homes: &[Home], sensors: usize, seed: 
             turn += OTHERS;
             for home in homes.iter().filter(|home| is_same(home, there)) {
                 let Some(verdict) = verdict(slam, home, &trail_m) else { continue };
-                let is_right = is_there(slam, home, &verdict, &home.plan.start.relative(&in_plan));
+                let is_right = is_there(slam, home, &verdict, &home.truth(&in_plan));
                 carry.own.add(&verdict, is_right);
             }
             for home in others.iter().cycle().skip(turn % others.len()).take(OTHERS) {
@@ -172,9 +194,8 @@ fn carry_there(there: &Home, kept: &Home, homes: &[Home], sensors: usize, seed: 
         let step = Step { position_m, travelled_m, readings: [0; 2] };
         if let Some(Event::Found(found)) = locator.step(&*slam, &*kept.kept, &step, u32::MAX) {
             slam.take_up(&*kept.kept, &found).expect("a map to go on in");
-            let pose: Pose2 = slam.pose().into();
             carry.claimed_m = Some(path_m);
-            carry.is_wrong = (pose.x_m - truth.x_m).hypot(pose.y_m - truth.y_m) > 0.3;
+            carry.off_m = apart_m(&slam.pose().into(), &kept.truth(&in_plan));
         }
         path_m < ENOUGH_M
     });
@@ -201,17 +222,24 @@ fn is_there(slam: &HostSlam, home: &Home, verdict: &Verdict, truth: &Pose2) -> b
     let kept: Pose2 = home.kept.filter_pose().into();
     let at = Pose2::from(home.kept.pose()).compose(&kept.relative(&at));
     let off_rad = angle::wrap((at.theta_rad - truth.theta_rad) as f32);
-    (at.x_m - truth.x_m).hypot(at.y_m - truth.y_m) < 0.3 && off_rad.abs() < 0.3
+    apart_m(&at, truth) < WRONG_M && off_rad.abs() < 0.3
+}
+
+fn apart_m(a: &Pose2, b: &Pose2) -> f64 {
+    (a.x_m - b.x_m).hypot(a.y_m - b.y_m)
 }
 
 impl Carry {
-    fn score(&mut self, slam: &HostSlam, truth: &Pose2, lies: &Pose2) {
+    fn is_wrong(&self) -> bool {
+        self.off_m > WRONG_M
+    }
+
+    fn score(&mut self, slam: &HostSlam, kept: &Home, in_plan: &Pose2) {
         let estimate = slam.estimate();
-        let pose: Pose2 = estimate.pose.into();
+        let (pose, truth) = (Pose2::from(estimate.pose), kept.plan.start.relative(in_plan));
         let off_rad = f64::from(angle::wrap((pose.theta_rad - truth.theta_rad) as f32));
         let error = nalgebra::Vector3::new(pose.x_m - truth.x_m, pose.y_m - truth.y_m, off_rad);
-        let in_map = lies.compose(&pose);
-        self.squares_m2.push((in_map.x_m - truth.x_m).powi(2) + (in_map.y_m - truth.y_m).powi(2));
+        self.squares_m2.push(apart_m(&pose, &kept.truth(in_plan)).powi(2));
         if let Some(inverse) = estimate.covariance.map(f64::from).try_inverse() {
             self.nees.push((error.transpose() * inverse * error).x);
         }
@@ -224,19 +252,20 @@ fn row(home: &str, sensors: usize, carries: &[Carry]) {
     claimed_m.sort_by(f64::total_cmp);
     let nth = |share: f64| claimed_m.get((share * claimed_m.len() as f64) as usize).copied();
     let metres = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.1} m"));
-    let right = || carries.iter().filter(|carry| !carry.is_wrong);
+    let right = || carries.iter().filter(|carry| !carry.is_wrong());
     let squares: Vec<f64> = right().flat_map(|carry| carry.squares_m2.iter().copied()).collect();
     let nees: Vec<f64> = right().filter_map(|carry| mean(&carry.nees)).collect();
     let centimetres =
         mean(&squares).map_or_else(|| "-".to_owned(), |square| format!("{:.1} cm", 100.0 * square.sqrt()));
     println!(
-        "| {home} | {sensors} | {} | {} | {} | {} | {} | {} | {centimetres} | {} |",
+        "| {home} | {sensors} | {} | {} | {} | {} | {} | {} | {:.0} cm | {centimetres} | {} |",
         carries.len(),
         drove.len(),
         claimed_m.len(),
         metres(median(&claimed_m)),
         metres(nth(0.95)),
-        carries.iter().filter(|carry| carry.is_wrong).count(),
+        carries.iter().filter(|carry| carry.is_wrong()).count(),
+        carries.iter().map(|carry| 100.0 * carry.off_m).fold(0.0, f64::max),
         mean(&nees).map_or_else(|| "-".to_owned(), |nees| format!("{nees:.1}")),
     );
 }
@@ -248,14 +277,17 @@ Printed by `cargo run --release --package tests --example relocation -- CARRIES`
 home, begins a fresh map and searches the map that a ten-minute drive left ([how](../explanation/kept-map.md)). Each carry is
 another robot of the same rig: its gains, wheels and track are drawn anew. In `flat` and `clutter`, one home with other furniture, every
 second robot has the other one's map. The `random` homes are drawn by a seed and chose nothing of the method. *Drove 10 m*: others were
-put down where the pilot found no way out, and had not found themselves before. Errors and NEES (3 is ideal) are those of the minute after the claim: *RMSE* with the map laid on the true
-home as its own path lies best on the true one, so that it is the error in the kept map; NEES in the frame of the map's start, which has that
-map's error, too.
+put down where the pilot found no way out, and had not found themselves before. Errors are those in the
+kept map, which is laid on the true home as its own path lies best on the true one. A claim is *wrong* that is more than 0.3 m off. *RMSE* and NEES (3 is ideal)
+are those of the minute after the claim; NEES in the frame of the map's start, which has the map's error, too.
 ";
 
 const ODDS: &str = "\
+As a whole the kept maps lie turned against their start by TURNED degrees at most: by what the heading was off when the first walls were drawn.
+
 Every search, one a metre of path until the claim, in the home's own map and in those of three other homes by turns, by the natural
-logarithm of the odds that its best place was given against all others and elsewhere together; a claim needs 6.9, 1000 to 1, twice. What is right is within 0.3 m and 0.3 radians of the true place.
+logarithm of the odds that its best place was given against all others and elsewhere together; a claim needs 6.9, 1000 to 1, twice.
+What is right is within 0.3 m and 0.3 radians of the true place.
 ";
 
 const _: () = assert!(AFTER_S as usize * 25 == STEPS);
