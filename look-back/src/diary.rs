@@ -160,12 +160,13 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         }
     }
 
-    /// Makes two keyframes one, or forgets the smallest groups on no wall, where there is no room for so many more: the
-    /// multiply-adds that takes; none where there is room.
-    pub(crate) fn make_some_room(&mut self, keyframes: usize, groups: usize) -> Option<u32> {
+    /// Makes two keyframes one, forgets the smallest groups on no wall, or a wall that too few hits met, where there is no room for
+    /// so many more: the multiply-adds that takes; none where there is room.
+    pub(crate) fn make_some_room(&mut self, keyframes: usize, groups: usize, walls: usize) -> Option<u32> {
         let cost = LOOK_COST * (self.keyframes.len() + self.groups.len()) as u32;
         let is_made = (self.keyframes.len() + keyframes > K && self.thin())
-            || (self.groups.len() + groups > G && (self.drop_fewest() || self.thin()));
+            || (self.groups.len() + groups > G && (self.drop_fewest() || self.thin()))
+            || (self.walls.iter().filter(|wall| wall.is_none()).count() < walls && self.drop_least_wall().is_some());
         is_made.then_some(cost)
     }
 

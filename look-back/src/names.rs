@@ -57,16 +57,16 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         });
     }
 
-    /// A place for a wall: one that is free, or that of the wall that fewest hits met, where these are too few to matter.
+    /// A place for a wall: one that is free, or that of one that makes room.
     fn free_wall(&mut self) -> Option<usize> {
-        if let Some(free) = self.walls.iter().position(Option::is_none) {
-            return Some(free);
-        }
-        let hits = |wall: &Option<Wall>| wall.map_or(0, |wall| wall.hits);
-        let (place, least) = self.walls.iter().map(hits).enumerate().min_by_key(|(_, hits)| *hits)?;
-        if least >= FEWEST {
-            return None;
-        }
+        self.walls.iter().position(Option::is_none).or_else(|| self.drop_least_wall())
+    }
+
+    /// Forgets the wall that fewest hits met, where these are too few to matter: the place where it was.
+    pub(crate) fn drop_least_wall(&mut self) -> Option<usize> {
+        let walls = self.walls.iter().enumerate();
+        let hits = walls.filter_map(|(place, wall)| Some((place, wall.as_ref()?.hits)));
+        let (place, _) = hits.filter(|(_, hits)| *hits < FEWEST).min_by_key(|(_, hits)| *hits)?;
         self.remove_wall(place);
         Some(place)
     }

@@ -55,7 +55,7 @@ fn slices_of_any_size_give_the_same_bits() {
     let run = |budget| {
         let (mut robot, mut diary) = (Robot::new(2), SmallDiary::new(&DRIVE, Pose::ORIGIN));
         robot.drive(&mut diary, 400);
-        while diary.make_some_room(8, 32).is_some() {}
+        while diary.make_some_room(8, 32, 0).is_some() {}
         let mut look_back = Small::new();
         assert_eq!(finish(&mut look_back, &mut diary, budget), Progress::Done);
         let placed = look_back.effort();
@@ -133,6 +133,27 @@ fn a_full_diary_interrupts_a_look_back_that_can_begin_again() {
     assert_eq!(finish(&mut look_back, &mut diary, u32::MAX), Progress::Done);
     let (pose_m, wall_m, walls) = errors(&robot, &diary);
     assert!(pose_m < 0.02 && wall_m < 0.02 && walls == 4, "{pose_m} {wall_m} {walls}");
+}
+
+#[test]
+fn walls_that_come_while_it_looks_back_find_room() {
+    let (mut robot, mut diary) = (Robot::new(5), SmallDiary::new(&DRIVE, Pose::ORIGIN));
+    robot.drive(&mut diary, 500);
+    let met = |id: u16, diary: &mut SmallDiary| {
+        let (from_m, end_m) = ([0.0; 2], [1.0, 0.0]);
+        diary.hit(&Hit { from_m, end_m, variance_m2: 1e-4, alike: 1.0, sensor: 0, wall: Some(id) });
+    };
+    // More than there is room for, each seen by the way.
+    (1000..1100).for_each(|id| met(id, &mut diary));
+    while diary.make_some_room(0, 0, 2).is_some() {}
+    let mut look_back = Small::new();
+    look_back.begin(&diary);
+    assert_eq!(look_back.work(&mut diary, 1), Progress::Working);
+    (2000..2002).for_each(|id| met(id, &mut diary));
+    assert_eq!(look_back.work(&mut diary, u32::MAX), Progress::Done);
+    look_back.begin(&diary);
+    (3000..3000 + W as u16).for_each(|id| met(id, &mut diary));
+    assert_eq!(look_back.work(&mut diary, u32::MAX), Progress::Interrupted, "there is no room for so many");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 //! `cargo run --release --package tests --example hand_overs -- FOLDER...`, each folder with a log and its `rig.toml`.
 
 mod apart;
+mod readings;
 
 use std::convert::Infallible;
 use std::path::{Path, PathBuf};
@@ -16,6 +17,7 @@ use lab::run::{Drive, Session};
 use slam_core::Config;
 
 use apart::{aligned_m, mean_nees};
+use readings::{Distances, distances};
 
 /// Names that a log may have in its folder.
 const LOGS: [&str; 2] = ["log.csv", "wean.log.gz"];
@@ -51,13 +53,27 @@ those of the workbench's look back, after the best rigid motion; *truth* is the 
 | log | | truth | live, second half | worst | walls | taken over | refused |
 |---|---|---|---|---|---|---|---|";
 
+const READINGS_HEAD: &str = "
+## Readings and their walls
+
+How far the readings that the filter used end from their walls, medians over the second half of each log, and of five replays. *Own
+map*: from the filter's walls, both as they were at the time. *Looked-back map*: from the nearest wall of the workbench's look back, where
+the filter had the robot at the time after the best rigid motion, and where the look back has it. The ratios are to the last; the worst
+of the five beside them.
+
+| log | | own map | looked-back map, live | looked-back map, look back | own map, ratio | looked-back map, ratio |
+|---|---|---|---|---|---|---|";
+
 fn main() {
     println!("{HEAD}");
     for rig in RIGS {
         PLANS.iter().for_each(|plan| compare_drives(rig, plan));
     }
     println!("{LOGS_HEAD}");
-    std::env::args().skip(1).for_each(|folder| compare_replays(Path::new(&folder)));
+    let readings: Vec<String> =
+        std::env::args().skip(1).flat_map(|folder| compare_replays(Path::new(&folder))).collect();
+    println!("{READINGS_HEAD}");
+    readings.iter().for_each(|row| println!("{row}"));
 }
 
 fn robot(rig: &str) -> Robot {
@@ -150,14 +166,19 @@ impl Log {
     }
 }
 
-fn compare_replays(folder: &Path) {
+/// Prints the two rows of a log; those of its readings.
+fn compare_replays(folder: &Path) -> [String; 2] {
     let name = folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let log = Log::read(folder);
     let mut figures: [Vec<[f64; 5]>; 2] = Default::default();
+    let mut readings: [Vec<Distances>; 2] = Default::default();
     for replay in 0..REPLAYS {
         let mut without = log.replay(replay.into(), false);
         let with = log.replay(replay.into(), true);
         let back = smoother::add(&mut without, &log.robot.rig, &mut |_| ()).expect("a log with walls");
+        for (recording, readings) in [&without, &with].into_iter().zip(&mut readings) {
+            readings.push(distances(recording, &back));
+        }
         for (recording, figures) in [&without, &with].into_iter().zip(&mut figures) {
             let poses =
                 |recording: &Recording| -> Vec<Pose2> { recording.steps.iter().map(|step| step.pose).collect() };
@@ -183,4 +204,23 @@ fn compare_replays(folder: &Path) {
             middle(4),
         );
     }
+    [0, 1].map(|i| readings_row(&name, ["without", "with"][i], &readings[i]))
+}
+
+fn readings_row(name: &str, which: &str, replays: &[Distances]) -> String {
+    let all = |of: fn(&Distances) -> f64| -> Vec<f64> { replays.iter().map(of).collect() };
+    let cm = |of| 100.0 * median(&all(of)).unwrap_or(f64::NAN);
+    let ratio = |of| {
+        let ratios = all(of);
+        let worst = ratios.iter().copied().fold(0.0, f64::max);
+        format!("{:.1} (worst {worst:.1})", median(&ratios).unwrap_or(f64::NAN))
+    };
+    format!(
+        "| {name} | {which} | {:.2} cm | {:.2} cm | {:.2} cm | {} | {} |",
+        cm(|found| found.own_m),
+        cm(|found| found.live_m),
+        cm(|found| found.back_m),
+        ratio(|found| found.own_m / found.back_m),
+        ratio(|found| found.live_m / found.back_m),
+    )
 }
