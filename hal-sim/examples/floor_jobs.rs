@@ -21,9 +21,10 @@ const MISHAPS_HEAD: &str = "\n## When something goes wrong\n\n\
     |---|---|---|---|---|---|---|\n";
 const RANDOM_MISHAPS_HEAD: &str = "\n## The same in random homes\n\n\
     The random homes 41 to 60, one drive each, the moment and the way of who walks drawn. Done and back is within 20 cm of the start by\n\
-    the true pose. Mean, and in brackets the worst; of *pose off* the median and the worst.\n\n\
-    | what | drives | done and back | swept, % | at least 95 % swept | overlap | minutes | pose off, m |\n\
-    |---|---|---|---|---|---|---|---|\n";
+    the true pose. Mean, and in brackets the worst; of *pose off* the median and the worst. *Twice* is in how many the robot found its home\n\
+    [in its map twice](../explanation/kept-map.md#a-home-that-is-in-one-map-twice).\n\n\
+    | what | drives | done and back | swept, % | at least 95 % swept | overlap | minutes | pose off, m | twice |\n\
+    |---|---|---|---|---|---|---|---|---|\n";
 const MISHAP_SEEDS: std::ops::RangeInclusive<u64> = 1..=3;
 
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=10;
@@ -113,7 +114,7 @@ impl Mishap {
         Self::Jammed,
     ];
 
-    const IN_RANDOM_HOMES: [Self; 4] = [Self::GivesWay, Self::Pushes, Self::Kick, Self::Held];
+    const IN_RANDOM_HOMES: [Self; 5] = [Self::None, Self::GivesWay, Self::Pushes, Self::Kick, Self::Held];
 
     fn name(self) -> &'static str {
         match self {
@@ -213,7 +214,7 @@ fn random_mishap_row(page: &mut String, name: &str, jobs: &[FloorDrive]) {
     off_m.sort_by(f64::total_cmp);
     let line = writeln!(
         page,
-        "| {name} | {} | {} | {:.1} ({:.1}) | {} | {:.2} | {:.1} | {:.2} ({:.2}) |",
+        "| {name} | {} | {} | {:.1} ({:.1}) | {} | {:.2} | {:.1} | {:.2} ({:.2}) | {} |",
         jobs.len(),
         jobs.iter().filter(is_back).count(),
         mean(|job| 100.0 * job.score.swept),
@@ -223,6 +224,7 @@ fn random_mishap_row(page: &mut String, name: &str, jobs: &[FloorDrive]) {
         mean(|job| job.minutes),
         off_m[off_m.len() / 2],
         off_m.last().copied().unwrap_or_default(),
+        jobs.iter().filter(|job| job.second_copies > 0).count(),
     );
     line.expect("a String takes it all");
 }

@@ -1,7 +1,8 @@
 //! One floor job from begin to end in a simulated home, with the estimator that the robot has.
 
+use relocate::{Event, Locator, State, Step};
 use robot::{FloorConfig, FloorProgress, Whereabouts};
-use slam_core::{Config, HostSlam};
+use slam_core::{Config, HostSlam, Pose};
 
 use crate::closed_loop::{ClosedLoop, Estimate};
 use crate::floor::{FloorRaster, FloorScore, Moment};
@@ -22,6 +23,8 @@ pub struct FloorDrive {
     pub minutes: f64,
     /// Largest distance between estimated and true position, metres.
     pub worst_m: f64,
+    /// How often its home was in its map twice.
+    pub second_copies: u32,
 }
 
 /// Lets the default robot clean a home, for so many minutes at most.
@@ -48,13 +51,15 @@ pub fn clean_with(
     let mut slam = HostSlam::with_config(rig.clone(), Config::default()).expect("the default rig is a valid one");
     let mut floor = FloorRaster::new(plan, simulation.options().body_radius_m, simulation.pose_in_plan());
     let mut robot = ClosedLoop::cleaning(simulation, &rig, FloorConfig::default());
-    let mut worst_m = 0.0_f64;
+    let (mut worst_m, mut own) = (0.0_f64, OwnMap::new());
     while !robot.job.is_over() && robot.simulation.time_s() < 60.0 * minutes {
         let frame = robot.step_in(&mut |sample| {
             let report = slam.step(sample);
+            own.watch(&mut slam);
             let grid_rad = slam.alpha().map(|(alpha_rad, _)| alpha_rad);
+            let redrawn = slam.counters().second_copies;
             let estimate = Estimate { pose: slam.pose(), ranges_m: report.readings.map(|reading| reading.range_m) };
-            (estimate, Whereabouts { grid_rad, ..Whereabouts::START })
+            (estimate, Whereabouts { grid_rad, redrawn, ..Whereabouts::START })
         });
         let pose = slam.pose();
         worst_m =
@@ -70,5 +75,35 @@ pub fn clean_with(
         meddle(&mut robot);
     }
     let progress = robot.job.floor().unwrap_or_default();
-    Ok(FloorDrive { score: floor.score(), progress, minutes: robot.simulation.time_s() / 60.0, worst_m })
+    Ok(FloorDrive {
+        score: floor.score(),
+        progress,
+        minutes: robot.simulation.time_s() / 60.0,
+        worst_m,
+        second_copies: slam.counters().second_copies,
+    })
+}
+
+/// A robot without a kept map, which looks for its home in its own map a second time.
+struct OwnMap {
+    locator: Locator,
+    last: Pose,
+}
+
+impl OwnMap {
+    fn new() -> Self {
+        Self { locator: Locator::new(State::Tracking), last: Pose::ORIGIN }
+    }
+
+    /// Takes in a step of the estimator.
+    fn watch(&mut self, slam: &mut HostSlam) {
+        let now = slam.dead_reckoning();
+        let last = core::mem::replace(&mut self.last, now);
+        let travelled_m = libm::hypotf(now.x_m - last.x_m, now.y_m - last.y_m);
+        let step = Step { position_m: [slam.state_mean(0), slam.state_mean(1)], travelled_m, readings: [0; 2] };
+        if let Some(Event::Copied(copy, found)) = self.locator.step(&*slam, None, &step, u32::MAX) {
+            // A copy whose walls went in this step is found again.
+            let _ = slam.give_up_copy(&copy, &found);
+        }
+    }
 }

@@ -214,18 +214,23 @@ impl<F: MapFlash> Keeper<F> {
     #[inline(never)]
     fn locate(&mut self, slam: &mut RobotSlam, report: &StepReport<SENSORS>, travelled_m: f32) {
         let Self { store, saved, locator, .. } = self;
-        let Some(bytes) = saved.and_then(|saved| slot(store.flash(), saved)) else { return };
-        let Ok(record) = Record::whole(bytes) else { return };
+        let bytes = saved.and_then(|saved| slot(store.flash(), saved));
+        let record = bytes.and_then(|bytes| Record::whole(bytes).ok());
         let position_m = [slam.state_mean(0), slam.state_mean(1)];
-        let step = Step { position_m, travelled_m, readings: agreement(report, record.frame().next_id) };
-        match locator.step(&*slam, &record, &step, COMPARISONS) {
+        let readings = record.as_ref().map_or([0; 2], |record| agreement(report, record.frame().next_id));
+        let step = Step { position_m, travelled_m, readings };
+        match locator.step(&*slam, record.as_ref().map(|record| record as &dyn Kept), &step, COMPARISONS) {
             Some(Event::Found(found)) => {
-                if slam.take_up(&record, &found).is_ok() {
+                if record.is_some_and(|record| slam.take_up(&record, &found).is_ok()) {
                     self.tally.found = self.tally.found.saturating_add(1);
                     self.unsaved_m = 0.0;
                 } else {
                     self.lose(slam);
                 }
+            }
+            Some(Event::Copied(copy, found)) => {
+                // A copy whose walls went in this step is found again.
+                let _ = slam.give_up_copy(&copy, &found);
             }
             Some(Event::Lost) => self.lose(slam),
             None => {}

@@ -16,7 +16,7 @@ const ENTRIES: usize = FRESH_SIDES * (FRESH_SIDES + 1) / 2;
 const POSE: [usize; 2] = [0, 1];
 
 /// Variance of rho - n . p.
-fn beside_m2(map: &impl Kept, rho: usize, [x, y]: [f32; 2]) -> f32 {
+fn beside_m2(map: &dyn Kept, rho: usize, [x, y]: [f32; 2]) -> f32 {
     let [p, q] = POSE;
     let of_pose = x * x * map.covariance(p, p) + 2.0 * x * y * map.covariance(p, q) + y * y * map.covariance(q, q);
     let of_both = x * map.covariance(p, rho) + y * map.covariance(q, rho);
@@ -50,7 +50,7 @@ impl Fresh {
     };
 
     /// Takes in the walls of a map; false where none stands on a grid.
-    pub(crate) fn take(&mut self, map: &impl Kept) -> bool {
+    pub(crate) fn take(&mut self, map: &dyn Kept) -> bool {
         find_sides(map, &mut self.sides);
         descending(&mut self.sides, Side::rank_m);
         self.quarters = 0;

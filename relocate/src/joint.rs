@@ -42,10 +42,10 @@ impl Pair {
 type Seed = Option<(Pair, f32)>;
 
 /// Walls that were matched.
-pub(crate) struct Joint<'m, K> {
+pub(crate) struct Joint<'m> {
     fresh: &'m Fresh,
     kept: &'m [Side],
-    map: &'m K,
+    map: &'m dyn Kept,
     seeds: [Seed; 2],
     /// Covariances of the seeds.
     of_seeds: [[f32; 2]; 2],
@@ -76,9 +76,9 @@ struct Offset {
     row: Vec<f32, FRESH_SIDES>,
 }
 
-impl<'m, K: Kept> Joint<'m, K> {
+impl<'m> Joint<'m> {
     /// Nothing matched but the seeds of both axes, or of one.
-    pub(crate) fn new(fresh: &'m Fresh, kept: &'m [Side], map: &'m K, seeds: [Option<Pair>; 2]) -> Self {
+    pub(crate) fn new(fresh: &'m Fresh, kept: &'m [Side], map: &'m dyn Kept, seeds: [Option<Pair>; 2]) -> Self {
         let mut joint = Self {
             fresh,
             kept,

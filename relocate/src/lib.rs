@@ -24,6 +24,7 @@ extern crate std;
 mod tests;
 
 mod agreement;
+mod copy;
 mod crossings;
 mod extents;
 mod fresh;
@@ -42,7 +43,7 @@ pub use search::{Hypothesis, Progress, Search};
 pub use side::{Side, path_on_grid, sides};
 
 /// Comparisons of two matches that a robot may make in a step of its estimator.
-pub const COMPARISONS: u32 = 5_000;
+pub const COMPARISONS: u32 = 3_300;
 /// Most walls of a kept map that are matched.
 pub const KEPT_SIDES: usize = 64;
 /// Most walls of a fresh map that are matched: the longest.

@@ -12,10 +12,11 @@
 
 use heapless::Vec;
 use slam_core::kept::Kept;
-use slam_core::{Match, Pose};
+use slam_core::{Match, Pose, SecondCopy};
 
 use crate::PATH_POINTS;
 use crate::agreement::Agreement;
+use crate::copy;
 use crate::odds::Verdict;
 use crate::search::{Hypothesis, Progress, Search};
 
@@ -66,6 +67,8 @@ impl State {
 pub enum Event {
     /// The kept map is to be taken up: the fresh one lies in it like this.
     Found(Match),
+    /// The map has its walls twice: the second copy is to be given up, which lies in the older walls like this.
+    Copied(SecondCopy, Match),
     /// What was claimed is wrong or not known any more: a fresh map is to be begun.
     Lost,
 }
@@ -94,6 +97,8 @@ pub struct Locator {
     spacing_m: f32,
     search: Search,
     is_searching: bool,
+    /// The second copy that the last search was about, and the map's states and walls then.
+    copy: Option<(SecondCopy, [u16; 2])>,
     /// What the last search would claim.
     claim: Option<Hypothesis>,
     agreement: Agreement,
@@ -114,6 +119,7 @@ impl Locator {
             spacing_m: POINTS_M,
             search: Search::IDLE,
             is_searching: false,
+            copy: None,
             claim: None,
             agreement: Agreement::NEW,
             counted_m: 0.0,
@@ -155,10 +161,11 @@ impl Locator {
         self.search.hypotheses()
     }
 
-    /// Takes in a step of the robot with its map, the one that it is to find itself in, and about how many comparisons of two matches
-    /// may be made now. Where there is something to do, it is taken for done.
-    pub fn step(&mut self, own: &impl Kept, kept: &impl Kept, step: &Step, comparisons: u32) -> Option<Event> {
+    /// Takes in a step of the robot with its map, the one that it is to find itself in if there is one, and about how many comparisons
+    /// of two matches may be made now. Where there is something to do, it is taken for done.
+    pub fn step(&mut self, own: &dyn Kept, kept: Option<&dyn Kept>, step: &Step, comparisons: u32) -> Option<Event> {
         self.path_m += step.travelled_m;
+        let Some(kept) = kept else { return self.watch(own, comparisons) };
         if self.state == State::Searching {
             let anchor = own.frame().anchor.map(|(pose, _)| pose);
             if core::mem::replace(&mut self.anchor, anchor) != anchor {
@@ -183,7 +190,44 @@ impl Locator {
             State::Doubtful if for_m > DOUBT_M => return Some(self.lost()),
             _ => {}
         }
-        None
+        self.watch(own, comparisons)
+    }
+
+    /// Looks for a second copy of the walls in the robot's own map.
+    fn watch(&mut self, own: &dyn Kept, mut comparisons: u32) -> Option<Event> {
+        let frame = own.frame();
+        let size = [frame.states, frame.next_id];
+        if !self.is_searching {
+            if self.path_m < self.next_search_m {
+                return None;
+            }
+            self.next_search_m = self.path_m + SEARCH_EVERY_M;
+            self.copy = copy::find(own).map(|copy| (copy, size));
+            let begun = self.copy.and_then(|(copy, _)| {
+                let [fewer, more] = copy::parts(own, &copy)?;
+                Some(self.search.begin_displaced(&fewer, &more, copy::begins_m(own, &copy)))
+            });
+            self.is_searching = begun == Some(true);
+            if !self.is_searching {
+                self.claim = None;
+                return None;
+            }
+            comparisons = comparisons.saturating_sub(TO_BEGIN);
+        }
+        let (copy, begun) = self.copy?;
+        // States that moved are not those that the search began with.
+        let parts = copy::parts(own, &copy).filter(|_| begun == size);
+        let Some(parts) = parts else {
+            self.is_searching = false;
+            return None;
+        };
+        if self.search.work(&parts[1], comparisons) == Progress::Working {
+            return None;
+        }
+        self.is_searching = false;
+        let found = self.judge(&self.search.verdict()?)?;
+        self.claim = None;
+        Some(Event::Copied(copy, copy::in_older(&parts, found)))
     }
 
     /// The robot does not know any more where it is: it was lifted.
@@ -195,6 +239,7 @@ impl Locator {
     fn become_state(&mut self, state: State) {
         if state == State::Probation {
             self.agreement = Agreement::NEW;
+            self.claim = None;
         }
         self.state = state;
         self.since_m = self.path_m;
@@ -218,7 +263,7 @@ impl Locator {
     }
 
     /// Goes on with the search, or begins one where it is time.
-    fn work(&mut self, own: &impl Kept, kept: &impl Kept, mut comparisons: u32) -> Option<Match> {
+    fn work(&mut self, own: &dyn Kept, kept: &dyn Kept, mut comparisons: u32) -> Option<Match> {
         if !self.is_searching && self.path_m >= self.next_search_m {
             self.next_search_m = self.path_m + SEARCH_EVERY_M;
             self.is_searching = self.search.begin(own, kept, &self.trail);

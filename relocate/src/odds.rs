@@ -109,6 +109,22 @@ pub(crate) fn of_place(floor_m2: f32) -> f32 {
     -libm::logf(4.0 * floor_m2)
 }
 
+/// What displaces a robot unseen moves it so far along each axis, metres, and turns it so much, radians, 1-sigma: as a jolt does, and where that was
+/// is known to a sensor's reach, which the turn moves.
+const TURNED_RAD: f32 = 0.25;
+const MOVED_M2: f32 = 0.2 * 0.2 + TURNED_RAD * REACH_M * TURNED_RAD * REACH_M;
+
+/// Logarithm of the density of shifts where none is a displacement.
+pub(crate) fn of_nearest() -> f32 {
+    -libm::logf(core::f32::consts::TAU * MOVED_M2)
+}
+
+/// Log-likelihood of such a displacement, against none.
+pub(crate) fn of_displacement(moved_m: f32, turned_rad: f32) -> f32 {
+    let turns = turned_rad * (1.0 / TURNED_RAD);
+    -0.5 * (moved_m * moved_m / MOVED_M2 + turns * turns)
+}
+
 /// Logarithm of the odds of elsewhere, against a place as the walls say.
 pub(crate) fn of_elsewhere() -> f32 {
     libm::logf(ELSEWHERE) - CHANCE

@@ -1,7 +1,10 @@
 //! Every hypothesis of where a fresh map lies in a kept one, scored in slices.
 
+use core::f32::consts::FRAC_PI_2;
+
 use heapless::Vec;
 use slam_core::Match;
+use slam_core::angle::wrap;
 use slam_core::kept::Kept;
 
 use crate::crossings;
@@ -62,6 +65,25 @@ impl Hypothesis {
     }
 }
 
+/// What is known beforehand of parts of one map, where something displaced the robot.
+#[derive(Clone, Copy, Debug)]
+struct Near {
+    /// Where that was, metres, on the fresh grid and on the kept one.
+    at_m: [[f32; 2]; 2],
+    /// The kept grid against the fresh one, radians.
+    turned_rad: f32,
+}
+
+impl Near {
+    /// Log-likelihood of the displacement, against none.
+    fn of(&self, quarters: u8, shift_m: [f32; 2]) -> f32 {
+        let [fresh, kept] = self.at_m;
+        let [x, y] = turned_point(fresh, quarters);
+        let moved_m = libm::hypotf(x + shift_m[0] - kept[0], y + shift_m[1] - kept[1]);
+        odds::of_displacement(moved_m, wrap(self.turned_rad + f32::from(quarters) * FRAC_PI_2))
+    }
+}
+
 /// How far a search is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
@@ -89,8 +111,10 @@ pub struct Search {
     kept: Vec<Side, KEPT_SIDES>,
     /// On the fresh grid.
     path_m: Vec<[f32; 2], PATH_POINTS>,
-    /// Logarithm of the density of places.
+    /// Logarithm of the density of places: of all of them, or of the likeliest.
     of_place: f32,
+    /// What is known beforehand of where the fresh map lies.
+    near: Option<Near>,
     /// Along x and along y.
     shifts: [Shifts; 2],
     next: Next,
@@ -106,6 +130,7 @@ impl Search {
         kept: Vec::new(),
         path_m: Vec::new(),
         of_place: 0.0,
+        near: None,
         shifts: [Shifts::NONE; 2],
         next: Next::Shift(0),
         best: Vec::new(),
@@ -114,12 +139,13 @@ impl Search {
 
     /// Begins to search a fresh map, in whose frame the robot drove along this trail (metres), in a kept one; false where the fresh
     /// one has no walls on a grid.
-    pub fn begin(&mut self, fresh: &impl Kept, kept: &impl Kept, trail_m: &[[f32; 2]]) -> bool {
+    pub fn begin(&mut self, fresh: &dyn Kept, kept: &dyn Kept, trail_m: &[[f32; 2]]) -> bool {
         if !self.fresh.take(fresh) {
             return false;
         }
         find_sides(kept, &mut self.kept);
         self.of_place = odds::of_place(floor_m2(&self.kept));
+        self.near = None;
         let alpha_rad = fresh.mean(ALPHA);
         self.path_m.clear();
         for point_m in trail_m {
@@ -132,6 +158,18 @@ impl Search {
         true
     }
 
+    /// The same of two parts of one map, of which one is displaced against the other as a jolt does at this point, metres.
+    pub(crate) fn begin_displaced(&mut self, fresh: &dyn Kept, kept: &dyn Kept, at_m: [f32; 2]) -> bool {
+        let is_begun = self.begin(fresh, kept, &[]);
+        let grids_rad = [fresh.mean(ALPHA), kept.mean(ALPHA)];
+        self.of_place = odds::of_nearest();
+        self.near = Some(Near {
+            at_m: grids_rad.map(|grid_rad| path_on_grid(at_m, grid_rad)),
+            turned_rad: grids_rad[1] - grids_rad[0],
+        });
+        is_begun
+    }
+
     fn begin_quarter(&mut self) {
         self.shifts.iter_mut().for_each(Shifts::begin);
         self.next = Next::Shift(0);
@@ -139,7 +177,7 @@ impl Search {
 
     /// Goes on in the kept map of [`begin`](Self::begin) until about so many comparisons of two matches are made: those of one hypothesis
     /// more at most.
-    pub fn work(&mut self, map: &impl Kept, comparisons: u32) -> Progress {
+    pub fn work(&mut self, map: &dyn Kept, comparisons: u32) -> Progress {
         let mut made = 0u32;
         while made < comparisons {
             made += match self.next {
@@ -156,7 +194,7 @@ impl Search {
         Progress::Working
     }
 
-    fn go_on_with_shifts(&mut self, map: &impl Kept, axis: usize) -> u32 {
+    fn go_on_with_shifts(&mut self, map: &dyn Kept, axis: usize) -> u32 {
         let comparisons = self.shifts.get_mut(axis).and_then(|shifts| shifts.go_on(&self.fresh, &self.kept, map, axis));
         if comparisons.is_none() {
             self.next = if axis == 0 { Next::Shift(1) } else { Next::Hypothesis(0, 0) };
@@ -164,7 +202,7 @@ impl Search {
         comparisons.unwrap_or(1)
     }
 
-    fn try_hypothesis(&mut self, map: &impl Kept, x: usize, y: usize) -> u32 {
+    fn try_hypothesis(&mut self, map: &dyn Kept, x: usize, y: usize) -> u32 {
         let [xs, ys] = &self.shifts;
         let Some(along_x) = xs.found.get(x).copied() else {
             self.next = Next::Quarter;
@@ -188,13 +226,15 @@ impl Search {
 
     /// The hypothesis of two matches that settle the shift. Where it is below `least` as it is, it is not asked what the path says
     /// against it, too. With it, the comparisons that it took.
-    fn score(&self, map: &impl Kept, seeds: [Pair; 2], least: f32) -> (Hypothesis, u32) {
+    fn score(&self, map: &dyn Kept, seeds: [Pair; 2], least: f32) -> (Hypothesis, u32) {
         let mut joint = Joint::new(&self.fresh, &self.kept, map, seeds.map(Some));
+        let shift_m = seeds.map(|seed| seed.apart_m(&self.fresh, &self.kept));
+        let displaced = self.near.map_or(0.0, |near| near.of(self.fresh.quarters, shift_m));
         let mut found = Hypothesis {
             quarters: self.fresh.quarters,
-            shift_m: seeds.map(|seed| seed.apart_m(&self.fresh, &self.kept)),
+            shift_m,
             variance_m2: [f32::INFINITY; 2],
-            score: self.of_place + joint.match_all(),
+            score: self.of_place + displaced + joint.match_all(),
             matched: [0; 2],
             pairs: [None; 2],
         };
@@ -222,7 +262,7 @@ impl Search {
     }
 
     /// What the kept walls say that the driven path goes through.
-    fn crossings(&self, map: &impl Kept, seeds: [Pair; 2], shift_m: [f32; 2]) -> f32 {
+    fn crossings(&self, map: &dyn Kept, seeds: [Pair; 2], shift_m: [f32; 2]) -> f32 {
         let place = |point: &[f32; 2]| {
             let [x, y] = turned_point(*point, self.fresh.quarters);
             [x + shift_m[0], y + shift_m[1]]

@@ -51,7 +51,7 @@ impl Shifts {
 
     /// Goes on with the next two walls along this axis, and gives the comparisons that it took; none, and all in order, best first, after
     /// the last.
-    pub(crate) fn go_on(&mut self, fresh: &Fresh, kept: &[Side], map: &impl Kept, axis: usize) -> Option<u32> {
+    pub(crate) fn go_on(&mut self, fresh: &Fresh, kept: &[Side], map: &dyn Kept, axis: usize) -> Option<u32> {
         let (i, j) = self.next;
         let Some(a) = fresh.sides.get(i) else {
             descending(&mut self.found, |shift| shift.bound);

@@ -10,7 +10,7 @@ use slam_core::kept::{Direction, Kept, KeptWall};
 pub(crate) const ALPHA: usize = 3;
 
 /// A wall that stands farther off the grid than this is askew, radians: three degrees.
-const OFF_GRID_RAD: f32 = 0.05;
+pub(crate) const OFF_GRID_RAD: f32 = 0.05;
 
 /// The direction of an askew wall is known this well, 1-sigma, radians, or it is not matched: two degrees.
 const KNOWN_RAD: f32 = 0.035;
@@ -23,10 +23,10 @@ const ALIKE_RAD: f32 = 0.1;
 const BETWEEN_RAD: f32 = 0.65;
 
 /// A wall that fewer readings met may be noise.
-const LEAST_UPDATES: u32 = 10;
+pub(crate) const LEAST_UPDATES: u32 = 10;
 
 /// A wall is no shorter than this, metres.
-const SHORTEST_M: f32 = 0.25;
+pub(crate) const SHORTEST_M: f32 = 0.25;
 
 /// A wall beside a grid whose first direction is x. Its normal points away from the side that it is seen from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,7 +49,7 @@ pub struct Side {
 
 impl Side {
     /// The wall at a place of a map; none where it may be noise, or is askew, who knows how much.
-    fn of(kept: &impl Kept, wall: &KeptWall) -> Option<Self> {
+    fn of(kept: &dyn Kept, wall: &KeptWall) -> Option<Self> {
         let [rho_m, beta_rad] = kept.line(wall);
         let off = wrap(beta_rad - kept.mean(ALPHA));
         let quarters = libm::floorf((off + BETWEEN_RAD) * (1.0 / FRAC_PI_2));
@@ -165,14 +165,14 @@ pub(crate) fn dot(a: [f32; 2], b: [f32; 2]) -> f32 {
 }
 
 /// Variance of a direction against the grid's.
-fn direction_rad2(kept: &impl Kept, beta: u16) -> f32 {
+fn direction_rad2(kept: &dyn Kept, beta: u16) -> f32 {
     let beta = usize::from(beta);
     kept.covariance(beta, beta) - 2.0 * kept.covariance(beta, ALPHA) + kept.covariance(ALPHA, ALPHA)
 }
 
 /// Covariance of how far two walls of a map are off where they are, as both are counted across their axes. An askew wall that turns
 /// against the grid about the map's origin moves its middle, too.
-pub(crate) fn covariance_m2(kept: &impl Kept, a: &Side, b: &Side) -> f32 {
+pub(crate) fn covariance_m2(kept: &dyn Kept, a: &Side, b: &Side) -> f32 {
     if a.is_on_grid() && b.is_on_grid() {
         // Mostly, and at a third of the cost.
         return a.sign() * b.sign() * kept.covariance(usize::from(a.rho), usize::from(b.rho));
@@ -191,14 +191,14 @@ pub(crate) fn covariance_m2(kept: &impl Kept, a: &Side, b: &Side) -> f32 {
 }
 
 /// The walls of a map that has a grid, those on it and the longest where there is no room for all.
-pub fn sides<const N: usize>(kept: &impl Kept) -> Vec<Side, N> {
+pub fn sides<const N: usize>(kept: &dyn Kept) -> Vec<Side, N> {
     let mut found = Vec::new();
     find_sides(kept, &mut found);
     found
 }
 
 /// The same, in place.
-pub(crate) fn find_sides<const N: usize>(kept: &impl Kept, found: &mut Vec<Side, N>) {
+pub(crate) fn find_sides<const N: usize>(kept: &dyn Kept, found: &mut Vec<Side, N>) {
     found.clear();
     let frame = kept.frame();
     if !frame.has_grid {

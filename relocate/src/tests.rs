@@ -1,6 +1,7 @@
 //! A fresh map in a kept one that is bent.
 
 mod askew;
+mod copies;
 
 use std::vec::Vec;
 

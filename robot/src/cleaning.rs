@@ -6,6 +6,7 @@
 //! fresh -> own     found: what was swept so far lies in the kept map as the robot does
 //! own   -> fresh   carried, and looked for itself for as long a path as what was swept is worth: all anew from here
 //! fresh -> fresh   carried: all anew from here
+//! own   -> own     the home was in it twice: what was swept meanwhile lies who knows where; all anew, home is where it was
 //! ```
 
 use slam_core::{Pose, Rig};
@@ -36,6 +37,7 @@ pub(crate) struct Cleaning<const S: usize> {
     /// By which map it goes, since the first step.
     map: Option<Map>,
     world: Option<u32>,
+    redrawn: Option<u32>,
     /// Path without knowing where it is in its own map, metres.
     searched_m: f32,
     /// Where it was in the last step, in the map and by the wheels alone.
@@ -51,6 +53,7 @@ impl<const S: usize> Cleaning<S> {
         job: FloorJob::BLANK,
         map: None,
         world: None,
+        redrawn: None,
         searched_m: 0.0,
         last: None,
         bounds: Bounds::NONE,
@@ -139,8 +142,9 @@ impl<const S: usize> Cleaning<S> {
 
     /// By which map it goes from now on. It begins anew where nothing is any more where it was.
     fn choose_map(&mut self, senses: &Senses<S>, whereabouts: &Whereabouts) -> Map {
-        let Whereabouts { world, is_located, start, reckoned, .. } = *whereabouts;
+        let Whereabouts { world, redrawn, is_located, start, reckoned, .. } = *whereabouts;
         let is_elsewhere = self.world.replace(world).is_some_and(|before| before != world);
+        let is_redrawn = self.redrawn.replace(redrawn).is_some_and(|before| before != redrawn);
         let last = self.last.replace([senses.pose, reckoned]);
         match (self.map, last) {
             (None, _) => {}
@@ -152,7 +156,13 @@ impl<const S: usize> Cleaning<S> {
             (Some(Map::Fresh), _) if senses.contacts.lifted => self.begin_anew(),
             (Some(Map::Own), _) if !is_located && self.is_worth_less_than_the_search() => self.begin_anew(),
             _ if is_elsewhere => self.begin_anew(),
-            (Some(map), _) => return map,
+            (Some(map), _) => {
+                if let Some(home) = self.job.home().filter(|_| is_redrawn) {
+                    self.begin_anew();
+                    self.job.go_home_to(home);
+                }
+                return map;
+            }
         }
         let map = if is_located { Map::Own } else { Map::Fresh };
         self.map = Some(map);

@@ -14,6 +14,8 @@ pub struct Whereabouts {
     pub kept: Option<u32>,
     /// With another number, nothing is any more where it was: another map is kept, or none is and the robot was carried.
     pub world: u32,
+    /// With another number, the home was in the map twice: the robot is elsewhere in it than it took itself to be for a while.
+    pub redrawn: u32,
     /// The pose is in the frame of the kept map, or of the start where none is kept.
     pub is_located: bool,
     /// Direction of the walls' grid in the map frame, radians; none until it is known.
@@ -31,6 +33,7 @@ impl Whereabouts {
     pub const START: Self = Self {
         kept: None,
         world: 0,
+        redrawn: 0,
         is_located: true,
         grid_rad: None,
         start: Pose::ORIGIN,
@@ -67,7 +70,7 @@ enum Driver<const S: usize> {
 pub struct Job<const S: usize> {
     driver: Driver<S>,
     /// The world, and whether the robot was located in it, as of the last step.
-    known: Option<(u32, bool)>,
+    known: Option<(u32, u32, bool)>,
     /// How far what is to be known after a reset is written down.
     notes: Notes,
 }
@@ -200,7 +203,7 @@ impl<const S: usize> Job<S> {
 
     /// The wheel speeds until the next step.
     pub fn step(&mut self, senses: &Senses<S>, whereabouts: &Whereabouts) -> WheelSpeeds {
-        let now = (whereabouts.world, whereabouts.is_located);
+        let now = (whereabouts.world, whereabouts.redrawn, whereabouts.is_located);
         let is_elsewhere = self.known.replace(now).is_some_and(|before| before != now);
         match &mut self.driver {
             Driver::Pilot(pilot) => {

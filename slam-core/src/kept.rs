@@ -9,6 +9,7 @@ use crate::geometry::angle::wrap;
 use crate::geometry::pose::Pose;
 use crate::slam::Slam;
 pub use crate::walls::wall::Direction;
+use crate::walls::wall::Wall;
 use core::f32::consts::FRAC_PI_2;
 
 /// States of the pose: they lead the filter's states and are not kept.
@@ -34,6 +35,21 @@ pub struct KeptWall {
     /// Its line when it was first drawn, where walls hold the map frame: distance from the origin (metres) and direction of the
     /// normal (radians).
     pub drawn: Option<[f32; 2]>,
+}
+
+impl KeptWall {
+    pub(crate) fn of(wall: &Wall) -> Self {
+        Self {
+            id: wall.id,
+            rho: wall.rho,
+            direction: wall.direction,
+            lo_m: wall.lo_m,
+            hi_m: wall.hi_m,
+            updates: wall.updates,
+            score: wall.score,
+            drawn: wall.drawn,
+        }
+    }
 }
 
 /// What is kept beside walls and states.
@@ -64,6 +80,11 @@ pub trait Kept {
 
     /// The wall at a place of the list.
     fn wall(&self, index: usize) -> Option<KeptWall>;
+
+    /// Path of the robot since the wall at a place of the list was met, metres; none where that is not known.
+    fn unseen_m(&self, _index: usize) -> Option<f32> {
+        None
+    }
 
     /// Estimate of state `i`.
     fn mean(&self, i: usize) -> f32;
@@ -102,16 +123,11 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Kept for
     }
 
     fn wall(&self, index: usize) -> Option<KeptWall> {
-        self.map.walls().get(index).map(|wall| KeptWall {
-            id: wall.id,
-            rho: wall.rho,
-            direction: wall.direction,
-            lo_m: wall.lo_m,
-            hi_m: wall.hi_m,
-            updates: wall.updates,
-            score: wall.score,
-            drawn: wall.drawn,
-        })
+        self.map.walls().get(index).map(KeptWall::of)
+    }
+
+    fn unseen_m(&self, index: usize) -> Option<f32> {
+        Some(self.drive.dead_reckoning.path_m - self.map.walls().get(index)?.seen_at_m)
     }
 
     fn mean(&self, i: usize) -> f32 {

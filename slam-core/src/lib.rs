@@ -54,6 +54,7 @@ mod restart;
 
 pub mod rig;
 pub mod sample;
+mod second_copy;
 mod sensing;
 mod slam;
 mod take_over;
@@ -87,6 +88,7 @@ pub use motion::{MotionSettings, Slip};
 pub use report::{Counters, Health, NotTaken, Outcome, ReadingReport, Refusal, StepReport};
 pub use rig::{Adc, DriveModel, Mount, RangeModel, RangeSensor, Rig, RigError, VEER_SIGMA};
 pub use sample::{Increment, Motion, RangeInput, Sample, Ticks};
+pub use second_copy::SecondCopy;
 pub use sensing::SensingSettings;
 pub use sensing::range::SURFACE_M;
 pub use slam::{HostSlam, RobotSlam, Slam, states};

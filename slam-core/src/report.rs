@@ -196,6 +196,11 @@ impl Counters {
         count(&mut self.jolts, 1u8);
     }
 
+    /// Counts a second copy of the home that was given up.
+    pub(crate) fn add_second_copy(&mut self) {
+        count(&mut self.second_copies, 1u8);
+    }
+
     /// Counts a robot that is held from now on, and not one that no longer is.
     pub(crate) fn add_hold(&mut self, is_held: bool) {
         count(&mut self.holds, u8::from(is_held));
@@ -263,6 +268,7 @@ impl Counters {
         bad_motion: 0,
         restarts: 0,
         jolts: 0,
+        second_copies: 0,
         holds: 0,
         taken_over: 0,
         not_taken: [0; NotTaken::COUNT],
@@ -301,6 +307,8 @@ pub struct Counters {
     pub restarts: u32,
     /// Displacements of the robot that its wheels did not tell and its readings did.
     pub jolts: u32,
+    /// Times that the home was in the map twice, and the second copy given up.
+    pub second_copies: u32,
     /// Times that something held the robot while its wheels turned.
     pub holds: u32,
     /// Hand-overs of look backs that were taken over.

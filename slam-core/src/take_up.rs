@@ -54,7 +54,7 @@ pub enum Unfit {
 }
 
 /// Where the robot is beside two walls of the fresh map and along its grid.
-struct Beside {
+pub(crate) struct Beside {
     /// Distances from the walls along their normals, metres, and their covariance.
     distances_m: [f32; 2],
     variance: [[f32; 2]; 2],
@@ -69,13 +69,13 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     ///
     /// # Errors
     /// The kept map is not one that this estimator can go on with; nothing is changed then.
-    pub fn take_up(&mut self, kept: &impl Kept, found: &Match) -> Result<(), Unfit> {
+    pub fn take_up(&mut self, kept: &dyn Kept, found: &Match) -> Result<(), Unfit> {
         let frame = kept.frame();
         self.suits(kept)?;
         if !self.map.has_grid {
             return Err(Unfit::NoGrid);
         }
-        let beside = self.beside(found).ok_or(Unfit::NoMatch)?;
+        let beside = self.beside(found, ALPHA).ok_or(Unfit::NoMatch)?;
         let wall_of = |id: u16| (0..usize::from(frame.walls)).filter_map(|i| kept.wall(i)).find(|wall| wall.id == id);
         let [Some(first), Some(second)] = found.pairs.map(|(_, id)| wall_of(id)) else { return Err(Unfit::NoMatch) };
         let pose = Placement::of(kept, [first, second], &beside, found.quarters).ok_or(Unfit::NoMatch)?;
@@ -94,7 +94,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     ///
     /// # Errors
     /// Why it is not.
-    pub fn suits(&self, kept: &impl Kept) -> Result<(), Unfit> {
+    pub fn suits(&self, kept: &dyn Kept) -> Result<(), Unfit> {
         let (frame, own) = (kept.frame(), self.frame());
         if usize::from(frame.states) > self.ekf.capacity() || usize::from(frame.walls) > W {
             return Err(Unfit::TooLarge);
@@ -122,8 +122,9 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         if walls_hold && states.clone().all(is_number) { Ok(()) } else { Err(Unfit::NoNumber) }
     }
 
-    /// Where the robot is beside the fresh walls of a match; none where one is not there.
-    fn beside(&self, found: &Match) -> Option<Beside> {
+    /// Where the robot is beside the fresh walls of a match, and heads against the direction that is this state; none where a wall is
+    /// not there.
+    pub(crate) fn beside(&self, found: &Match, direction: usize) -> Option<Beside> {
         let grid = ManhattanFrame::of(&self.ekf);
         let pose = layout::pose(&self.ekf);
         let distance = |id: u16| {
@@ -145,8 +146,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         Some(Beside {
             distances_m: [first_m, second_m],
             variance: [[a, 0.0], [0.0, b]],
-            heading_rad: wrap(pose.theta_rad - grid.alpha_rad),
-            heading_variance: DOUBT * relative_variance(&self.ekf, THETA, ALPHA),
+            heading_rad: wrap(pose.theta_rad - self.ekf.mean(direction)),
+            heading_variance: DOUBT * relative_variance(&self.ekf, THETA, direction),
         })
     }
 
@@ -166,7 +167,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     }
 
     /// Puts the kept states and walls in the place of its own; the pose's are zero.
-    fn load(&mut self, kept: &impl Kept, frame: &KeptFrame) {
+    fn load(&mut self, kept: &dyn Kept, frame: &KeptFrame) {
         let Self { ekf, map, drive, config, .. } = self;
         ekf.clear();
         for i in 0..usize::from(frame.states) {
@@ -210,7 +211,7 @@ fn restored(kept: &KeptWall, beta_rad: f32, seen_at_m: f32) -> Wall {
 }
 
 /// The pose in the kept map: its value, its derivatives by the kept states, and its own variance.
-struct Placement {
+pub(crate) struct Placement {
     pose: Pose,
     by_states: [Jacobian; 3],
     own: [[f32; 3]; 3],
@@ -219,7 +220,7 @@ struct Placement {
 impl Placement {
     /// The point at these distances from two walls, p . n = rho - d for both, and the heading along the grid; none where the
     /// walls are all but parallel.
-    fn of(kept: &impl Kept, walls: [KeptWall; 2], beside: &Beside, quarters: u8) -> Option<Self> {
+    pub(crate) fn of(kept: &dyn Kept, walls: [KeptWall; 2], beside: &Beside, quarters: u8) -> Option<Self> {
         let lines = walls.map(|wall| {
             let [rho_m, beta_rad] = kept.line(&wall);
             let (s, c) = sin_cos(beta_rad);
@@ -259,7 +260,7 @@ impl Placement {
         Some(Self { pose: Pose { x_m: point[0], y_m: point[1], theta_rad }, by_states, own })
     }
 
-    fn initialise(&self, ekf: &mut EkfView) {
+    pub(crate) fn initialise(&self, ekf: &mut EkfView) {
         let values = [self.pose.x_m, self.pose.y_m, self.pose.theta_rad];
         for (i, (value, jacobian)) in values.into_iter().zip(&self.by_states).enumerate() {
             ekf.initialise(i, value, jacobian, self.own[i][i]);

@@ -179,7 +179,7 @@ impl<'m> Stranger<'m> {
         let position_m = [slam.state_mean(0), slam.state_mean(1)];
         let step = Step { position_m, travelled_m: travelled_m as f32, readings: [0; 2] };
         let before = self.locator.verdict().copied();
-        if let Some(Event::Found(_)) = self.locator.step(slam, self.record, &step, u32::MAX) {
+        if let Some(Event::Found(_)) = self.locator.step(slam, Some(self.record), &step, u32::MAX) {
             self.found += 1;
             self.locator.lost();
         } else if let Some(verdict) = self.locator.verdict().filter(|verdict| before.as_ref() != Some(verdict)) {

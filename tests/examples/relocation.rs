@@ -192,7 +192,7 @@ fn carry_there(there: &Home, kept: &Home, homes: &[Home], sensors: usize, seed: 
             }
         }
         let step = Step { position_m, travelled_m, readings: [0; 2] };
-        if let Some(Event::Found(found)) = locator.step(&*slam, &*kept.kept, &step, u32::MAX) {
+        if let Some(Event::Found(found)) = locator.step(&*slam, Some(&*kept.kept), &step, u32::MAX) {
             slam.take_up(&*kept.kept, &found).expect("a map to go on in");
             carry.claimed_m = Some(path_m);
             carry.off_m = apart_m(&slam.pose().into(), &kept.truth(&in_plan));

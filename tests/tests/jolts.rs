@@ -39,11 +39,12 @@ fn lost_in_kept(plan: &Plan, kept: &HostSlam, seed: u64) -> (Option<f64>, u32) {
         let travelled_m = (path_m - std::mem::replace(&mut last_m, path_m)) as f32;
         match locator.step(
             &*slam,
-            kept,
+            Some(kept),
             &Step { position_m, travelled_m, readings: agreement(report, kept.frame().next_id) },
             u32::MAX,
         ) {
             Some(Event::Found(place)) => slam.take_up(kept, &place).expect("a map to go on in"),
+            Some(Event::Copied(copy, found)) => slam.give_up_copy(&copy, &found).expect("walls that are there"),
             Some(Event::Lost) => slam.restart_map(),
             None => {}
         }

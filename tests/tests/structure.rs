@@ -20,6 +20,7 @@ const LAYERS: &[&[&str]] = &[
     &["slam"],
     &["view", "displacement", "restart", "take_over", "kept"],
     &["take_up"],
+    &["second_copy"],
 ];
 
 fn source() -> PathBuf {

@@ -1,11 +1,11 @@
-//! One step of the robot's estimator, and of its back end.
+//! One step of the robot's estimator, and what the back end does in it.
 //!
 //! Generic code is compiled with the profile of the crate that names its types. This crate has the one for speed; the
 //! tasks around it, which seldom run, have the one for size.
 #![no_std]
 #![forbid(unsafe_code)]
 
-use look_back::{RobotBackEnd, STEP_US};
+use look_back::RobotBackEnd;
 use slam_core::{NotTaken, RobotSlam, Sample, StepReport};
 
 /// [`RobotSlam::step`].
@@ -24,10 +24,4 @@ pub fn record(back_end: &mut RobotBackEnd, slam: &RobotSlam, report: &StepReport
 #[inline(never)]
 pub fn hand_over(back_end: &mut RobotBackEnd, slam: &mut RobotSlam) -> Option<Result<(), NotTaken>> {
     back_end.hand_over(slam)
-}
-
-/// Looks back for the work of one step.
-#[inline(never)]
-pub fn look_back(back_end: &mut RobotBackEnd) {
-    back_end.work(STEP_US);
 }

@@ -6,7 +6,7 @@ use crate::look_backs::LookBacks;
 pub async fn look_back(look_backs: &LookBacks) -> ! {
     loop {
         let back_end = look_backs.lent().await;
-        estimator::look_back(back_end);
+        back_end::look_back(back_end);
         look_backs.give_back(back_end);
     }
 }

@@ -198,25 +198,27 @@ impl Life {
         self.restarts = slam.counters().restarts;
     }
 
-    /// Takes in a step of the estimator, the row of this index; true where the map was taken up.
+    /// Takes in a step of the estimator, the row of this index; true where the robot is in another map, or elsewhere in its own.
     pub fn step(&mut self, slam: &mut HostSlam, report: &StepReport<MAX_SENSORS>, index: usize) -> bool {
         let restarts = core::mem::replace(&mut self.restarts, slam.counters().restarts);
-        let Some(kept) = self.kept.as_deref().filter(|_| !self.is_lifted) else { return false };
-        if slam.counters().restarts != restarts {
+        if self.is_lifted {
+            return false;
+        }
+        if slam.counters().restarts != restarts && self.kept.is_some() {
             self.forget_place();
             return false;
         }
         let reckoned: Pose2 = slam.dead_reckoning().into();
-        let travelled_m = self.last.relative(&reckoned);
+        let moved = self.last.relative(&reckoned);
         self.last = reckoned;
-        let Ok(record) = Record::whole(kept) else { return false };
+        let record = self.kept.as_deref().and_then(|kept| Record::whole(kept).ok());
         let step = Step {
             position_m: [slam.state_mean(0), slam.state_mean(1)],
-            travelled_m: travelled_m.x_m.hypot(travelled_m.y_m) as f32,
-            readings: agreement(report, record.frame().next_id),
+            travelled_m: moved.x_m.hypot(moved.y_m) as f32,
+            readings: record.as_ref().map_or([0; 2], |record| agreement(report, record.frame().next_id)),
         };
         let before = self.locator.verdict().copied();
-        let event = self.locator.step(&*slam, &record, &step, AT_ONCE);
+        let event = self.locator.step(&*slam, record.as_ref().map(|record| record as &dyn Kept), &step, AT_ONCE);
         if let Some(verdict) = self.locator.verdict().filter(|verdict| before.as_ref() != Some(verdict)) {
             let [x, y] = verdict.best.matched;
             self.places = self.locator.hypotheses().to_vec();
@@ -228,10 +230,13 @@ impl Life {
             });
         }
         match event {
-            Some(Event::Found(found)) => match slam.take_up(&record, &found) {
-                Ok(()) => return true,
-                Err(_) => self.lose(slam),
-            },
+            Some(Event::Found(found)) => {
+                if record.is_some_and(|record| slam.take_up(&record, &found).is_ok()) {
+                    return true;
+                }
+                self.lose(slam);
+            }
+            Some(Event::Copied(copy, found)) => return slam.give_up_copy(&copy, &found).is_ok(),
             Some(Event::Lost) => self.lose(slam),
             None => {}
         }

@@ -80,6 +80,7 @@ impl Session {
         Whereabouts {
             kept: None,
             world: self.life.world(),
+            redrawn: slam.counters().second_copies,
             is_located: self.life.is_located(),
             grid_rad: slam.alpha().map(|(alpha_rad, _)| alpha_rad),
             start: slam.start_pose(),

@@ -25,6 +25,11 @@ const JUMP_M: f32 = 0.1;
 const JUMP_RAD: f32 = 0.17;
 
 impl<const S: usize> FloorJob<S> {
+    /// Where home is, in the map frame; none before the first step.
+    pub(crate) fn home(&self) -> Option<Pose> {
+        self.home
+    }
+
     /// Home is there, in the map frame, metres.
     pub fn go_home_to(&mut self, home: Pose) {
         self.home = Some(home);

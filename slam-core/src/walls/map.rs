@@ -114,12 +114,17 @@ impl MapView {
     /// Forgets every wall and the grid, and their states, but neither frame nor names.
     pub fn forget_walls(&mut self, ekf: &mut EkfView) {
         self.begin_epoch();
-        while let Some(last) = self.walls.len().checked_sub(1) {
-            self.remove(ekf, last);
-        }
+        self.forget_some(ekf, |_| true);
         self.has_grid = false;
         self.exactness = Exactness::UNKNOWN;
         ekf.initialise(ALPHA, 0.0, &Jacobian::new(), 0.0);
+    }
+
+    /// Forgets some walls, and their states.
+    pub fn forget_some(&mut self, ekf: &mut EkfView, is_some: impl Fn(&Wall) -> bool) {
+        while let Some(last) = self.walls.iter().rposition(&is_some) {
+            self.remove(ekf, last);
+        }
     }
 
     /// Puts the filter's frame where the robot is, in the frame that it was in, with `noise` as variance of (x, y, theta) there.

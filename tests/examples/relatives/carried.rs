@@ -133,7 +133,7 @@ fn carry(home: &Home, seed: u64) -> [f64; FIGURES.len()] {
         }
         let position_m = [slam.state_mean(0), slam.state_mean(1)];
         let step = Step { position_m, travelled_m, readings: [0; 2] };
-        if let Some(Event::Found(found)) = locator.step(&*slam, &*home.kept, &step, u32::MAX) {
+        if let Some(Event::Found(found)) = locator.step(&*slam, Some(&*home.kept), &step, u32::MAX) {
             slam.take_up(&*home.kept, &found).expect("a map to go on in");
             let pose = to_pose(&slam.pose().into());
             ours = Some((path_m, is_same(&pose, &truth)));

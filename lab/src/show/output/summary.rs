@@ -211,6 +211,7 @@ fn counters(recording: &Recording) -> Value {
         "bad_motion": counters.bad_motion,
         "restarts": counters.restarts,
         "jolts": counters.jolts,
+        "second_copies": counters.second_copies,
         "holds": counters.holds,
     })
 }

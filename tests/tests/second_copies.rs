@@ -1,0 +1,60 @@
+//! A robot that was kicked and did not notice draws its home a second time, finds that out, and goes on in the first.
+
+use std::thread;
+
+use hal_sim::mishap::Kick;
+use hal_sim::rng::Rng;
+use hal_sim::{FloorDrive, SimOptions, clean, plan_file};
+use slam_core::{Match, SecondCopy, Unfit};
+use tests::carries::{drive, rig};
+
+/// Random homes, one drive each.
+const HOMES: [std::ops::Range<u64>; 2] = [401..411, 411..421];
+
+/// A job that takes longer than this is ended, minutes.
+const MINUTES: f64 = 60.0;
+
+/// Floor jobs in these homes, with a kick by 10 cm and 15 degrees at a moment between one minute and seven, or without.
+fn jobs(is_kicked: bool) -> Vec<FloorDrive> {
+    let job = move |home: u64| {
+        let mut plan = plan_file::load(&format!("random-{home}")).expect("a random home");
+        if is_kicked {
+            let at_s = Rng::stream(home, "moment", 0).uniform(60.0, 420.0);
+            plan.mishaps.kicks.push(Kick { at_s, slide_m: 0.1, turn_rad: 15_f64.to_radians() });
+        }
+        clean(&plan, SimOptions::default(), 1, MINUTES).expect("the robot fits")
+    };
+    let halves = HOMES.map(|homes| thread::spawn(move || homes.map(job).collect::<Vec<_>>()));
+    halves.into_iter().flat_map(|half| half.join().expect("no panic")).collect()
+}
+
+#[test]
+fn kicks_that_no_reading_tells_are_told_by_walls_drawn_twice() {
+    let jobs = jobs(true);
+    // Of these twenty, four are not told by the readings of the moment, and end 0.3 to 1 m from home where nothing else tells.
+    let told = jobs.iter().filter(|job| job.second_copies > 0).count();
+    assert!(told >= 3, "{told} of {}", jobs.len());
+    for job in &jobs {
+        assert!(job.score.home_m < 0.2, "{job:?}");
+        assert!(job.score.swept > 0.93, "{job:?}");
+    }
+}
+
+#[test]
+fn a_home_is_not_in_its_map_twice_where_nobody_kicks() {
+    let copies: Vec<u32> = jobs(false).iter().map(|job| job.second_copies).collect();
+    assert!(copies.iter().all(|copies| *copies == 0), "{copies:?}");
+}
+
+#[test]
+fn a_copy_whose_walls_are_not_there_is_refused_and_changes_nothing() {
+    let plan = plan_file::load("flat").expect("a built-in plan");
+    let mut slam = drive(&plan, &rig(8), 120.0, 1, |_| true);
+    let walls: Vec<_> = slam.walls().map(|wall| wall.id).collect();
+    let (pose, copy) = (slam.pose(), SecondCopy { since: walls[walls.len() / 2], grid: 9999 });
+    let found = Match { quarters: 0, pairs: [(walls[walls.len() - 1], walls[0]); 2] };
+    assert_eq!(slam.give_up_copy(&copy, &found), Err(Unfit::NoMatch));
+    assert_eq!(slam.pose(), pose);
+    assert_eq!(slam.walls().map(|wall| wall.id).collect::<Vec<_>>(), walls);
+    assert_eq!(slam.counters().second_copies, 0);
+}
