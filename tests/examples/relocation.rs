@@ -140,9 +140,17 @@ fn main() {
     }
 }
 
+/// A home, and the map that a robot made of it, which looks for its home in that a second time.
 fn home(plan: Plan, sensors: usize) -> Home {
-    let mut pairs = Vec::new();
-    let kept = drive(&plan, &rig(sensors), 600.0, 1, |Driven { slam, in_plan, .. }| {
+    let (mut pairs, mut locator, mut last_m) = (Vec::new(), Locator::new(State::Tracking), 0.0);
+    let kept = drive(&plan, &rig(sensors), 600.0, 1, |Driven { slam, in_plan, path_m, .. }| {
+        let travelled_m = (path_m - std::mem::replace(&mut last_m, path_m)) as f32;
+        let step = Step { position_m: [slam.state_mean(0), slam.state_mean(1)], travelled_m, readings: [0; 2] };
+        if let Some(Event::Copied(copy, found)) = locator.step(&*slam, None, &step, u32::MAX) {
+            slam.give_up_copy(&copy, &found).expect("walls that are there");
+            // What was driven beside the second copy is in no map any more.
+            pairs.clear();
+        }
         pairs.push((slam.pose().into(), plan.start.relative(&in_plan)));
         true
     });
