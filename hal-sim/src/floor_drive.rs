@@ -1,12 +1,12 @@
 //! One floor job from begin to end in a simulated home, with the estimator that the robot has.
 
-use relocate::{Event, Locator, State, Step};
 use robot::{FloorConfig, FloorProgress, Whereabouts};
-use slam_core::{Config, HostSlam, Pose};
+use slam_core::{Config, HostSlam};
 
 use crate::closed_loop::{ClosedLoop, Estimate};
 use crate::floor::{FloorRaster, FloorScore, Moment};
 use crate::options::SimOptions;
+use crate::own_map::OwnMap;
 use crate::plan::Plan;
 use crate::rig::default_rig;
 use crate::sim_error::SimError;
@@ -82,28 +82,4 @@ pub fn clean_with(
         worst_m,
         second_copies: slam.counters().second_copies,
     })
-}
-
-/// A robot without a kept map, which looks for its home in its own map a second time.
-struct OwnMap {
-    locator: Locator,
-    last: Pose,
-}
-
-impl OwnMap {
-    fn new() -> Self {
-        Self { locator: Locator::new(State::Tracking), last: Pose::ORIGIN }
-    }
-
-    /// Takes in a step of the estimator.
-    fn watch(&mut self, slam: &mut HostSlam) {
-        let now = slam.dead_reckoning();
-        let last = core::mem::replace(&mut self.last, now);
-        let travelled_m = libm::hypotf(now.x_m - last.x_m, now.y_m - last.y_m);
-        let step = Step { position_m: [slam.state_mean(0), slam.state_mean(1)], travelled_m, readings: [0; 2] };
-        if let Some(Event::Copied(copy, found)) = self.locator.step(&*slam, None, &step, u32::MAX) {
-            // A copy whose walls went in this step is found again.
-            let _ = slam.give_up_copy(&copy, &found);
-        }
-    }
 }

@@ -5,13 +5,15 @@
 
 use core::f32::consts::FRAC_PI_2;
 
+use heapless::Vec;
 use slam_core::angle::sin_cos;
 use slam_core::kept::{Kept, KeptFrame, KeptWall};
 use slam_core::{Match, SecondCopy};
 
-use crate::side::{ALPHA, LEAST_UPDATES, OFF_GRID_RAD, SHORTEST_M};
+use crate::KEPT_SIDES;
+use crate::side::{ALPHA, OFF_GRID_RAD, may_be_noise};
 
-/// The walls of a copy are together no shorter than this, metres: fewer are things that stand askew.
+/// By so much the walls of a copy outweigh those on the grid at least, metres: by less things do that stand askew.
 const LEAST_M: f32 = 2.0;
 
 /// Walls that were met on so much path, metres, are those that the robot is beside.
@@ -31,14 +33,13 @@ struct Line {
 impl Line {
     /// The wall at a place of a map; none where it may be noise.
     fn of(map: &dyn Kept, index: usize) -> Option<Self> {
-        let wall = map.wall(index)?;
-        let line = Self {
+        let wall = map.wall(index).filter(|wall| !may_be_noise(wall))?;
+        Some(Self {
             id: wall.id,
             askew_rad: within_quarter(map.line(&wall)[1] - map.mean(ALPHA)),
             length_m: wall.hi_m - wall.lo_m,
             is_beside: map.unseen_m(index).is_some_and(|path_m| path_m < BESIDE_M),
-        };
-        (wall.updates >= LEAST_UPDATES && line.length_m >= SHORTEST_M).then_some(line)
+        })
     }
 
     fn is_askew(&self) -> bool {
@@ -67,30 +68,38 @@ pub(crate) fn find(map: &dyn Kept) -> Option<SecondCopy> {
     if !frame.has_grid {
         return None;
     }
-    let lines = || (0..usize::from(frame.walls)).filter_map(|i| Line::of(map, i));
+    let mut lines: Vec<Line, KEPT_SIDES> = Vec::new();
+    for line in (0..usize::from(frame.walls)).filter_map(|i| Line::of(map, i)) {
+        // What there is no room for no search would match.
+        let _ = lines.push(line);
+    }
     let mut best: Option<(f32, Line)> = None;
-    for first in lines().filter(Line::is_askew) {
+    for first in lines.iter().filter(|line| line.is_askew()) {
         let copy = SecondCopy { since: first.id, grid: first.id };
-        let says = |line: Line| match () {
-            () if line.is_along(&first) => line.length_m,
-            () if !line.is_askew() => -line.length_m,
-            () => 0.0,
+        let says = |line: &Line| {
+            if line.is_along(first) {
+                line.length_m
+            } else if line.is_askew() {
+                0.0
+            } else {
+                -line.length_m
+            }
         };
-        let sum_m = lines().filter(|line| copy.has(line.id)).map(says).sum();
+        let sum_m = lines.iter().filter(|line| copy.has(line.id)).map(says).sum();
         if sum_m > best.map_or(LEAST_M, |(most_m, _)| most_m) {
-            best = Some((sum_m, first));
+            best = Some((sum_m, *first));
         }
     }
     let (_, first) = best?;
     let since = SecondCopy { since: first.id, grid: first.id };
-    let copied = || lines().filter(|line| since.has(line.id) && line.is_along(&first));
+    let copied = || lines.iter().filter(|line| since.has(line.id) && line.is_along(&first));
     let beside = copied().filter(|line| line.is_beside).count();
-    if beside <= lines().filter(|line| !since.has(line.id) && line.is_beside).count() {
+    if beside <= lines.iter().filter(|line| !since.has(line.id) && line.is_beside).count() {
         return None;
     }
     // The direction that the others are nearest to.
-    let apart = |line: &Line| copied().map(|other| other.length_m * line.apart_rad(&other)).sum::<f32>();
-    let grid = copied().map(|line| (apart(&line), line.id)).min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let apart = |line: &Line| copied().map(|other| other.length_m * line.apart_rad(other)).sum::<f32>();
+    let grid = copied().map(|line| (apart(line), line.id)).min_by(|a, b| a.0.total_cmp(&b.0))?;
     Some(SecondCopy { grid: grid.1, ..since })
 }
 
@@ -150,9 +159,8 @@ pub(crate) fn in_older(parts: &[Part<'_>; 2], found: Match) -> Match {
 
 /// About where the robot was displaced: at the middle of the wall that it drew first since.
 pub(crate) fn begins_m(map: &dyn Kept, copy: &SecondCopy) -> [f32; 2] {
-    let walls = (0..usize::from(map.frame().walls)).filter_map(|i| map.wall(i));
-    let first = walls.min_by_key(|wall| wall.id.wrapping_sub(copy.since));
-    first.map_or([0.0; 2], |wall| {
+    let mut walls = (0..usize::from(map.frame().walls)).filter_map(|i| map.wall(i));
+    walls.find(|wall| wall.id == copy.since).map_or([0.0; 2], |wall| {
         let [rho_m, beta_rad] = map.line(&wall);
         let ((s, c), along_m) = (sin_cos(beta_rad), 0.5 * (wall.lo_m + wall.hi_m));
         [c * rho_m - s * along_m, s * rho_m + c * along_m]

@@ -26,6 +26,9 @@ const SEARCH_EVERY_M: f32 = 0.5;
 /// To begin one takes as long as so many comparisons of two matches, with a full map.
 const TO_BEGIN: u32 = 2000;
 
+/// The same to find a second copy to search, where every wall stands askew.
+const TO_FIND: u32 = 1500;
+
 /// Logarithm of the odds that a claim needs: 1000 to 1.
 pub const CLAIM: f32 = 6.907_755;
 
@@ -97,7 +100,7 @@ pub struct Locator {
     spacing_m: f32,
     search: Search,
     is_searching: bool,
-    /// The second copy that the last search was about, and the map's states and walls then.
+    /// The second copy that the last search was about, and how many states the map had then, and its next wall's identifier.
     copy: Option<(SecondCopy, [u16; 2])>,
     /// What the last search would claim.
     claim: Option<Hypothesis>,
@@ -195,12 +198,12 @@ impl Locator {
 
     /// Looks for a second copy of the walls in the robot's own map.
     fn watch(&mut self, own: &dyn Kept, mut comparisons: u32) -> Option<Event> {
+        if !self.is_searching && self.path_m < self.next_search_m {
+            return None;
+        }
         let frame = own.frame();
         let size = [frame.states, frame.next_id];
         if !self.is_searching {
-            if self.path_m < self.next_search_m {
-                return None;
-            }
             self.next_search_m = self.path_m + SEARCH_EVERY_M;
             self.copy = copy::find(own).map(|copy| (copy, size));
             let begun = self.copy.and_then(|(copy, _)| {
@@ -212,7 +215,7 @@ impl Locator {
                 self.claim = None;
                 return None;
             }
-            comparisons = comparisons.saturating_sub(TO_BEGIN);
+            comparisons = comparisons.saturating_sub(TO_FIND + TO_BEGIN);
         }
         let (copy, begun) = self.copy?;
         // States that moved are not those that the search began with.

@@ -1,6 +1,7 @@
 //! What a fresh wall says for or against a hypothesis, and what a search makes of all of them.
 
 use heapless::Vec;
+use slam_core::JOLT;
 
 use crate::FRESH_SIDES;
 use crate::side::{ORIGIN_M, Side, is_one};
@@ -109,10 +110,10 @@ pub(crate) fn of_place(floor_m2: f32) -> f32 {
     -libm::logf(4.0 * floor_m2)
 }
 
-/// What displaces a robot unseen moves it so far along each axis, metres, and turns it so much, radians, 1-sigma: as a jolt does, and where that was
-/// is known to a sensor's reach, which the turn moves.
-const TURNED_RAD: f32 = 0.25;
-const MOVED_M2: f32 = 0.2 * 0.2 + TURNED_RAD * REACH_M * TURNED_RAD * REACH_M;
+/// What displaces a robot unseen does so as a jolt does; where that was is known to a sensor's reach, which the turn moves: variance along each
+/// axis, m^2, and the turn, radians, 1-sigma.
+const TURNED_RAD: f32 = JOLT[2];
+const MOVED_M2: f32 = JOLT[0] * JOLT[0] + TURNED_RAD * REACH_M * TURNED_RAD * REACH_M;
 
 /// Logarithm of the density of shifts where none is a displacement.
 pub(crate) fn of_nearest() -> f32 {

@@ -23,10 +23,10 @@ const ALIKE_RAD: f32 = 0.1;
 const BETWEEN_RAD: f32 = 0.65;
 
 /// A wall that fewer readings met may be noise.
-pub(crate) const LEAST_UPDATES: u32 = 10;
+const LEAST_UPDATES: u32 = 10;
 
 /// A wall is no shorter than this, metres.
-pub(crate) const SHORTEST_M: f32 = 0.25;
+const SHORTEST_M: f32 = 0.25;
 
 /// A wall beside a grid whose first direction is x. Its normal points away from the side that it is seen from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,6 +47,11 @@ pub struct Side {
     pub extent_m: [f32; 2],
 }
 
+/// Whether too few readings met a wall, or it is too short.
+pub(crate) fn may_be_noise(wall: &KeptWall) -> bool {
+    wall.updates < LEAST_UPDATES || wall.hi_m - wall.lo_m < SHORTEST_M
+}
+
 impl Side {
     /// The wall at a place of a map; none where it may be noise, or is askew, who knows how much.
     fn of(kept: &dyn Kept, wall: &KeptWall) -> Option<Self> {
@@ -54,13 +59,12 @@ impl Side {
         let off = wrap(beta_rad - kept.mean(ALPHA));
         let quarters = libm::floorf((off + BETWEEN_RAD) * (1.0 / FRAC_PI_2));
         let askew_rad = wrap(off - quarters * FRAC_PI_2);
-        let is_wall = wall.updates >= LEAST_UPDATES && wall.hi_m - wall.lo_m >= SHORTEST_M;
         let is_askew = askew_rad.abs() > OFF_GRID_RAD;
         let beta = match wall.direction {
             Direction::Free(theta) | Direction::NearGrid(theta, _) => theta,
             Direction::Grid(_) | Direction::Snapped(_) => ALPHA as u16,
         };
-        if !is_wall || is_askew && direction_rad2(kept, beta) > KNOWN_RAD * KNOWN_RAD {
+        if may_be_noise(wall) || is_askew && direction_rad2(kept, beta) > KNOWN_RAD * KNOWN_RAD {
             return None;
         }
         let facing = (quarters as i32 & 3) as u8;

@@ -81,6 +81,7 @@ pub use filter::{covariance, ekf};
 pub use geometry::pose::Pose;
 pub use geometry::{angle, pose};
 pub use hand_over::{Calibration, HandOver, PlacedWall};
+pub use jolts::search::JOLT;
 pub use measurement::MeasurementSettings;
 pub use measurement::first_estimates::Linearisation;
 pub use motion::step::{SLIP_M2_PER_RAD, SLIP_RUNS};

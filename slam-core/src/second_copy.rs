@@ -4,10 +4,8 @@
 //! comes to again it draws again, askew. All of that fits, so that no reading speaks against it. Where the walls drawn since lie
 //! to one another as older ones do, the robot is beside those.
 
-use crate::filter::layout;
 use crate::jolts::Jolts;
 use crate::kept::KeptWall;
-use crate::motion::shortfall::Shortfall;
 use crate::slam::Slam;
 use crate::take_up::{Match, Placement, Unfit};
 
@@ -40,13 +38,9 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let older = found.pairs.map(|(_, id)| wall_of(id).filter(|wall| !copy.has(wall.id)).map(KeptWall::of));
         let [Some(first), Some(second)] = older else { return Err(Unfit::NoMatch) };
         let pose = Placement::of(&*self, [first, second], &beside, found.quarters).ok_or(Unfit::NoMatch)?;
-        pose.initialise(&mut self.ekf);
+        self.stand(&pose);
         self.map.forget_some(&mut self.ekf, |wall| copy.has(wall.id));
-        self.first.pose = layout::pose(&self.ekf);
-        self.shortfall = Shortfall::NONE;
-        self.candidates.clear();
         self.jolts = Jolts::NONE;
-        self.holds.forget();
         self.map.begin_epoch_elsewhere();
         self.counters.add_second_copy();
         Ok(())

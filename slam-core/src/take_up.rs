@@ -82,12 +82,17 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.load(kept, &frame);
         self.slippage.keep();
         self.doubt_calibration();
-        pose.initialise(&mut self.ekf);
+        self.stand(&pose);
+        Ok(())
+    }
+
+    /// The robot is there; what was seen from elsewhere and waits to say something is forgotten.
+    pub(crate) fn stand(&mut self, there: &Placement) {
+        there.initialise(&mut self.ekf);
         self.first.pose = layout::pose(&self.ekf);
         self.shortfall = Shortfall::NONE;
         self.candidates.clear();
         self.holds.forget();
-        Ok(())
     }
 
     /// Whether a kept map is one that this estimator can go on with.
@@ -260,7 +265,7 @@ impl Placement {
         Some(Self { pose: Pose { x_m: point[0], y_m: point[1], theta_rad }, by_states, own })
     }
 
-    pub(crate) fn initialise(&self, ekf: &mut EkfView) {
+    fn initialise(&self, ekf: &mut EkfView) {
         let values = [self.pose.x_m, self.pose.y_m, self.pose.theta_rad];
         for (i, (value, jacobian)) in values.into_iter().zip(&self.by_states).enumerate() {
             ekf.initialise(i, value, jacobian, self.own[i][i]);

@@ -5,7 +5,7 @@
 use std::{env, thread};
 
 use hal_sim::random_home::random_home;
-use hal_sim::{Plan, Pose2, plan_file};
+use hal_sim::{OwnMap, Plan, Pose2, plan_file};
 use lab::evaluate::score::path;
 use lab::evaluate::statistics::{mean, median};
 use relocate::{Event, Locator, Progress, Search, State, Step, Verdict};
@@ -142,12 +142,9 @@ fn main() {
 
 /// A home, and the map that a robot made of it, which looks for its home in that a second time.
 fn home(plan: Plan, sensors: usize) -> Home {
-    let (mut pairs, mut locator, mut last_m) = (Vec::new(), Locator::new(State::Tracking), 0.0);
-    let kept = drive(&plan, &rig(sensors), 600.0, 1, |Driven { slam, in_plan, path_m, .. }| {
-        let travelled_m = (path_m - std::mem::replace(&mut last_m, path_m)) as f32;
-        let step = Step { position_m: [slam.state_mean(0), slam.state_mean(1)], travelled_m, readings: [0; 2] };
-        if let Some(Event::Copied(copy, found)) = locator.step(&*slam, None, &step, u32::MAX) {
-            slam.give_up_copy(&copy, &found).expect("walls that are there");
+    let (mut pairs, mut own) = (Vec::new(), OwnMap::new());
+    let kept = drive(&plan, &rig(sensors), 600.0, 1, |Driven { slam, in_plan, .. }| {
+        if own.watch(slam) {
             // What was driven beside the second copy is in no map any more.
             pairs.clear();
         }
