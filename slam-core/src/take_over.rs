@@ -237,7 +237,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             add(link(state, terms));
         }
         for (i, (sensor, gain)) in self.sensors.iter().zip(found.gains).enumerate() {
-            if let Some(state) = sensor.gain {
+            if let Some(state) = sensor.gain_state() {
                 self.ekf.set_mean(state, gain);
                 add(link(state, [(hand_over::GAINS + i, 1.0), NONE]));
             }

@@ -163,7 +163,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             DriveModel::Odometry { scale_sigma, veer_sigma, .. } => (scale_sigma, veer_sigma),
         };
         let drive = self.drive.states.in_order().into_iter().zip([scale_sigma, scale_sigma, third_sigma]);
-        let gains = self.sensors.iter().zip(&self.rig.sensors).map(|(sensor, rig)| (sensor.gain, rig.gain_sigma));
+        let gains =
+            self.sensors.iter().zip(&self.rig.sensors).map(|(sensor, rig)| (sensor.gain_state(), rig.gain_sigma));
         for (state, sigma) in drive.chain(gains) {
             if let Some(i) = state {
                 self.ekf.correlate(i, i, sigma * sigma);

@@ -185,7 +185,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             DriveModel::Odometry { .. } => [Parameter::ScaleDistance, Parameter::ScaleTurn, Parameter::Veer],
         };
         let drive = drive.into_iter().zip(self.drive.states.in_order());
-        let gains = self.sensors.iter().enumerate().map(|(i, sensor)| (Parameter::Gain(i as u8), sensor.gain));
+        let gains = self.sensors.iter().enumerate().map(|(i, sensor)| (Parameter::Gain(i as u8), sensor.gain_state()));
         drive.chain(gains).filter_map(|(parameter, state)| state.map(|i| (parameter, self.ekf.mean(i), self.sigma(i))))
     }
 

@@ -114,7 +114,7 @@ fn by_calibration<'p>(
         }
         line.add_shift(&mut by_latency, weight, p.by_latency);
     }
-    let gains = sensors.iter().map(|sensor| sensor.gain).zip(&by_gain);
+    let gains = sensors.iter().map(|sensor| sensor.gain_state()).zip(&by_gain);
     let states = gains.chain(drive.states.in_order().into_iter().zip(&by_drive)).chain([(latency.state, &by_latency)]);
     let mut by_calibration = Vec::new();
     for (state, influence) in states {

@@ -138,7 +138,8 @@ impl<const S: usize> Stillness<S> {
         }
         let off_m = (mean - f32::from(kept.first)) * (1.0 / PER_M);
         let variance_m2 = sigma_m * sigma_m * (1.0 / f32::from(count + 1) + 1.0 / f32::from(kept.readings.0));
-        self.is_changed |= off_m.abs() > SWING_M + CHANGED * libm::sqrtf(variance_m2);
+        let beyond_m = off_m.abs() - SWING_M;
+        self.is_changed |= beyond_m > 0.0 && beyond_m * beyond_m > CHANGED * CHANGED * variance_m2;
         let over = kept.most.abs_diff(kept.least);
         if over.saturating_sub(kept.looked) >= LOOK {
             // What was averaged was seen before, halfway from the look before.

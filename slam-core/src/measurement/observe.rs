@@ -103,12 +103,13 @@ fn check_limits(limits: &RangeSensor, min_cos: f32, met: &Hypothesis) -> Result<
     if met.candidate.cos_incidence < min_cos {
         return Err(Refusal::Incidence);
     }
-    // A reading that only its noise brought inside the sensor's limits is a biased one.
-    let margin_m = 2.0 * libm::sqrtf(met.sensor_m2);
-    if met.predicted_m > limits.max_m - margin_m {
+    // A reading that only its noise brought inside the sensor's limits is a biased one. A square root takes longer.
+    let is_less = |room_m: f32| room_m < 0.0 || room_m * room_m < 4.0 * met.sensor_m2;
+    if is_less(limits.max_m - met.predicted_m) {
         return Err(Refusal::TooFar);
     }
-    if met.predicted_m < limits.min_m + margin_m.max(NEAR_SHARE * limits.min_m) {
+    let from_near_m = met.predicted_m - limits.min_m;
+    if is_less(from_near_m) || from_near_m < NEAR_SHARE * limits.min_m {
         return Err(Refusal::TooNear);
     }
     Ok(())
@@ -343,7 +344,7 @@ impl Observer<'_> {
     /// Row of the measurement Jacobian without the age, at most seven entries.
     fn jacobian(&self, sensor: &Sensor, gain: f32, wall: &Wall, prediction: &Prediction) -> Jacobian {
         let mut row = by_pose_and_wall(gain, wall, prediction, self.theta_moves);
-        if let Some(state) = sensor.state.gain {
+        if let Some(state) = sensor.state.gain_state() {
             // The capacity is more than twice what a measurement has.
             let _ = row.push((state, prediction.range_m));
         }

@@ -14,7 +14,7 @@ pub struct SensorState {
     /// Cosine of the largest incidence at which it is trusted.
     pub min_cos: f32,
     /// Index of the state that is its gain; none where that is known.
-    pub gain: Option<usize>,
+    gain: Option<u16>,
     /// What its inputs were so far.
     pub front_end: FrontEnd,
 }
@@ -28,14 +28,19 @@ impl SensorState {
         Self {
             mount: FixedMount::new(&sensor.mount),
             min_cos: sin_cos(sensor.max_incidence_rad).1,
-            gain,
+            gain: gain.map(|i| i as u16),
             front_end: FrontEnd::NEW,
         }
     }
 
+    /// Index of the state that is its gain; none where that is known.
+    pub fn gain_state(&self) -> Option<usize> {
+        self.gain.map(usize::from)
+    }
+
     /// Its gain as it is estimated.
     pub fn gain(&self, ekf: &EkfView) -> f32 {
-        self.gain.map_or(1.0, |i| ekf.mean(i))
+        self.gain_state().map_or(1.0, |i| ekf.mean(i))
     }
 
     /// How far along its beam a range ends beyond a point so far to the left of the axle's centre, all metres.

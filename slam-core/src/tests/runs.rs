@@ -165,7 +165,7 @@ fn observe(
                 s[ALPHA] + quarters * core::f64::consts::FRAC_PI_2
             }
         };
-        slam.sensors[sensor].gain.map_or(1.0, |i| s[i]) * ray_to_line(origin, phi, s[wall.rho()], beta)
+        slam.sensors[sensor].gain_state().map_or(1.0, |i| s[i]) * ray_to_line(origin, phi, s[wall.rho()], beta)
     };
     let mean = oracle.mean.clone();
     let predicted_m = range(&mean);
