@@ -7,6 +7,7 @@ pub mod output_noise;
 pub mod range;
 pub mod sign;
 pub mod stamps;
+pub mod surface;
 
 /// What is learned of the errors of readings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -11,10 +11,10 @@
 //! that a stretch goes the other way, the pose is moved by twice what was driven since the stop, or since it was last settled. An
 //! odometry that once said backwards has a sign, and is believed.
 
-use crate::geometry::angle::sin_cos;
 use crate::motion::travel::Travel;
-use crate::rig::{DriveModel, Mount, RangeModel, RangeSensor};
+use crate::rig::{DriveModel, RangeSensor};
 use crate::sample::RangeInput;
+use crate::sensing::surface::{Motion, Surface};
 
 /// Probability that a logged pose has no sign before anything tells. Of counted wheels, whose counts are to be signed, and after any
 /// number of stretches the least is left.
@@ -36,38 +36,8 @@ const UNSEEN_STOP: f32 = 1e-3;
 const SIGN_M: f32 = 0.02;
 const ROUNDING_M: f32 = 1e-3;
 
-/// Ranges are compared over so much motion at least, metres, or radians: shorter steps are lost in their noise.
-const ADVANCE_M: f32 = 0.04;
-const ADVANCE_RAD: f32 = 0.1;
-
-/// Beams within 60 degrees of the way tell, by their cosine.
-const AHEAD_COS: f32 = 0.5;
-
-/// Variance of a row's motion by its stamps, as a share of its square: rows five times a second whose stamps are off by 60 ms.
-const STAMP_SHARE: f32 = 0.09;
-
-/// Variance of how a surface's range changes, as a share of the motion's square and of the squared sine of the beam's angle
-/// to it: of a normal that may stand anywhere up to 70 degrees from the beam, 0.7 rad 1-sigma.
-const INCIDENCE_SHARE: f32 = 0.5;
-
-/// What one surface tells is at most this, as log odds: one in fifty moves by itself. Of one that fitted a wall of the map, one in a
-/// thousand does.
-const MOST_OF_SURFACE: f32 = 3.9;
-const MOST_OF_WALL: f32 = 6.9;
-
-/// How far the surface of a wall is from its line, metres.
-const RELIEF_M: f32 = 0.01;
-
-/// Least cosine of the incidence on a wall whose reading tells something.
-const LEAST_COS: f32 = 0.3;
-
 /// What one row tells is at most this, as log odds: its readings share the stamp, and the motion.
 const MOST_OF_ROW: f32 = 3.0;
-
-/// A range that changes by more than this many times what was driven, and by more than its noise and the beam's sweep, is of
-/// another surface: one 70 degrees from the beam would change by three times that. One of a wall that is off by more than its noise either way is, too.
-const SAME_SURFACE: f32 = 3.0;
-const SIGMAS: f32 = 4.0;
 
 /// Log odds of 95 % against 5 %.
 const DECISION: f32 = 2.944_439;
@@ -88,9 +58,12 @@ pub struct Sign<const S: usize> {
     backwards_m: f32,
     /// What each beam met.
     surfaces: [Surface; S],
-    /// Motion since ranges were last compared, as the odometry says it.
+    /// The row's motion, as the odometry says it, and how far the row before went, metres.
     forward_m: f32,
     turn_rad: f32,
+    before_m: f32,
+    /// Probability that the robot turned round where it stopped in this row; zero where it did not stop.
+    stopping: f32,
 }
 
 /// A stretch that ended, in the frame of dead reckoning.
@@ -123,6 +96,8 @@ impl<const S: usize> Sign<S> {
         surfaces: [Surface::NONE; S],
         forward_m: 0.0,
         turn_rad: 0.0,
+        before_m: 0.0,
+        stopping: 0.0,
     };
 
     /// It is not known whether the odometry of such a drive has one.
@@ -150,15 +125,18 @@ impl<const S: usize> Sign<S> {
             *self = Self::TRUE;
             return None;
         }
-        self.forward_m += forward_m;
-        self.turn_rad += turn_rad;
+        (self.forward_m, self.turn_rad) = (forward_m, turn_rad);
         let stops_m = STOP_M_S * dt_s;
         let is_stop = forward_m.abs() < stops_m;
-        let ended = if is_stop { self.stop() } else { None };
         let slow = forward_m / stops_m;
         let stopped = UNSEEN_STOP + (1.0 - UNSEEN_STOP) * libm::expf(-0.5 * slow * slow);
+        // The ranges of the row in which a robot stops tell of how it came there: the stretch ends with the next one.
+        let ended = if self.stopping > 0.0 { self.stop() } else { None };
+        let is_stopping = is_stop && self.is_moving;
+        let before = core::mem::replace(&mut self.stopping, if is_stopping { stopped } else { 0.0 });
+        let turned = if is_stopping { 0.0 } else { stopped.max(before) };
         let backwards = probability(self.log_odds);
-        self.log_odds = log_odds(backwards + stopped * (self.prior() - backwards));
+        self.log_odds = log_odds(backwards + turned * (self.prior() - backwards));
         if !is_stop && !self.is_moving {
             self.is_moving = true;
             self.begun_at = self.log_odds;
@@ -182,6 +160,7 @@ impl<const S: usize> Sign<S> {
         let spread = if is_open { 2.0 * libm::sqrtf(backwards * (1.0 - backwards)) } else { 0.0 };
         self.is_moving = false;
         self.is_reversed = false;
+        self.surfaces.iter_mut().for_each(Surface::begin);
         let stretch_m = core::mem::take(&mut self.stretch_m);
         Some(Ended { moved_m: stretch_m.map(|m| share * m), sigma_m: stretch_m.map(|m| spread * m) })
     }
@@ -198,27 +177,29 @@ impl<const S: usize> Sign<S> {
         if self.unsigned > 0.0
             && let Some(surface) = self.surfaces.get_mut(sensor)
         {
-            surface.normal_rad = normal_rad();
+            surface.meet(normal_rad());
         }
     }
 
-    /// Takes in a row's ranges. Where they tell that the stretch goes the other way: by how much the position is to be moved,
+    /// Takes in a row's ranges; all begin anew while the robot stands. Where they tell that the stretch goes the other way: by how much the position is to be moved,
     /// metres, in the frame of dead reckoning.
     pub fn tell(&mut self, sensors: &[RangeSensor], inputs: &[RangeInput]) -> Option<[f32; 2]> {
-        let is_short = self.forward_m.abs() < ADVANCE_M && self.turn_rad.abs() < ADVANCE_RAD;
-        if self.unsigned == 0.0 || (self.is_moving && is_short) {
+        if self.unsigned == 0.0 {
             return None;
         }
-        let (forward_m, turn_rad) = (core::mem::take(&mut self.forward_m), core::mem::take(&mut self.turn_rad));
+        let forward_m = core::mem::take(&mut self.forward_m);
+        let before_m = core::mem::replace(&mut self.before_m, forward_m.abs());
+        let longest_m = forward_m.abs().max(before_m);
+        let motion = Motion { forward_m, turn_rad: core::mem::take(&mut self.turn_rad), longest_m };
         let (mut says, mut tells) = (0.0, [0.0; S]);
         let surfaces = self.surfaces.iter_mut().zip(&mut tells);
         for ((sensor, input), (surface, tells)) in sensors.iter().zip(inputs).zip(surfaces) {
             if !self.is_moving {
                 *surface = Surface::NONE;
             }
-            let ratio = surface.look(sensor, *input, forward_m, turn_rad);
-            *tells = surface.more(ratio);
-            says += ratio;
+            let said = surface.look(sensor, *input, &motion);
+            *tells = said.more;
+            says += said.at_rest;
         }
         if !self.is_moving {
             return None;
@@ -228,9 +209,9 @@ impl<const S: usize> Sign<S> {
         let [least, most] = [says.clamp(-MOST_OF_ROW, 0.0), says.clamp(0.0, MOST_OF_ROW)];
         let heard = told.max(least).min(most);
         let share = if told == 0.0 { 0.0 } else { heard / told };
-        self.surfaces.iter_mut().zip(tells).for_each(|(surface, tells)| surface.told += share * tells);
+        self.surfaces.iter_mut().zip(tells).for_each(|(surface, tells)| surface.hear(share * tells));
         // Bounded, so that probabilities stay numbers between zero and one.
-        self.log_odds = (self.log_odds + share * told).clamp(-15.0, 15.0);
+        self.log_odds = (self.log_odds + heard).clamp(-15.0, 15.0);
         let is_other = if self.is_reversed { self.log_odds < -DECISION } else { self.log_odds > DECISION };
         self.is_reversed ^= is_other;
         let stretch_m = self.stretch_m;
@@ -242,106 +223,4 @@ impl<const S: usize> Sign<S> {
         }
         is_other.then(|| stretch_m.map(|m| -2.0 * m))
     }
-}
-
-/// A surface that a beam has met for some rows.
-#[derive(Clone, Copy, Debug)]
-struct Surface {
-    /// The last range, metres; zero where there is none.
-    last_m: f32,
-    /// What it has told since, as log odds of backwards against forwards.
-    told: f32,
-    /// Direction of the normal of the wall that it is, either way, in the robot's frame, radians.
-    normal_rad: Option<f32>,
-}
-
-/// How a range should change.
-struct Change {
-    /// What it would be had the robot only turned, metres.
-    turned_m: f32,
-    /// By how much more it changes forwards, metres.
-    forwards_m: f32,
-    /// Variance of both, m^2, without the reading's own noise.
-    variance_m2: f32,
-    /// By more than this it is another surface, beside the noise, metres.
-    most_m: f32,
-}
-
-impl Surface {
-    const NONE: Self = Self { last_m: 0.0, told: 0.0, normal_rad: None };
-
-    /// What a row's range and motion say, as log odds of backwards against forwards, whatever it told before.
-    fn look(&mut self, sensor: &RangeSensor, input: RangeInput, forward_m: f32, turn_rad: f32) -> f32 {
-        let (RangeModel::Metric { noise_m, noise_rel }, RangeInput::Metres(now_m)) = (sensor.model, input) else {
-            *self = Self::NONE;
-            return 0.0;
-        };
-        if !(now_m >= sensor.min_m && now_m <= sensor.max_m) {
-            *self = Self::NONE;
-            return 0.0;
-        }
-        let before = core::mem::replace(self, Self { last_m: now_m, ..Self::NONE });
-        let change = match before.normal_rad {
-            Some(normal_rad) => before.change_of_wall(&sensor.mount, normal_rad, forward_m, turn_rad),
-            None => before.change(&sensor.mount, now_m, forward_m, turn_rad),
-        };
-        let Some(change) = change else { return 0.0 };
-        let noise_m = noise_m + noise_rel * now_m;
-        let variance_m2 = 2.0 * noise_m * noise_m + change.variance_m2;
-        let off_m = now_m - change.turned_m;
-        let sigma_m = if before.normal_rad.is_some() { libm::sqrtf(variance_m2) } else { noise_m };
-        if off_m.abs() > change.most_m + SIGMAS * sigma_m {
-            return 0.0;
-        }
-        *self = Self { last_m: now_m, normal_rad: before.normal_rad.map(|rad| rad - turn_rad), ..before };
-        log_ratio(off_m, change.forwards_m, variance_m2, sensor.span_m())
-    }
-
-    /// By how much that changes what it tells.
-    fn more(&self, says: f32) -> f32 {
-        let most = if self.normal_rad.is_some() { MOST_OF_WALL } else { MOST_OF_SURFACE };
-        (self.told + says).clamp(-most, most) - self.told
-    }
-
-    /// Of a surface that may stand anyhow, seen now at this range.
-    fn change(&self, mount: &Mount, now_m: f32, forward_m: f32, turn_rad: f32) -> Option<Change> {
-        let (sin, cos) = sin_cos(mount.bearing_rad);
-        if self.last_m == 0.0 || cos.abs() < AHEAD_COS {
-            return None;
-        }
-        let swept_m = now_m * turn_rad;
-        let share = STAMP_SHARE + INCIDENCE_SHARE * sin * sin;
-        Some(Change {
-            turned_m: self.last_m,
-            forwards_m: -forward_m * cos,
-            variance_m2: swept_m * swept_m + forward_m * forward_m * share,
-            most_m: SAME_SURFACE * forward_m.abs() + swept_m.abs(),
-        })
-    }
-
-    /// Of a wall with this normal. The robot moves and then turns.
-    fn change_of_wall(&self, mount: &Mount, normal_rad: f32, forward_m: f32, turn_rad: f32) -> Option<Change> {
-        let (sin, cos) = sin_cos(normal_rad);
-        let before_cos = sin_cos(normal_rad - mount.bearing_rad).1;
-        let (now_sin, now_cos) = sin_cos(normal_rad - turn_rad - mount.bearing_rad);
-        if before_cos.abs() < LEAST_COS || now_cos.abs() < LEAST_COS {
-            return None;
-        }
-        // The turn takes a sensor along that is not on the axle's centre.
-        let beside_m = self.last_m * before_cos - turn_rad * (sin * mount.x_m - cos * mount.y_m);
-        let (turned_m, forwards_m) = (beside_m / now_cos, -forward_m * cos / now_cos);
-        let swept_m = turned_m * turn_rad * now_sin / now_cos;
-        let variance_m2 = RELIEF_M * RELIEF_M + STAMP_SHARE * (forwards_m * forwards_m + swept_m * swept_m);
-        Some(Change { turned_m, forwards_m, variance_m2, most_m: forwards_m.abs() })
-    }
-}
-
-/// How much likelier this change of a range is of a robot that drove backwards than of one that drove forwards, as a
-/// logarithm. Either is a normal density about what is expected or, as likely, anything that the sensor can read.
-fn log_ratio(change_m: f32, forwards_m: f32, variance_m2: f32, span_m: f32) -> f32 {
-    const INVERSE_SQRT_TAU: f32 = 0.398_942_3; // 1 / sqrt(2 pi)
-    let density = |off_m: f32| {
-        INVERSE_SQRT_TAU / libm::sqrtf(variance_m2) * libm::expf(-0.5 * off_m * off_m / variance_m2) + 1.0 / span_m
-    };
-    libm::logf(density(change_m + forwards_m) / density(change_m - forwards_m))
 }

@@ -70,13 +70,25 @@ fn miss_behind_people_m(find_sign: bool) -> f64 {
     (f64::from(found.x_m) - x_m).abs()
 }
 
+/// Backs off by twelve centimetres again and again.
+fn short_ways_back() -> Vec<(f64, f64, usize)> {
+    (0..8)
+        .flat_map(|_| [(0.4, 0.0, 6), (0.0, 0.0, 3), (-0.3, 0.0, 2), (0.0, 0.0, 3), (0.0, 0.5, 3), (0.0, -0.5, 3)])
+        .collect()
+}
+
 /// How far the estimated position ends from the true one, metres, and how far the robot drove backwards.
 fn miss_m(has_sign: bool, find_sign: bool) -> (f64, f64) {
+    miss_of_drive_m(&drive(), has_sign, find_sign, 0.0)
+}
+
+/// The same of any drive; of each row's motion the odometry tells this share with the next one.
+fn miss_of_drive_m(drive: &[(f64, f64, usize)], has_sign: bool, find_sign: bool, late: f64) -> (f64, f64) {
     let (rig, mut config) = (rig(), Config::real_rooms());
     config.motion.find_sign = find_sign;
     let mut slam = HostSlam::with_config(rig.clone(), config).unwrap();
-    let (mut pose, mut backwards_m) = ([0.0f64; 3], 0.0);
-    let rows = drive().into_iter().flat_map(|(speed, rate, rows)| std::iter::repeat_n((speed, rate), rows));
+    let (mut pose, mut backwards_m, mut before) = ([0.0f64; 3], 0.0, [0.0; 2]);
+    let rows = drive.iter().flat_map(|&(speed, rate, rows)| std::iter::repeat_n((speed, rate), rows));
     for (number, (speed, rate)) in rows.enumerate() {
         let (s, c) = pose[2].sin_cos();
         pose = [pose[0] + 0.2 * speed * c, pose[1] + 0.2 * speed * s, pose[2] + 0.2 * rate];
@@ -86,7 +98,10 @@ fn miss_m(has_sign: bool, find_sign: bool) -> (f64, f64) {
         for (range, sensor) in ranges.iter_mut().zip(&rig.sensors) {
             *range = RangeInput::Metres(range_m(pose, sensor.mount.bearing_rad.into()));
         }
-        let motion = Increment { forward_m: (0.2 * logged) as f32, left_m: 0.0, turn_rad: (0.2 * rate) as f32 };
+        let told = [logged, rate].map(|a| 0.2 * (1.0 - late) * a);
+        let [forward_m, turn_rad] = [0, 1].map(|i| (told[i] + before[i]) as f32);
+        before = [logged, rate].map(|a| 0.2 * late * a);
+        let motion = Increment { forward_m, left_m: 0.0, turn_rad };
         slam.step(&Sample { time_us: 200_000 * number as u64, motion: Motion::Increment(motion), ranges });
     }
     let found = slam.start_pose().inverse().compose(&slam.pose());
@@ -100,6 +115,14 @@ fn what_was_driven_backwards_is_found_where_odometry_has_no_sign() {
     assert!(miss < 0.1, "{miss} m off");
     let (without, _) = miss_m(false, false);
     assert!(without > 0.5, "{without} m off without looking for it");
+}
+
+#[test]
+fn a_short_way_back_is_found_where_the_odometry_of_a_row_is_late() {
+    let (miss, backwards_m) = miss_of_drive_m(&short_ways_back(), false, true, 0.5);
+    assert!(backwards_m > 0.9, "{backwards_m} m");
+    // Twice the first one, which nobody expects.
+    assert!(miss < 0.24, "{miss} m off");
 }
 
 /// A robot drives to and fro, backs off, and drives ahead again without a row in which it stands, the slowest seen at `slow_m_s`; from
@@ -170,4 +193,22 @@ fn is_turned_round_by_one_surface() -> bool {
 #[test]
 fn one_surface_is_not_heard_against_all_others() {
     assert!(!is_turned_round_by_one_surface());
+}
+
+#[test]
+fn a_surface_that_says_now_this_and_now_that_says_nothing() {
+    let rig = rig();
+    let mut sign = Sign::<16>::unknown(&rig.drive);
+    let travel = Travel::Body(Increment { forward_m: 0.05, left_m: 0.0, turn_rad: 0.0 });
+    let sensors = &rig.sensors[3..5];
+    let mut ranges_m = [3.0f32; 2];
+    for row in 0..60 {
+        // As of people who let a robot come near, walk on and wait again.
+        let change_m = if row % 12 < 6 { -0.05 } else { 0.05 };
+        for (range_m, sensor) in ranges_m.iter_mut().zip(sensors) {
+            *range_m += change_m / sensor.mount.bearing_rad.cos();
+        }
+        let _ = sign.follow(&travel, 0.0, 0.2);
+        assert!(sign.tell(sensors, &ranges_m.map(RangeInput::Metres)).is_none(), "turned round at row {row}");
+    }
 }
