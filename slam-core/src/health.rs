@@ -14,6 +14,9 @@ const STRETCH_M: f32 = 0.25;
 /// the twentieth, one false alarm in 260 km. A real drive in offices with people had fourteen, one that was lost 27.
 const CONTRADICTED: u8 = 20;
 
+/// Path that it takes at least, metres.
+pub const CONTRADICTED_M: f32 = CONTRADICTED as f32 * STRETCH_M;
+
 /// A robot that drives so far, metres, with so many readings of which none fits a wall, has none that it could hold on to.
 const SILENT_M: f32 = 20.0;
 const SILENT_READINGS: u32 = 200;
@@ -42,6 +45,10 @@ pub struct HealthMonitor {
     fitting: u32,
     /// A variance of this step was not a positive number.
     is_degenerate: bool,
+    /// Steps, this one among them, in which the map is still there, where it is of no use any more; none where it is.
+    pub(crate) steps_left: u8,
+    /// Identifier of the first wall drawn since more stretches were against the map than for it.
+    pub(crate) doubted: u16,
 }
 
 impl HealthMonitor {
@@ -56,11 +63,25 @@ impl HealthMonitor {
         silent_from_m: 0.0,
         fitting: 0,
         is_degenerate: false,
+        steps_left: 0,
+        doubted: 0,
     };
 
     /// How the estimator is.
     pub fn health(&self) -> Health {
         self.health
+    }
+
+    /// Another map is there, whose next wall has this identifier: nothing is against it yet.
+    pub(crate) fn begin_map(&mut self, next_wall: u16) {
+        (self.sum, self.steps_left, self.doubted) = (0, 0, next_wall);
+    }
+
+    /// Walls from this identifier on are drawn after this step: where nothing is against the map, none is in doubt.
+    pub(crate) fn follow(&mut self, next_wall: u16) {
+        if self.sum == 0 {
+            self.doubted = next_wall;
+        }
     }
 
     /// Takes in what became of a reading, after so long a path.

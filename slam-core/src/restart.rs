@@ -20,12 +20,37 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     pub(crate) fn examine(&mut self, states: usize) -> Health {
         let is_sound = self.ekf.is_sound(states);
         let heading_variance = (!self.map.walls().is_empty()).then(|| self.map.heading_variance(&self.ekf));
+        let doubted = self.monitor.doubted;
         match self.monitor.judge(self.drive.dead_reckoning.path_m, heading_variance, is_sound) {
             Some(Health::Degenerate) => self.restart_without_covariance(),
-            Some(_) => self.restart_map(),
+            Some(_) => {
+                self.map.forget_some(&mut self.ekf, |wall| wall.id.wrapping_sub(doubted) as i16 >= 0);
+                self.monitor.steps_left = 1;
+            }
             None => {}
         }
+        self.monitor.follow(self.map.next_id());
         self.monitor.health()
+    }
+
+    /// Whether readings contradict the map, or the heading against it is not known: it is forgotten when the next step begins. Until then
+    /// it can be kept, as it is.
+    pub fn is_about_to_forget(&self) -> bool {
+        self.monitor.steps_left > 0
+    }
+
+    /// Goes on in a map about to be forgotten for another step: whoever keeps it cannot do so yet.
+    pub fn put_off_forgetting(&mut self) {
+        self.monitor.steps_left = 2 * self.monitor.steps_left.min(1);
+    }
+
+    /// Begins a step: in a new map where the last one showed that the old one is of no use.
+    pub(crate) fn forget_if_due(&mut self) {
+        match self.monitor.steps_left {
+            0 => {}
+            1 => self.restart_map(),
+            _ => self.monitor.steps_left = 1,
+        }
     }
 
     /// Begins a new map where the robot is, with the calibration as it is known. The pose goes on in the frame that it was
@@ -55,6 +80,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     }
 
     fn begin_anew(&mut self) {
+        self.monitor.begin_map(self.map.next_id());
         self.first = FirstEstimates::START;
         self.shortfall = Shortfall::NONE;
         self.slippage.begin_map();

@@ -221,6 +221,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     /// Predict, observe, extend the map (Rousse & Qiu section 3). Never fails: what cannot be used is refused and counted.
     pub fn step(&mut self, sample: &Sample<S>) -> StepReport<S> {
         let mut report = StepReport::NOTHING;
+        self.forget_if_due();
         self.counters.add_step();
         let Some(tick) = self.clock.tick(sample.time_us) else {
             self.counters.add_motion(true);

@@ -80,6 +80,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let [Some(first), Some(second)] = found.pairs.map(|(_, id)| wall_of(id)) else { return Err(Unfit::NoMatch) };
         let pose = Placement::of(kept, [first, second], &beside, found.quarters).ok_or(Unfit::NoMatch)?;
         self.load(kept, &frame);
+        self.monitor.begin_map(self.map.next_id());
         self.slippage.keep();
         self.doubt_calibration();
         self.stand(&pose);
@@ -183,6 +184,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
                 ekf.correlate(j, i, kept.covariance(j, i));
             }
         }
+        let next_id = map.next_id();
         map.clear(config.walls.frame);
         map.has_grid = frame.has_grid;
         map.exactness = Exactness::of_quarters(frame.exactness);
@@ -192,8 +194,10 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         map.anchor = frame.anchor.map(|(pose, covariance)| Anchor { pose, covariance });
         let seen_at_m = drive.dead_reckoning.path_m;
         let walls = (0..usize::from(frame.walls)).filter_map(|i| kept.wall(i));
+        // No two walls of a drive have one name.
+        let next_id = if next_id.wrapping_sub(frame.next_id) as i16 > 0 { next_id } else { frame.next_id };
         // Its readings are differentiated at where it is now.
-        map.restore(walls.map(|wall| restored(&wall, kept.line(&wall)[1], seen_at_m)), frame.next_id);
+        map.restore(walls.map(|wall| restored(&wall, kept.line(&wall)[1], seen_at_m)), next_id);
     }
 }
 

@@ -4,8 +4,9 @@ use std::boxed::Box;
 use std::vec::Vec;
 
 use super::runs::{Truth, rig};
+use crate::filter::layout::THETA;
 use crate::health::HealthMonitor;
-use crate::{Health, Outcome, Refusal, RobotSlam};
+use crate::{Health, Outcome, RangeInput, Refusal, RobotSlam, Sample};
 
 const FITS: Outcome = Outcome::Updated { wall: 1, innovation_m: 0.0, variance_m2: 1e-4 };
 const IS_OFF: Outcome = Outcome::Gated { wall: 1, innovation_m: 0.5, variance_m2: 1e-4 };
@@ -151,4 +152,37 @@ fn what_is_no_number_is_not_kept() {
     assert!((0..slam.state_len()).all(|i| slam.state_mean(i).is_finite()));
     let covariance = slam.estimate().covariance;
     assert!(covariance.iter().all(|value| value.is_finite()) && place < 0.1);
+}
+
+#[test]
+fn a_map_about_to_be_forgotten_can_be_kept_before_and_waits_when_told() {
+    let (mut slam, mut truth) = mapped();
+    let mut number = 2000..;
+    // Nothing is seen that would tell the heading again.
+    let mut step = |slam: &mut RobotSlam| {
+        let sample = truth.step(&rig(), number.next().expect("a number"));
+        slam.step(&Sample { ranges: [RangeInput::Missing; 8], ..sample }).health
+    };
+    assert!(!slam.is_about_to_forget());
+    slam.put_off_forgetting();
+    assert!(!slam.is_about_to_forget(), "nothing is to be put off");
+    slam.ekf.correlate(THETA, THETA, 4.0);
+    slam.monitor.doubted = slam.map.next_id().wrapping_sub(1);
+    let walls = slam.walls().count();
+    assert_eq!(step(&mut slam), Health::Disoriented);
+    assert!(slam.is_about_to_forget() && slam.counters().restarts == 0);
+    let newest = slam.map.next_id().wrapping_sub(1);
+    assert!(slam.walls().all(|wall| wall.id != newest), "what was drawn in doubt is not kept");
+    for _ in 0..5 {
+        slam.put_off_forgetting();
+        step(&mut slam);
+        assert!(slam.is_about_to_forget() && slam.counters().restarts == 0 && slam.walls().count() + 2 > walls);
+    }
+    step(&mut slam);
+    assert_eq!((slam.is_about_to_forget(), slam.counters().restarts), (false, 1));
+    // Somebody who begins a new map himself is not asked again.
+    slam.monitor.steps_left = 1;
+    slam.restart_map();
+    step(&mut slam);
+    assert_eq!(slam.counters().restarts, 2);
 }
