@@ -100,6 +100,8 @@ pub struct Locator {
     spacing_m: f32,
     search: Search,
     is_searching: bool,
+    /// The fresh map was begun in the kept one's frame, which readings contradicted.
+    is_contradicted: bool,
     /// The second copy that the last search was about, and how many states the map had then, and its next wall's identifier.
     copy: Option<(SecondCopy, [u16; 2])>,
     /// What the last search would claim.
@@ -122,6 +124,7 @@ impl Locator {
             spacing_m: POINTS_M,
             search: Search::IDLE,
             is_searching: false,
+            is_contradicted: false,
             copy: None,
             claim: None,
             agreement: Agreement::NEW,
@@ -139,7 +142,7 @@ impl Locator {
         self.next_search_m = 2.0 * SEARCH_EVERY_M;
         self.trail.clear();
         self.spacing_m = POINTS_M;
-        self.is_searching = false;
+        (self.is_searching, self.is_contradicted) = (false, false);
         (self.claim, self.verdict) = (None, None);
         self.agreement = Agreement::NEW;
     }
@@ -239,6 +242,12 @@ impl Locator {
         Event::Lost
     }
 
+    /// The same of a robot whose readings contradict its map, in whose frame it goes on.
+    pub fn contradicted(&mut self) {
+        self.restart(State::Searching);
+        self.is_contradicted = true;
+    }
+
     fn become_state(&mut self, state: State) {
         if state == State::Probation {
             self.agreement = Agreement::NEW;
@@ -270,6 +279,9 @@ impl Locator {
         if !self.is_searching && self.path_m >= self.next_search_m {
             self.next_search_m = self.path_m + SEARCH_EVERY_M;
             self.is_searching = self.search.begin(own, kept, &self.trail);
+            if self.is_contradicted {
+                self.search.expect_near(own, kept);
+            }
             comparisons = comparisons.saturating_sub(TO_BEGIN);
         }
         if !self.is_searching || self.search.work(kept, comparisons) == Progress::Working {

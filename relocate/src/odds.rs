@@ -1,7 +1,7 @@
 //! What a fresh wall says for or against a hypothesis, and what a search makes of all of them.
 
 use heapless::Vec;
-use slam_core::JOLT;
+use slam_core::{CONTRADICTED_M, JOLT};
 
 use crate::FRESH_SIDES;
 use crate::side::{ORIGIN_M, Side, is_one};
@@ -110,20 +110,42 @@ pub(crate) fn of_place(floor_m2: f32) -> f32 {
     -libm::logf(4.0 * floor_m2)
 }
 
-/// What displaces a robot unseen does so as a jolt does; where that was is known to a sensor's reach, which the turn moves: variance along each
-/// axis, m^2, and the turn, radians, 1-sigma.
+/// What displaces a robot unseen does so as a jolt does, radians, 1-sigma.
 const TURNED_RAD: f32 = JOLT[2];
-const MOVED_M2: f32 = JOLT[0] * JOLT[0] + TURNED_RAD * REACH_M * TURNED_RAD * REACH_M;
 
-/// Logarithm of the density of shifts where none is a displacement.
-pub(crate) fn of_nearest() -> f32 {
-    -libm::logf(core::f32::consts::TAU * MOVED_M2)
+/// How a robot was displaced unseen.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Displaced {
+    /// Variance along each axis, m^2: that of a jolt, and what its turn makes of how well is known where it was.
+    moved_m2: f32,
+    /// Logarithm of its share of all that may have happened, and of the density of its turn at none against any of four rotations'.
+    share: f32,
 }
 
-/// Log-likelihood of such a displacement, against none.
-pub(crate) fn of_displacement(moved_m: f32, turned_rad: f32) -> f32 {
-    let turns = turned_rad * (1.0 / TURNED_RAD);
-    -0.5 * (moved_m * moved_m / MOVED_M2 + turns * turns)
+/// Where one map has walls twice: at a sensor's reach from the second copy's begin.
+pub(crate) const COPY: Displaced = Displaced { moved_m2: moved_m2(REACH_M), share: 0.0 };
+
+/// Where readings contradict a map: somewhere on the path that it takes at least to say so. Every other robot was carried anywhere.
+pub(crate) const CONTRADICTED: Displaced = Displaced { moved_m2: moved_m2(CONTRADICTED_M), share: 0.225_79 };
+
+/// Logarithm of the share of those that were carried.
+pub(crate) const CARRIED: f32 = -core::f32::consts::LN_2;
+
+const fn moved_m2(known_to_m: f32) -> f32 {
+    JOLT[0] * JOLT[0] + TURNED_RAD * known_to_m * TURNED_RAD * known_to_m
+}
+
+impl Displaced {
+    /// Log-density of none.
+    pub(crate) fn of_none(&self) -> f32 {
+        self.share - libm::logf(core::f32::consts::TAU * self.moved_m2)
+    }
+
+    /// Log-density of so large a one.
+    pub(crate) fn of(&self, moved_m: f32, turned_rad: f32) -> f32 {
+        let turns = turned_rad * (1.0 / TURNED_RAD);
+        self.of_none() + -0.5 * (moved_m * moved_m / self.moved_m2 + turns * turns)
+    }
 }
 
 /// Logarithm of the odds of elsewhere, against a place as the walls say.

@@ -3,14 +3,14 @@
 use core::f32::consts::FRAC_PI_2;
 
 use heapless::Vec;
-use slam_core::Match;
 use slam_core::angle::wrap;
 use slam_core::kept::Kept;
+use slam_core::{Match, Pose};
 
 use crate::crossings;
 use crate::fresh::Fresh;
 use crate::joint::{Joint, Pair};
-use crate::odds::{self, Verdict};
+use crate::odds::{self, Displaced, Verdict};
 use crate::order::descending;
 use crate::shift::Shifts;
 use crate::side::{ALPHA, Side, find_sides, path_on_grid, turned_point};
@@ -65,22 +65,30 @@ impl Hypothesis {
     }
 }
 
-/// What is known beforehand of parts of one map, where something displaced the robot.
+/// What is known beforehand of where a fresh map lies in a kept one that is in the same frame, but that something displaced the robot.
 #[derive(Clone, Copy, Debug)]
 struct Near {
     /// Where that was, metres, on the fresh grid and on the kept one.
     at_m: [[f32; 2]; 2],
     /// The kept grid against the fresh one, radians.
     turned_rad: f32,
+    by: Displaced,
 }
 
 impl Near {
-    /// Log-likelihood of the displacement, against none.
+    /// Of maps on these grids (radians), the place as both have it, and how far the fresh map's frame is turned in the kept one's.
+    fn new(grids_rad: [f32; 2], at_m: [[f32; 2]; 2], frame_rad: f32, by: Displaced) -> Self {
+        let [fresh_rad, kept_rad] = grids_rad;
+        let at_m = [path_on_grid(at_m[0], fresh_rad), path_on_grid(at_m[1], kept_rad)];
+        Self { at_m, turned_rad: kept_rad - fresh_rad - frame_rad, by }
+    }
+
+    /// Log-density of the displacement.
     fn of(&self, quarters: u8, shift_m: [f32; 2]) -> f32 {
         let [fresh, kept] = self.at_m;
         let [x, y] = turned_point(fresh, quarters);
         let moved_m = libm::hypotf(x + shift_m[0] - kept[0], y + shift_m[1] - kept[1]);
-        odds::of_displacement(moved_m, wrap(self.turned_rad + f32::from(quarters) * FRAC_PI_2))
+        self.by.of(moved_m, wrap(self.turned_rad + f32::from(quarters) * FRAC_PI_2))
     }
 }
 
@@ -111,7 +119,9 @@ pub struct Search {
     kept: Vec<Side, KEPT_SIDES>,
     /// On the fresh grid.
     path_m: Vec<[f32; 2], PATH_POINTS>,
-    /// Logarithm of the density of places: of all of them, or of the likeliest.
+    /// Logarithm of the density of places, where any is as likely.
+    of_any: f32,
+    /// The same of the likeliest.
     of_place: f32,
     /// What is known beforehand of where the fresh map lies.
     near: Option<Near>,
@@ -129,6 +139,7 @@ impl Search {
         fresh: Fresh::NONE,
         kept: Vec::new(),
         path_m: Vec::new(),
+        of_any: 0.0,
         of_place: 0.0,
         near: None,
         shifts: [Shifts::NONE; 2],
@@ -144,8 +155,8 @@ impl Search {
             return false;
         }
         find_sides(kept, &mut self.kept);
-        self.of_place = odds::of_place(floor_m2(&self.kept));
-        self.near = None;
+        self.of_any = odds::of_place(floor_m2(&self.kept));
+        (self.of_place, self.near) = (self.of_any, None);
         let alpha_rad = fresh.mean(ALPHA);
         self.path_m.clear();
         for point_m in trail_m {
@@ -161,13 +172,24 @@ impl Search {
     /// The same of two parts of one map, of which one is displaced against the other as a jolt does at this point, metres.
     pub(crate) fn begin_displaced(&mut self, fresh: &dyn Kept, kept: &dyn Kept, at_m: [f32; 2]) -> bool {
         let is_begun = self.begin(fresh, kept, &[]);
-        let grids_rad = [fresh.mean(ALPHA), kept.mean(ALPHA)];
-        self.of_place = odds::of_nearest();
-        self.near = Some(Near {
-            at_m: grids_rad.map(|grid_rad| path_on_grid(at_m, grid_rad)),
-            turned_rad: grids_rad[1] - grids_rad[0],
-        });
+        self.of_any = f32::NEG_INFINITY;
+        self.expect(Near::new([fresh, kept].map(|map| map.mean(ALPHA)), [at_m; 2], 0.0, odds::COPY));
         is_begun
+    }
+
+    /// The fresh map was begun in the frame of the kept one, since something displaced the robot and readings contradicted that: as likely as
+    /// not as jolts do, or it was carried anywhere.
+    pub(crate) fn expect_near(&mut self, fresh: &dyn Kept, kept: &dyn Kept) {
+        let frame = |map: &dyn Kept| map.frame().anchor.map_or(Pose::ORIGIN, |(pose, _)| pose);
+        let begun = frame(kept).inverse().compose(&frame(fresh));
+        self.of_any += odds::CARRIED;
+        let grids_rad = [fresh, kept].map(|map| map.mean(ALPHA));
+        self.expect(Near::new(grids_rad, [[0.0; 2], [begun.x_m, begun.y_m]], begun.theta_rad, odds::CONTRADICTED));
+    }
+
+    fn expect(&mut self, near: Near) {
+        self.of_place = odds::log_sum(self.of_any, near.by.of_none());
+        self.near = Some(near);
     }
 
     fn begin_quarter(&mut self) {
@@ -229,12 +251,12 @@ impl Search {
     fn score(&self, map: &dyn Kept, seeds: [Pair; 2], least: f32) -> (Hypothesis, u32) {
         let mut joint = Joint::new(&self.fresh, &self.kept, map, seeds.map(Some));
         let shift_m = seeds.map(|seed| seed.apart_m(&self.fresh, &self.kept));
-        let displaced = self.near.map_or(0.0, |near| near.of(self.fresh.quarters, shift_m));
+        let of_near = self.near.map_or(f32::NEG_INFINITY, |near| near.of(self.fresh.quarters, shift_m));
         let mut found = Hypothesis {
             quarters: self.fresh.quarters,
             shift_m,
             variance_m2: [f32::INFINITY; 2],
-            score: self.of_place + displaced + joint.match_all(),
+            score: odds::log_sum(self.of_any, of_near) + joint.match_all(),
             matched: [0; 2],
             pairs: [None; 2],
         };

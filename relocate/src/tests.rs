@@ -2,6 +2,7 @@
 
 mod askew;
 mod copies;
+mod displaced;
 
 use std::vec::Vec;
 

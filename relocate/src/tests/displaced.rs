@@ -1,0 +1,62 @@
+//! A fresh map that was begun in the frame of the kept one, since readings contradicted that.
+
+use slam_core::Pose;
+use slam_core::kept::{Kept, KeptFrame, KeptWall};
+
+use super::{INSIDE, Map};
+use crate::{Progress, Search, Verdict};
+
+/// A map whose frame lies there in that of the drive's start.
+struct Begun {
+    map: Map,
+    at: Pose,
+}
+
+impl Kept for Begun {
+    fn frame(&self) -> KeptFrame {
+        KeptFrame { anchor: Some((self.at, [[0.0; 3]; 3])), ..self.map.frame() }
+    }
+
+    fn wall(&self, index: usize) -> Option<KeptWall> {
+        self.map.wall(index)
+    }
+
+    fn mean(&self, i: usize) -> f32 {
+        self.map.mean(i)
+    }
+
+    fn covariance(&self, i: usize, j: usize) -> f32 {
+        self.map.covariance(i, j)
+    }
+}
+
+const MAP: Map = Map { bend_m: 0.0, sigma_m: 0.0, is_common: true };
+
+/// A search of a robot that its map has so far off; of one of whom that is not asked without it.
+fn search(off: Option<Pose>) -> Verdict {
+    // Both frames lie somewhere in that of the start.
+    let kept = Begun { map: MAP, at: Pose::new(3.0, -1.0, 0.7) };
+    let fresh = Begun { map: MAP, at: kept.at.compose(&off.unwrap_or(Pose::ORIGIN)) };
+    let mut search = Search::IDLE;
+    assert!(search.begin(&fresh, &kept, &INSIDE), "a map with walls on a grid");
+    if off.is_some() {
+        search.expect_near(&fresh, &kept);
+    }
+    while search.work(&kept, 100) == Progress::Working {}
+    search.verdict().expect("a place")
+}
+
+#[test]
+fn a_place_near_the_old_one_is_likelier_and_any_other_half_as_likely() {
+    let anywhere = search(None);
+    let gain = |x_m: f32, turned_deg: f32| {
+        let verdict = search(Some(Pose::new(x_m, 0.0, turned_deg.to_radians())));
+        assert!(verdict.best.is_same_place(&anywhere.best), "{verdict:?}");
+        verdict.best.score - anywhere.best.score
+    };
+    let [none, askew, far, carried] = [(0.0, 0.0), (0.5, 25.0), (2.0, 0.0), (9.0, 0.0)].map(|(x, turn)| gain(x, turn));
+    assert!(none > 2.0 && none > askew && none > far, "{none} {askew} {far}");
+    assert!(askew > 0.5 && far > 0.5, "{askew} {far}");
+    let half = -core::f32::consts::LN_2;
+    assert!((carried - half).abs() < 0.1 && (gain(0.0, 180.0) - half).abs() < 0.1, "{carried}");
+}
