@@ -103,7 +103,7 @@ pub struct Step {
     pub dead_reckoning: Pose2,
     /// The same, the way that the ranges tell, and not moved by wheels that turn while something holds the robot.
     pub sensed: Pose2,
-    /// True pose, where known at this time.
+    /// True pose, where known at this time and to be had in a frame of the drive's.
     pub truth: Option<Pose2>,
     /// Number of walls in the map.
     pub walls: usize,
@@ -115,9 +115,11 @@ pub struct Step {
     pub prunes: u8,
     /// How the estimator was after it.
     pub health: Health,
-    /// The pose is in a fresh map's frame, for the robot has not found itself in the kept one; the truth is left out. Else it is
+    /// The pose is in a fresh map's frame, for the robot has not found itself in the kept one, and is not scored. Else it is
     /// claimed in the frame of the kept map, or of this drive's start where there is none.
     pub searching: bool,
+    /// The same of a robot that was lifted, or began somewhere in a kept map: no odometry links it to a frame.
+    pub carried: bool,
 }
 
 impl Step {
@@ -126,9 +128,14 @@ impl Step {
         self.start.relative(&self.pose)
     }
 
-    /// Estimate minus truth in the map frame, where the truth is known.
+    /// True pose of a robot that claims to know its own, where known.
+    pub fn claimed_truth(&self) -> Option<Pose2> {
+        self.truth.filter(|_| !self.searching)
+    }
+
+    /// Estimate minus truth in the map frame, where the truth is known and the robot claims a place.
     pub fn error(&self) -> Option<Pose2> {
-        let (pose, truth) = (self.pose, self.start.compose(&self.truth?));
+        let (pose, truth) = (self.pose, self.start.compose(&self.claimed_truth()?));
         Some(Pose2 {
             x_m: pose.x_m - truth.x_m,
             y_m: pose.y_m - truth.y_m,
@@ -191,9 +198,9 @@ impl Recording {
         self.readings.get(step * n..(step + 1) * n).unwrap_or(&[])
     }
 
-    /// Whether all poses are in one frame: the robot was never searching.
+    /// Whether the odometry links all poses: the robot was never carried.
     pub fn is_one_frame(&self) -> bool {
-        !self.steps.iter().any(|step| step.searching)
+        !self.steps.iter().any(|step| step.carried)
     }
 
     /// The floor, where the job was to sweep it.

@@ -47,6 +47,8 @@ pub struct Life {
     rig: u32,
     sequence: u32,
     is_lifted: bool,
+    /// It was lifted, or began somewhere in a kept map.
+    was_carried: bool,
     /// Counts the areas that were drawn: with others, the robot is in another world.
     world: u32,
     last: Pose2,
@@ -68,6 +70,7 @@ impl Life {
             rig: rig_hash(rig),
             sequence: 0,
             is_lifted: false,
+            was_carried: false,
             world: 0,
             last: Pose2::default(),
             searches: Vec::new(),
@@ -90,12 +93,18 @@ impl Life {
     pub fn begin_in(&mut self, map: Vec<u8>, sequence: u32) {
         self.sequence = sequence;
         self.kept = Some(map);
+        self.was_carried = true;
         self.locator.restart(State::Searching);
     }
 
     /// Whether the pose is claimed in the frame of the kept map, or of the drive's start where there is none.
     pub fn is_located(&self) -> bool {
         !self.is_lifted && self.locator.state().is_located()
+    }
+
+    /// Whether it is not located and no odometry says how it came where it is.
+    pub fn is_carried(&self) -> bool {
+        !self.is_located() && self.was_carried
     }
 
     /// With another number, nothing is any more where it was.
@@ -176,6 +185,7 @@ impl Life {
     pub fn lift(&mut self, slam: &mut HostSlam, is_lifted: bool) {
         if is_lifted && !self.is_lifted {
             self.kept = self.record(slam).or_else(|| self.kept.take());
+            self.was_carried = true;
             self.lose(slam);
         } else if self.is_lifted && !is_lifted {
             // What the wheels turned in the air is no motion.
@@ -198,6 +208,19 @@ impl Life {
         self.restarts = slam.counters().restarts;
     }
 
+    /// The map that its readings contradict is kept, and the robot looks for itself in it. A robot that was not sure that it is in
+    /// the kept map keeps that one as it was; a map without a grid is none to find oneself in.
+    fn keep_contradicted(&mut self, slam: &mut HostSlam) -> bool {
+        if self.locator.state() == State::Tracking && slam.frame().has_grid {
+            self.kept = self.record_of(slam).or_else(|| self.kept.take());
+        }
+        if self.kept.is_some() {
+            self.lose(slam);
+            self.locator.contradicted();
+        }
+        false
+    }
+
     /// Takes in a step of the estimator, the row of this index; true where the robot is in another map, or elsewhere in its own.
     pub fn step(&mut self, slam: &mut HostSlam, report: &StepReport<MAX_SENSORS>, index: usize) -> bool {
         let restarts = core::mem::replace(&mut self.restarts, slam.counters().restarts);
@@ -207,6 +230,9 @@ impl Life {
         if slam.counters().restarts != restarts && self.kept.is_some() {
             self.forget_place();
             return false;
+        }
+        if slam.is_about_to_forget() {
+            return self.keep_contradicted(slam);
         }
         let reckoned: Pose2 = slam.dead_reckoning().into();
         let moved = self.last.relative(&reckoned);

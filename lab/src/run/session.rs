@@ -132,7 +132,7 @@ impl Session {
         }
         let index = self.recording.steps.len();
         let is_new_frame = self.life.step(&mut self.slam, &report, index);
-        if is_new_frame || !self.life.is_located() {
+        if is_new_frame || self.life.is_carried() {
             // Where readings ended is in a frame that is given up.
             report.readings.iter_mut().for_each(|reading| reading.hit_m = None);
         }
@@ -165,8 +165,9 @@ impl Session {
             alpha: self.slam.alpha(),
             dead_reckoning: self.slam.dead_reckoning().into(),
             sensed: sensed.compose(&self.slam.last_motion().into()),
-            truth: row.truth.filter(|_| self.life.is_located()),
+            truth: row.truth.filter(|_| !self.life.is_carried()),
             searching: !self.life.is_located(),
+            carried: self.life.is_carried(),
             walls: self.slam.walls().count(),
             births: report.births,
             merges: report.merges,

@@ -14,8 +14,8 @@ pub struct Hit {
     pub direction: [f64; 2],
 }
 
-/// Every reading with a range, where the estimator says that it ended: from where the robot was when it was made. In the
-/// order of [`by_dead_reckoning`].
+/// Every reading with a range of a robot that claims to know its place, where the estimator says that it ended: from where the robot was
+/// when it was made. In the order of [`by_dead_reckoning`].
 pub fn by_estimate(recording: &Recording) -> Vec<Hit> {
     project(recording, |step| step.pose, |reading| reading.hit_m)
 }
@@ -36,7 +36,7 @@ fn project(
         pose.transform([sensor.x_m + range_m * c, sensor.y_m + range_m * s])
     };
     let mut hits = Vec::new();
-    for (step, entry) in recording.steps.iter().enumerate() {
+    for (step, entry) in recording.steps.iter().enumerate().filter(|(_, step)| !step.searching) {
         let pose = path(entry);
         for (sensor, reading) in recording.sensors.iter().zip(recording.readings(step)) {
             let Some(range_m) = reading.range_m.map(f64::from) else { continue };

@@ -19,7 +19,7 @@ pub fn score(recording: &mut Recording, times_s: &[f64], truth: Option<&Truth>) 
     recording.figures.consistency = consistency::score(recording);
     if let Some(truth) = truth {
         for (step, pose) in recording.steps.iter_mut().zip(pair(times_s, truth)) {
-            step.truth = pose.filter(|_| !step.searching);
+            step.truth = pose.filter(|_| !step.carried);
         }
     }
     let Some(first) = recording.steps.iter().find_map(|step| step.truth) else { return };
@@ -27,7 +27,8 @@ pub fn score(recording: &mut Recording, times_s: &[f64], truth: Option<&Truth>) 
         TruthFrame::FirstPose => first,
         TruthFrame::Map => Pose2::default(),
         TruthFrame::Unknown => {
-            let pairs: Vec<_> = recording.steps.iter().filter_map(|step| Some((step.pose, step.truth?))).collect();
+            let pairs: Vec<_> =
+                recording.steps.iter().filter_map(|step| Some((step.pose, step.claimed_truth()?))).collect();
             path::align(&pairs)
         }
     };
@@ -41,7 +42,7 @@ pub fn score(recording: &mut Recording, times_s: &[f64], truth: Option<&Truth>) 
 /// none is known.
 pub fn against_truth(recording: &Recording) -> (Option<PathScore>, Option<PathScore>) {
     let against_truth = |path: fn(&Step) -> Pose2| -> Vec<(Pose2, Pose2)> {
-        recording.steps.iter().filter_map(|step| Some((path(step), step.truth?))).collect()
+        recording.steps.iter().filter_map(|step| Some((path(step), step.claimed_truth()?))).collect()
     };
     let estimate = path::score(&against_truth(|step| step.pose)).map(|mut score| {
         score.nees = path::mean_nees(&recording.steps);

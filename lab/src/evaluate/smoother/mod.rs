@@ -97,9 +97,15 @@ pub fn moved(recording: &Recording, path: &[Pose2], walls: Vec<WallView>) -> Rec
             let local = step.pose.relative(&Pose2::new(hit[0].into(), hit[1].into(), 0.0));
             *hit = pose.transform([local.x_m, local.y_m]).map(|metres| metres as f32);
         }
-        // How sure a look back is was not asked.
-        *step =
-            Step { pose: *pose, start: path[0], covariance: [[f32::NAN; 3]; 3], walls: walls.len(), ..step.clone() };
+        // How sure a look back is was not asked. All of it is in one frame.
+        *step = Step {
+            pose: *pose,
+            start: path[0],
+            covariance: [[f32::NAN; 3]; 3],
+            walls: walls.len(),
+            searching: false,
+            ..step.clone()
+        };
     }
     back.figures.walls = walls.len();
     back.looks_back = true;

@@ -185,9 +185,9 @@ fn begin(recording: &Recording, frame: &Frame) -> Svg {
 
 /// Every used or waiting hit, thinned out evenly, as dots.
 fn hits(recording: &Recording, frame: &Frame) -> String {
-    let seen: Vec<[f32; 2]> = recording
-        .readings
-        .iter()
+    let located = (0..recording.steps.len()).filter(|step| !recording.steps[*step].searching);
+    let seen: Vec<[f32; 2]> = located
+        .flat_map(|step| recording.readings(step))
         .filter(|r| matches!(r.outcome, Outcome::Updated { .. } | Outcome::Gated { .. } | Outcome::Unexplained))
         .filter_map(|r| r.hit_m)
         .filter(|hit| hit[0].is_finite() && hit[1].is_finite())
