@@ -4,11 +4,11 @@
 //! start -> Fresh        no record of a robot like this one, or none that it has room for
 //! start -> Searching    a record, and no place in it
 //! Fresh -> Tracking     the first save
-//! any   -> Searching    lifted, or the map is begun anew; what was known is saved before where it is sure
+//! any   -> Searching    lifted, or the map is begun anew; where readings contradict it, it is saved before, if the place is sure
 //! ```
 //!
 //! The other states and their ways are those of [`relocate::Locator`]. A map is saved while the robot is told to stand, the motors
-//! are off and the place is sure: erasing a sector stops the processor for up to 0.8 s.
+//! are off and the place is sure: erasing a sector stops the processor for up to 0.8 s. A map about to be forgotten makes it stand.
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -98,8 +98,9 @@ impl<F: MapFlash> Keeper<F> {
         self.last = reckoned;
         self.unsaved_m += travelled_m;
         let receives = self.receives(now);
-        let is_saving = !receives && self.is_worth_saving(slam) && now.stands;
-        if is_saving && now.is_off {
+        let is_saving = !receives && self.is_worth_saving(slam, now);
+        let is_waiting = is_saving && !now.is_off;
+        if is_saving && !is_waiting {
             self.save(slam);
         }
         self.lift(slam, now);
@@ -107,11 +108,16 @@ impl<F: MapFlash> Keeper<F> {
         if !self.is_lifted {
             if restarts != self.restarts && self.saved.is_some() {
                 self.forget_place();
-            } else {
+            } else if !slam.is_about_to_forget() {
                 self.locate(slam, report, travelled_m);
+            } else if is_waiting {
+                slam.put_off_forgetting();
+            } else if self.saved.is_some() {
+                self.lose(slam);
+                self.locator.contradicted();
             }
         }
-        receives || (is_saving && !now.is_off)
+        receives || is_waiting
     }
 
     /// The map was begun anew at someone's wish.
@@ -164,9 +170,13 @@ impl<F: MapFlash> Keeper<F> {
         Place { state, sequence: self.saved.map_or(0, |saved| saved.sequence), log_odds, ..self.tally }
     }
 
-    fn is_worth_saving(&self, slam: &RobotSlam) -> bool {
+    /// Whether the map is to be saved now: where the robot stands and there is enough to save, or it is about to be forgotten and the robot
+    /// could find itself in it.
+    fn is_worth_saving(&self, slam: &RobotSlam, now: Circumstances) -> bool {
         let is_sure = self.locator.state() == State::Tracking && !self.is_lifted;
-        is_sure && self.unsaved_m >= WORTH_M && slam.frame().walls > 0
+        let frame = slam.frame();
+        let is_last = slam.is_about_to_forget() && frame.has_grid;
+        is_sure && frame.walls > 0 && (is_last || now.stands && self.unsaved_m >= WORTH_M)
     }
 
     fn save(&mut self, slam: &RobotSlam) {

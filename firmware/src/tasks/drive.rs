@@ -84,7 +84,9 @@ pub async fn drive(
         if decision.take_if(|made| odometry.time_us.saturating_sub(made.time_us) > DECISION_US).is_some() {
             shared.faults.count(|faults| &mut faults.dead_man_stops);
         }
-        let target = decision.as_ref().map_or(WheelSpeeds::STOP, |made| made.speeds);
+        // Motors that are held off are told nothing that they would do all at once afterwards.
+        let is_held = shared.hold.load(Ordering::Relaxed);
+        let target = decision.as_ref().filter(|_| !is_held).map_or(WheelSpeeds::STOP, |made| made.speeds);
         let touch = shared.touch.lock(Cell::get);
         duty = match mode {
             Mode::Stopped => control.update(WheelSpeeds::STOP, odometry.ticks, period_s),

@@ -67,8 +67,8 @@ pub async fn estimate<F: MapFlash>(
             }
             look_backs.lend(back_end);
         }
-        // A hand-over and a slice of a search are too much for one step.
-        if !hands_over {
+        // A hand-over and a slice of a search are too much for one step. A map about to be forgotten does not wait.
+        if !hands_over || slam.is_about_to_forget() {
             let keeps = keeper.step(slam, &report, now);
             wanted = shared.map_request.try_take().or(wanted);
             wanted = wanted.filter(|request| !answer(slam, keeper, request, now, shared));

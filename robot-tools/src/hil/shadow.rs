@@ -79,7 +79,7 @@ impl Shadow {
             back_end.record(&self.slam, &report);
             hands_over = back_end.is_catching_up();
         }
-        if !hands_over {
+        if !hands_over || self.slam.is_about_to_forget() {
             self.keep(sample, &report, answer.flash.as_deref());
         }
         if let Some(back_end) = &mut self.back_end {

@@ -1,0 +1,81 @@
+//! A map that the readings contradict is saved before it is forgotten, though the robot drives: its motors are held off for that, and it goes on
+//! afterwards, looking for itself.
+//!
+//! One test only: the clock is one for the whole process.
+
+mod common;
+
+use common::home::Home;
+use common::ranges::Ranges;
+use core::cell::Cell;
+use core::convert::Infallible;
+use firmware::SENSORS;
+use robot::RangeSensorBank;
+use robot::rig::BuiltIn;
+use slam_core::RangeInput;
+use wire::{Command, Frame, Place, PlaceState};
+
+/// Range sensors about which people stand, or not.
+struct Crowded<'a> {
+    ranges: Ranges,
+    is_crowded: &'a Cell<bool>,
+    readings: u32,
+}
+
+impl RangeSensorBank<SENSORS> for Crowded<'_> {
+    type Error = Infallible;
+
+    async fn read(&mut self) -> [Result<RangeInput, Infallible>; SENSORS] {
+        let seen = self.ranges.read().await;
+        let is_crowded = self.is_crowded.get();
+        seen.map(|range| {
+            self.readings = self.readings.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            match range {
+                // Something stands nearer than the wall, at another place each time.
+                Ok(RangeInput::Counts(counts)) if is_crowded => {
+                    let times = 1.2 + 0.8 * (self.readings >> 8) as f32 / (1 << 24) as f32;
+                    Ok(RangeInput::Counts((f32::from(counts) * times).min(4000.0) as u16))
+                }
+                other => other,
+            }
+        })
+    }
+}
+
+/// What the robot said last of its place.
+fn place(said: &[Frame]) -> Option<Place> {
+    said.iter().rev().find_map(|frame| if let Frame::Place(place) = frame { Some(*place) } else { None })
+}
+
+#[test]
+fn a_contradicted_map_is_saved_before_it_is_forgotten() {
+    let (home, is_crowded) = (Home::new("flat", BuiltIn::Sharp), Cell::new(false));
+    let ranges = Crowded { ranges: Ranges(home.board.range_sensors()), is_crowded: &is_crowded, readings: 1 };
+    home.run(BuiltIn::Sharp, ranges, |tasks| {
+        home.command(Command::Start);
+        tasks.drive(180.0);
+        let driving = place(&home.heard()).expect("the place is told");
+        assert_eq!((driving.state, driving.saves), (PlaceState::Fresh, 0), "nothing is saved while it drives");
+        is_crowded.set(true);
+        let mut saved = None;
+        let mut off_ms = 0;
+        for _ in 0..6000 {
+            tasks.drive(0.02);
+            off_ms += if home.enabled.get() { 0 } else { 20 };
+            saved = place(&home.heard()).filter(|place| place.saves > 0).or(saved);
+            if saved.is_some() {
+                break;
+            }
+        }
+        let saved = saved.expect("the map is saved");
+        assert_eq!((saved.state, saved.saves, saved.failed, saved.lost), (PlaceState::Searching, 1, 0, 1));
+        assert!(off_ms > 0, "with its motors off");
+        is_crowded.set(false);
+        let before = home.truth();
+        tasks.drive(10.0);
+        let after = home.truth();
+        assert!(home.enabled.get(), "and they are on again");
+        let moved_m = (after.x_m - before.x_m).hypot(after.y_m - before.y_m);
+        assert!(moved_m > 0.2, "it goes on: {moved_m} m");
+    });
+}
