@@ -267,6 +267,7 @@ fn figures(seconds: f64, walls: usize) -> Figures {
     };
     let odometry = PathScore { ate_m: 0.216, start_m: 0.309, heading_deg: 6.2, nees: None, ..estimate };
     Figures {
+        lost: 0.0,
         floor: None,
         path_m: SPEED_M_S * seconds,
         duration_s: seconds,

@@ -10,6 +10,8 @@ pub struct Figures {
     pub path_m: f64,
     /// Time from first to last row, seconds.
     pub duration_s: f64,
+    /// Share of the rows whose pose is not claimed, 0 to 1: the scores against the truth and of the live map are without these.
+    pub lost: f64,
     /// Time that the estimator took, seconds of this machine.
     pub estimator_s: f64,
     /// Walls in the final map.

@@ -198,6 +198,12 @@ impl Recording {
         self.readings.get(step * n..(step + 1) * n).unwrap_or(&[])
     }
 
+    /// Share of the rows whose pose is not claimed.
+    pub fn lost(&self) -> f64 {
+        let lost = self.steps.iter().filter(|step| step.searching).count();
+        lost as f64 / self.steps.len().max(1) as f64
+    }
+
     /// Whether the odometry links all poses: the robot was never carried.
     pub fn is_one_frame(&self) -> bool {
         !self.steps.iter().any(|step| step.carried)

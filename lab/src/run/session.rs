@@ -229,6 +229,7 @@ impl Session {
         let mut figures = Figures {
             estimator_s: self.estimator_time.as_secs_f64(),
             duration_s: recording.steps.last().map_or(0.0, |step| step.t_s),
+            lost: recording.lost(),
             path_m: path::length_m(recording.steps.iter().map(|step| step.dead_reckoning)),
             walls: recording.steps.last().map_or(0, |step| step.walls),
             latency_s: self.slam.latency().map(|(value, sigma)| (value.into(), sigma.into())),

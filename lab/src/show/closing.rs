@@ -79,6 +79,10 @@ fn write_filter(text: &mut String, recording: &Recording) -> std::fmt::Result {
         let end = end_s.map_or("the end".to_owned(), |end_s| format!("{end_s:.1} s"));
         writeln!(text, "  {:<34}{:>12}   from {begin_s:.1} s to {end}", "estimator not well", health::name(health))?;
     }
+    if figures.lost > 0.0 {
+        let share = format!("{:.1} %", 100.0 * figures.lost);
+        writeln!(text, "  {:<34}{share:>12}   of the rows, which no error counts", "place not known")?;
+    }
     writeln!(text, "  {:<34}{:>12}", "walls in the map", figures.walls)?;
     if let Some(map) = &figures.map {
         let offset = format!("{:.3} m", map.offset_m);

@@ -3,8 +3,9 @@
 use lab::evaluate::statistics::{median, quantile};
 use lab::recording::{Consistency, Figures};
 
-const COLUMNS: [&str; 14] = [
+const COLUMNS: [&str; 15] = [
     "aligned RMSE",
+    "lost",
     "heading RMSE",
     "NIS",
     "NIS before the gate",
@@ -26,11 +27,12 @@ pub fn header(first: &str) -> String {
 }
 
 /// The cells of a row after its name.
-pub fn of(runs: &[Figures]) -> [String; 14] {
+pub fn of(runs: &[Figures]) -> [String; 15] {
     let of = |value: &dyn Fn(&Figures) -> Option<f64>| runs.iter().filter_map(value).collect::<Vec<f64>>();
     let plain = |value: f64| format!("{value:.2}");
     [
         centimetres(of(&|figures| Some(figures.estimate?.ate_m))),
+        lost(runs),
         spread(of(&|figures| Some(figures.estimate?.heading_deg)), false, |degrees| format!("{degrees:.1}"), "°"),
         spread(of(&|figures| figures.mean_nis), false, plain, ""),
         spread(of(&|figures| figures.nis_associated), false, plain, ""),
@@ -48,16 +50,22 @@ pub fn of(runs: &[Figures]) -> [String; 14] {
 }
 
 /// The cells of dead reckoning's row.
-pub fn of_odometry(figures: &Figures) -> [String; 14] {
-    let mut cells: [String; 14] = Default::default();
+pub fn of_odometry(figures: &Figures) -> [String; 15] {
+    let mut cells: [String; 15] = Default::default();
     if let Some(score) = figures.odometry {
         cells[0] = format!("{:.0} cm", 100.0 * score.ate_m);
-        cells[1] = format!("{:.1}°", score.heading_deg);
+        cells[2] = format!("{:.1}°", score.heading_deg);
     }
     if let Some(surfels) = consistency(figures).and_then(|score| score.odometry_surfels) {
-        cells[6] = format!("{:.0} cm", 100.0 * surfels.median_m);
+        cells[7] = format!("{:.0} cm", 100.0 * surfels.median_m);
     }
     cells
+}
+
+/// How much of its rows a replay claims no place, which its errors are without.
+fn lost(runs: &[Figures]) -> String {
+    let shares = runs.iter().map(|figures| figures.lost).collect();
+    spread(shares, false, |share| format!("{:.0}", 100.0 * share), " %")
 }
 
 fn consistency(figures: &Figures) -> Option<&Consistency> {
