@@ -72,9 +72,10 @@ class ReplayMode {
   begin() {
     const { log, rig, truth, map } = this.files;
     const part = (file) => [file?.name ?? "", file?.content ?? new Uint8Array(0)];
+    // Files that cannot be replayed leave what is shown.
+    const program = new Replay(...part(log), ...part(rig), ...part(truth), ...part(map));
     this.program?.free();
-    this.program = null;
-    this.program = new Replay(...part(log), ...part(rig), ...part(truth), ...part(map));
+    this.program = program;
     this.scored = false;
     this.studio.begin(this, JSON.parse(this.program.head()), 0, "Replayed log");
     this.studio.clock.speed = Infinity;
