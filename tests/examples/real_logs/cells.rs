@@ -63,7 +63,7 @@ pub fn of_odometry(figures: &Figures) -> [String; 15] {
 }
 
 /// How much of its rows a replay claims no place, which its errors are without.
-fn lost(runs: &[Figures]) -> String {
+pub fn lost(runs: &[Figures]) -> String {
     let shares = runs.iter().map(|figures| figures.lost).collect();
     spread(shares, false, |share| format!("{:.0}", 100.0 * share), " %")
 }

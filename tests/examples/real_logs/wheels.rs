@@ -8,7 +8,7 @@ use tests::real_logs::{DRONE_8, DRONE_12, FREIBURG, FREIBURG_WHEELS, INTEL};
 use tests::trial::{Disturbance, Trial};
 
 use super::Case;
-use super::cells::centimetres;
+use super::cells::{centimetres, lost};
 
 /// As the robots logged them, in full and with readings up to 1.5 m.
 const LOGS: [Case; 6] = [
@@ -40,7 +40,7 @@ const SHORT_M: f32 = 1.5;
 
 /// The part of the page on real odometry.
 pub fn write(text: &mut String) -> std::fmt::Result {
-    writeln!(text, "## Real wheels and drones\n\n{HEADER}")?;
+    writeln!(text, "## Real wheels and drones\n\n{LOST}\n\n{HEADER}")?;
     for case in &LOGS {
         row(text, case.title, case, Disturbance::NONE)?;
     }
@@ -56,7 +56,9 @@ pub fn write(text: &mut String) -> std::fmt::Result {
     Ok(())
 }
 
-const HEADER: &str = "| odometry | its aligned RMSE | live | looking back | live, up to 1.5 m | looking back |\n|---|---|---|---|---|---|";
+const LOST: &str = "*Lost* is the share of the rows at which the robot says that it does not know where it is, for its readings contradicted its map: the live\nerror is of the others, and odometry's and that of looking back are of all.";
+
+const HEADER: &str = "| odometry | its aligned RMSE | live | lost | looking back | live, up to 1.5 m | lost | looking back |\n|---|---|---|---|---|---|---|---|";
 
 fn row(text: &mut String, name: &str, case: &Case, odometry: Disturbance) -> std::fmt::Result {
     let figures = |cap_m: f32| -> Vec<Figures> {
@@ -68,7 +70,7 @@ fn row(text: &mut String, name: &str, case: &Case, odometry: Disturbance) -> std
     let cells = [&full, &short].map(|runs| {
         let live = runs.iter().filter_map(|figures| Some(figures.estimate?.ate_m)).collect();
         let back = runs.iter().filter_map(|figures| Some(figures.looking_back.as_ref()?.estimate?.ate_m)).collect();
-        format!("{} | {}", centimetres(live), centimetres(back))
+        format!("{} | {} | {}", centimetres(live), lost(runs), centimetres(back))
     });
     let own = own.first().map_or_else(String::new, |metres| format!("{:.0} cm", 100.0 * metres));
     writeln!(text, "| {name} | {own} | {} |", cells.join(" | "))
