@@ -1,21 +1,43 @@
 //! Whether the estimator is well: what its readings say of its own estimate, and since when.
 //!
 //! A filter that took readings for the wrong walls is sure of a wrong answer, and no variance of its own tells. Its readings
-//! do: where the pose is right, a beam on a wall of the map mostly meets that wall. Readings of one place say the same, so
-//! what counts is by how many more stretches of the path were against the map than for it (a cumulative sum, Page 1954).
+//! do: where the pose is right, a beam on a wall of the map mostly meets that wall. What counts is how much likelier the readings
+//! of the last metres are of a robot that is elsewhere (a cumulative sum, Page 1954).
 
 use crate::report::{Health, Outcome, Refusal};
 
-/// Readings within such a stretch of the path say one thing, metres: the shortest wall is as long.
+/// Readings within such a stretch of their beams' way say one thing, metres: the shortest wall is as long.
 const STRETCH_M: f32 = 0.25;
 
-/// So many more stretches against the map than for it are no chance. Among people and open doors up to a third of the
-/// stretches are against a good map, and two thirds against a lost one: each is then worth odds of two, and this many two to
-/// the twentieth, one false alarm in 260 km. A real drive in offices with people had fourteen, one that was lost 27.
-const CONTRADICTED: u8 = 20;
+/// What is seen in place of a wall is mostly as wide as three stretches: each says a third.
+const OF_ITS_OWN: f32 = 1.0 / 3.0;
 
-/// Path that it takes at least, metres.
-pub const CONTRADICTED_M: f32 = CONTRADICTED as f32 * STRETCH_M;
+/// Share of the walls that a robot meets which fit although it is elsewhere: those along which it is off, and chance. Of the others one half
+/// is seen before its place, the other behind.
+const FIT_ELSEWHERE: f32 = 0.2;
+const MISS_ELSEWHERE: f32 = 0.5 * (1.0 - FIT_ELSEWHERE);
+
+/// Share of the walls that a robot meets which are hidden (by people, things, doors), and which are not there any more, before any
+/// was met, and where each may come to.
+const HIDDEN: f32 = 0.2;
+const GONE: f32 = 0.1;
+const HIDDEN_RANGE: [f32; 2] = [0.05, 0.5];
+const GONE_RANGE: [f32; 2] = [0.03, 0.4];
+
+/// They are the home's: what is known beforehand is worth so many walls, each in a stretch, as are met in ten metres; what was met last
+/// counts most, in some fifty.
+const BEFOREHAND: f32 = 200.0;
+const REMEMBERED: f32 = 1000.0;
+
+/// Log of the odds that the robot is elsewhere from which on walls drawn since anything spoke for that say nothing, ten to one: a robot
+/// that is elsewhere draws the home a second time, and everything fits that.
+const DOUBTED: f32 = 2.3;
+
+/// Log of the odds that are no chance, two to the twentieth: with a stretch for each trial one false alarm in 260 km.
+const CONTRADICTED: f32 = 13.9;
+
+/// Path within which readings have contradicted a map, metres, where two walls are about.
+pub const CONTRADICTED_M: f32 = 5.0;
 
 /// A robot that drives so far, metres, with so many readings of which none fits a wall, has none that it could hold on to.
 const SILENT_M: f32 = 20.0;
@@ -31,13 +53,18 @@ const RECOVERED: u32 = 20;
 #[derive(Clone, Copy, Debug)]
 pub struct HealthMonitor {
     health: Health,
-    /// Readings of this stretch that fit the wall that they should have met, and that did not.
-    used: u16,
-    against: u16,
-    /// Path at the stretch's start, metres.
-    stretch_from_m: f32,
-    /// By how many more stretches were against the map than for it.
-    sum: u8,
+    /// Walls of this stretch, a bit each, that readings fitted, that hid behind something nearer, and that beams went through.
+    fitted: u32,
+    hidden: u32,
+    passed: u32,
+    /// How far beams have moved in it, metres.
+    moved_m: f32,
+    /// Share of walls that are hidden, and that beams go through, where the robot is where the filter has it.
+    usual: [f32; 2],
+    /// So many walls, each in a stretch, have said so.
+    met: f32,
+    /// Log of the odds that it is elsewhere.
+    odds: f32,
     /// Readings that fit no wall since one last did, and the path then, metres.
     silent: u32,
     silent_from_m: f32,
@@ -47,7 +74,7 @@ pub struct HealthMonitor {
     is_degenerate: bool,
     /// Steps, this one among them, in which the map is still there, where it is of no use any more; none where it is.
     pub(crate) steps_left: u8,
-    /// Identifier of the first wall drawn since more stretches were against the map than for it.
+    /// Identifier of the first wall drawn since something spoke for the robot being elsewhere.
     pub(crate) doubted: u16,
 }
 
@@ -55,10 +82,13 @@ impl HealthMonitor {
     /// Nothing is known yet.
     pub const NEW: Self = Self {
         health: Health::Well,
-        used: 0,
-        against: 0,
-        stretch_from_m: 0.0,
-        sum: 0,
+        fitted: 0,
+        hidden: 0,
+        passed: 0,
+        moved_m: 0.0,
+        usual: [HIDDEN, GONE],
+        met: BEFOREHAND,
+        odds: 0.0,
         silent: 0,
         silent_from_m: 0.0,
         fitting: 0,
@@ -74,26 +104,44 @@ impl HealthMonitor {
 
     /// Another map is there, whose next wall has this identifier: nothing is against it yet.
     pub(crate) fn begin_map(&mut self, next_wall: u16) {
-        (self.sum, self.steps_left, self.doubted) = (0, 0, next_wall);
+        (self.odds, self.steps_left, self.doubted) = (0.0, 0, next_wall);
     }
 
     /// Walls from this identifier on are drawn after this step: where nothing is against the map, none is in doubt.
     pub(crate) fn follow(&mut self, next_wall: u16) {
-        if self.sum == 0 {
+        if self.odds == 0.0 {
             self.doubted = next_wall;
         }
+    }
+
+    /// Log of the odds that the robot is elsewhere than the filter has it, by the readings of the last metres.
+    #[cfg(test)]
+    pub(crate) fn odds(&self) -> f32 {
+        self.odds
+    }
+
+    /// The bit of a wall; none of one that says nothing. Walls that share one say one thing.
+    fn bit(&self, wall: u16) -> u32 {
+        let counts = self.odds < DOUBTED || self.doubted.wrapping_sub(wall) as i16 > 0;
+        u32::from(counts) << (wall & 31)
+    }
+
+    /// A beam found nothing where it should have met this wall, if any.
+    pub(crate) fn note_absence(&mut self, wall: Option<u16>) {
+        self.passed |= wall.map_or(0, |wall| self.bit(wall));
     }
 
     /// Takes in what became of a reading, after so long a path.
     pub fn note(&mut self, outcome: &Outcome, path_m: f32) {
         match *outcome {
-            Outcome::Updated { .. } => {
-                self.used = self.used.saturating_add(1);
+            Outcome::Updated { wall, .. } => {
+                self.fitted |= self.bit(wall);
                 (self.silent, self.silent_from_m) = (0, path_m);
                 self.fitting = self.fitting.saturating_add(1);
             }
-            Outcome::Gated { .. } => {
-                self.against = self.against.saturating_add(1);
+            Outcome::Gated { wall, innovation_m, .. } => {
+                let bit = self.bit(wall);
+                *(if innovation_m < 0.0 { &mut self.hidden } else { &mut self.passed }) |= bit;
                 self.silent = self.silent.saturating_add(1);
             }
             Outcome::Unexplained => self.silent = self.silent.saturating_add(1),
@@ -102,29 +150,48 @@ impl HealthMonitor {
         }
     }
 
-    /// What this step shows, after so long a path: why the map is to begin anew, where it is. `heading_variance` is that
-    /// against the map, rad^2, where there is one; `is_sound` says whether every variance is one.
-    pub fn judge(&mut self, path_m: f32, heading_variance: Option<f32>, is_sound: bool) -> Option<Health> {
-        if path_m - self.stretch_from_m > STRETCH_M {
-            self.sum = match self.against > self.used {
-                true => self.sum.saturating_add(1),
-                false if self.used > 0 => self.sum.saturating_sub(1),
-                false => self.sum,
-            };
-            (self.used, self.against, self.stretch_from_m) = (0, 0, path_m);
+    /// What this stretch says for the robot being elsewhere: each wall with readings of one kind.
+    fn weigh(&mut self) {
+        let [f, h, p] = [self.fitted, self.hidden, self.passed];
+        let [fitted, hidden, passed] = [f & !(h | p), h & !(f | p), p & !(f | h)].map(|of| of.count_ones() as f32);
+        let [hides, passes] = self.usual;
+        let says = hidden * libm::logf(MISS_ELSEWHERE / hides)
+            + passed * libm::logf(MISS_ELSEWHERE / passes)
+            + fitted * libm::logf(FIT_ELSEWHERE / (1.0 - hides - passes));
+        self.odds = (self.odds + OF_ITS_OWN * says).max(0.0);
+        let met = fitted + hidden + passed;
+        self.met = (self.met + met).min(REMEMBERED);
+        let learned =
+            |usual: f32, of: f32, [least, most]: [f32; 2]| (usual + (of - met * usual) / self.met).max(least).min(most);
+        self.usual = [learned(hides, hidden, HIDDEN_RANGE), learned(passes, passed, GONE_RANGE)];
+        (self.fitted, self.hidden, self.passed, self.moved_m) = (0, 0, 0, 0.0);
+    }
+
+    /// What this step shows, after so long a path, in which beams moved by so much, metres: why the map is to begin anew, where it is.
+    /// `heading_variance` is that against the map, rad^2, where there is one; `is_sound` says whether every variance is one.
+    pub fn judge(
+        &mut self,
+        path_m: f32,
+        moved_m: f32,
+        heading_variance: Option<f32>,
+        is_sound: bool,
+    ) -> Option<Health> {
+        self.moved_m += moved_m;
+        if self.moved_m > STRETCH_M {
+            self.weigh();
         }
         let is_disoriented = heading_variance.is_some_and(|variance| variance > DISORIENTED_RAD * DISORIENTED_RAD);
         let cause = if self.is_degenerate || !is_sound {
             Some(Health::Degenerate)
         } else if is_disoriented {
             Some(Health::Disoriented)
-        } else if self.sum >= CONTRADICTED {
+        } else if self.odds >= CONTRADICTED {
             Some(Health::Contradicted)
         } else {
             None
         };
         if let Some(health) = cause {
-            *self = Self { health, stretch_from_m: path_m, silent_from_m: path_m, ..Self::NEW };
+            *self = Self { health, usual: self.usual, met: self.met, silent_from_m: path_m, ..Self::NEW };
         } else if self.silent >= SILENT_READINGS && path_m - self.silent_from_m > SILENT_M {
             (self.health, self.fitting) = (Health::Unexplained, 0);
         } else if self.fitting >= RECOVERED {

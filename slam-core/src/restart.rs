@@ -21,7 +21,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let is_sound = self.ekf.is_sound(states);
         let heading_variance = (!self.map.walls().is_empty()).then(|| self.map.heading_variance(&self.ekf));
         let doubted = self.monitor.doubted;
-        match self.monitor.judge(self.drive.dead_reckoning.path_m, heading_variance, is_sound) {
+        let moved_m = self.drive.step.beams_moved_m();
+        match self.monitor.judge(self.drive.dead_reckoning.path_m, moved_m, heading_variance, is_sound) {
             Some(Health::Degenerate) => self.restart_without_covariance(),
             Some(_) => {
                 self.map.forget_some(&mut self.ekf, |wall| wall.id.wrapping_sub(doubted) as i16 >= 0);

@@ -325,7 +325,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             if let Ok(reading) = &reading {
                 report.range_m = Some(reading.range_m / state.gain(observer.ekf));
             } else if matches!(reading, Err(Refusal::TooFar | Refusal::Floor)) {
-                observer.judge_absence(&sensor);
+                self.monitor.note_absence(observer.judge_absence(&sensor));
                 self.holds.note_absence(&sensor);
             }
             let outcome = reading.and_then(|reading| match self.jolts.is_in_doubt() {

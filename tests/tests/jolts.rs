@@ -37,6 +37,11 @@ fn lost_in_kept(plan: &Plan, kept: &HostSlam, seed: u64) -> (Option<f64>, u32) {
     let slam = drive(plan, &rig(8), BACK_S, seed, |Driven { slam, report, path_m, in_plan, .. }| {
         let position_m = [slam.state_mean(0), slam.state_mean(1)];
         let travelled_m = (path_m - std::mem::replace(&mut last_m, path_m)) as f32;
+        if slam.is_about_to_forget() {
+            // Readings contradict it: it looks for itself in the map that it was in.
+            slam.restart_map();
+            locator.contradicted();
+        }
         match locator.step(
             &*slam,
             Some(kept),

@@ -11,8 +11,9 @@
 
 use crate::geometry::pose::Pose;
 use crate::jolts::confirmation::SURE;
-use crate::measurement::data_association::{CHANGES, MIDDLE_M, change, density};
+use crate::measurement::data_association::{CHANGES, change, density};
 use crate::measurement::sensor::Sensor;
+use crate::motion::step::MIDDLE_M;
 use crate::rig::RangeSensor;
 use crate::sensing::range::SURFACE_M;
 

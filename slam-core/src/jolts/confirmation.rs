@@ -3,7 +3,6 @@
 //! The likeliest of many explanations fits the readings that it was found by in any case. So it has effect only once the robot has
 //! gone on, and beams that meet other places say so, too.
 
-use crate::measurement::data_association::MIDDLE_M;
 use crate::motion::step::Step;
 
 /// Once beams have moved by so much, metres, they meet other places of a wall.
@@ -33,7 +32,7 @@ impl Confirmation {
     /// Time goes on by so much, seconds, to the step of this number.
     pub fn wait(&mut self, dt_s: f32, step: &Step, number: u32) {
         self.for_s += dt_s;
-        self.moved_m += step.path_m + MIDDLE_M * step.increment.turn_rad.abs();
+        self.moved_m += step.beams_moved_m();
         if self.moved_m <= ELSEWHERE_M {
             self.onset = number;
         }

@@ -13,7 +13,7 @@ pub mod search;
 use crate::jolts::confirmation::{Confirmation, SURE, TRIAL_S};
 use crate::jolts::recent::{Moment, Recent, Seen};
 use crate::jolts::search::{Displacement, JOLT, STARTS, Scene};
-use crate::measurement::data_association::{MIDDLE_M, change};
+use crate::measurement::data_association::change;
 use crate::motion::step::Step;
 use crate::report::Outcome;
 
@@ -107,7 +107,7 @@ impl Jolts {
     #[inline(never)]
     pub fn wait(&mut self, dt_s: f32, step: &Step, number: u32) {
         self.since_s += dt_s;
-        self.moved_m += step.path_m + MIDDLE_M * step.increment.turn_rad.abs();
+        self.moved_m += step.beams_moved_m();
         if self.since_s >= LOOK_S {
             (self.since_s, self.begun) = (0.0, number);
             self.between_m = core::mem::take(&mut self.moved_m);

@@ -20,7 +20,7 @@ pub struct Seen {
     /// Step in which it was made.
     pub step: u32,
     /// Index of its sensor.
-    pub sensor: usize,
+    pub sensor: u8,
     /// Where the robot was then, in the frame of dead reckoning.
     pub from: Pose,
     /// Where its beam began, metres, and its unit vector, in the frame of dead reckoning.
@@ -48,7 +48,7 @@ impl Seen {
         let beam = mount.beam([pose.x_m, pose.y_m], sin_cos(pose.theta_rad));
         Self {
             step,
-            sensor: sensor.index,
+            sensor: sensor.index as u8,
             from: *pose,
             origin_m: beam.origin,
             direction: beam.direction,
@@ -115,7 +115,7 @@ impl Recent {
 impl Seen {
     /// The reading of one of these sensors, as it is held against a prediction.
     pub fn reading(&self, sensors: &[RangeSensor]) -> Reading {
-        let noise = match sensors.get(self.sensor).map(|sensor| &sensor.model) {
+        let noise = match sensors.get(usize::from(self.sensor)).map(|sensor| &sensor.model) {
             // In units of the voltage read.
             Some(&RangeModel::Sharp { exponent, .. }) => {
                 let relative = self.sigma_m / (exponent * self.range_m);

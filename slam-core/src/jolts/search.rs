@@ -116,7 +116,7 @@ struct Held {
 #[derive(Clone, Copy, Default, PartialEq, Eq)]
 struct Surface {
     wall: u16,
-    sensor: usize,
+    sensor: u8,
     /// Whether a robot that is where the filter has it should see a wall there.
     is_expected: bool,
 }
@@ -235,7 +235,7 @@ impl Scene<'_> {
 
     /// Length of the beam on which its sensor sees something, metres.
     fn span_m(&self, seen: &Seen) -> f32 {
-        self.sensors.get(seen.sensor).map_or(1.0, RangeSensor::span_m)
+        self.sensors.get(usize::from(seen.sensor)).map_or(1.0, RangeSensor::span_m)
     }
 
     /// A reading by this beam, held against the wall that it should have met, with so much more noise.

@@ -15,9 +15,6 @@ const CHANGE_M: f32 = 0.75;
 /// Least and greatest chance of that between two looks: people walk; and a change that is as likely as not tells nothing.
 pub const CHANGES: (f32, f32) = (0.02, 0.6);
 
-/// Distance of a beam's middle from the robot, metres, by which turns move it.
-pub const MIDDLE_M: f32 = 0.5;
-
 /// Chance that a beam whose middle moved by so much, metres, came to something else.
 pub fn change(moved_m: f32) -> f32 {
     let (least, most) = CHANGES;

@@ -203,13 +203,15 @@ impl Observer<'_> {
         if nearly { Err(Refusal::Ambiguous) } else { Ok(outcome) }
     }
 
-    /// A beam that found nothing within its range, where it should have met a wall well within it, went through the wall.
-    pub fn judge_absence(&mut self, sensor: &Sensor) {
+    /// A beam that found nothing within its range, where it should have met a wall well within it, went through the wall: its identifier.
+    pub fn judge_absence(&mut self, sensor: &Sensor) -> Option<u16> {
         let beam = self.beam(sensor, sin_cos(self.ekf.mean(THETA)));
-        let Some(met) = self.first_met(&beam, 0.0, ABSENCE_SHARE * sensor.limits.max_m) else { return };
+        let met = self.first_met(&beam, 0.0, ABSENCE_SHARE * sensor.limits.max_m)?;
         if met.inside_m > ABSENCE_M && met.cos_incidence > sensor.state.min_cos {
             self.map.passed_through(met.index, met.along_m);
+            return self.map.walls().get(met.index).map(|wall| wall.id);
         }
+        None
     }
 
     fn beam(&self, sensor: &Sensor, heading: (f32, f32)) -> Beam {

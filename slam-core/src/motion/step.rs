@@ -11,6 +11,9 @@ use crate::motion::travel::Travel;
 use crate::rig::DriveModel;
 use crate::sample::Increment;
 
+/// Distance of a beam's middle from the robot, metres, by which turns move it.
+pub const MIDDLE_M: f32 = 0.5;
+
 /// Calibration factors in use, and where their derivatives go.
 #[derive(Clone, Copy, Debug)]
 pub struct Factor {
@@ -55,6 +58,11 @@ pub struct Step {
 }
 
 impl Step {
+    /// How far the middle of a beam moved, metres.
+    pub fn beams_moved_m(&self) -> f32 {
+        self.path_m + MIDDLE_M * self.increment.turn_rad.abs()
+    }
+
     /// What is known of the step after this one when its motion is lost: the robot stood or went on as before, so it is
     /// where it was, give or take that much: at least a centimetre and a degree, at most what a cleaning robot does in a
     /// fifth of a second.

@@ -8,29 +8,49 @@ use crate::filter::layout::THETA;
 use crate::health::HealthMonitor;
 use crate::{Health, Outcome, RangeInput, Refusal, RobotSlam, Sample};
 
-const FITS: Outcome = Outcome::Updated { wall: 1, innovation_m: 0.0, variance_m2: 1e-4 };
-const IS_OFF: Outcome = Outcome::Gated { wall: 1, innovation_m: 0.5, variance_m2: 1e-4 };
+const FITS: Outcome = fits(1);
+const IS_OFF: Outcome = hidden(2);
+
+const fn fits(wall: u16) -> Outcome {
+    Outcome::Updated { wall, innovation_m: 0.0, variance_m2: 1e-4 }
+}
+
+/// Something is seen before the wall.
+const fn hidden(wall: u16) -> Outcome {
+    Outcome::Gated { wall, innovation_m: -0.5, variance_m2: 1e-4 }
+}
+
+/// Something is seen behind it.
+const fn passed(wall: u16) -> Outcome {
+    Outcome::Gated { wall, innovation_m: 0.5, variance_m2: 1e-4 }
+}
 
 /// A step each centimetre from one path length to another; the first cause for a new map, with the path then.
 fn drive(monitor: &mut HealthMonitor, path_cm: core::ops::Range<u32>, readings: &[Outcome]) -> Option<(u32, Health)> {
     for cm in path_cm {
         let path_m = cm as f32 * 0.01;
         readings.iter().for_each(|outcome| monitor.note(outcome, path_m));
-        if let Some(cause) = monitor.judge(path_m, Some(1e-4), true) {
+        if let Some(cause) = monitor.judge(path_m, 0.01, Some(1e-4), true) {
             return Some((cm, cause));
         }
+        monitor.follow(NEXT);
     }
     None
 }
 
+/// Walls from this identifier on are not drawn yet.
+const NEXT: u16 = 20;
+
 #[test]
 fn readings_against_the_map_for_metres_are_no_chance() {
+    let off = [FITS, IS_OFF, passed(3), hidden(4), passed(5)];
     let mut monitor = HealthMonitor::NEW;
-    assert_eq!(drive(&mut monitor, 0..480, &[FITS, IS_OFF, IS_OFF]), None);
+    assert_eq!(drive(&mut monitor, 0..2000, &[FITS, fits(2), fits(3), fits(4)]), None);
+    assert_eq!(drive(&mut monitor, 2000..2150, &off), None);
     assert_eq!(monitor.health(), Health::Well);
-    let (cm, cause) = drive(&mut monitor, 480..1000, &[FITS, IS_OFF, IS_OFF]).expect("contradicted");
+    let (cm, cause) = drive(&mut monitor, 2150..3000, &off).expect("contradicted");
     assert_eq!(cause, Health::Contradicted);
-    assert!((500..530).contains(&cm), "{cm} cm");
+    assert!((2150..2400).contains(&cm), "{cm} cm");
     assert_eq!(monitor.health(), Health::Contradicted);
     // Until readings fit walls again.
     assert_eq!(drive(&mut monitor, cm..cm + 19, &[FITS]), None);
@@ -43,11 +63,55 @@ fn readings_against_the_map_for_metres_are_no_chance() {
 fn people_and_open_doors_are_no_reason() {
     let mut monitor = HealthMonitor::NEW;
     for metre in 0..1000 {
-        // A third of the way most readings are of something else.
-        let readings: &[Outcome] = if metre % 3 == 0 { &[FITS, IS_OFF, IS_OFF] } else { &[FITS, FITS, IS_OFF] };
-        assert_eq!(drive(&mut monitor, 100 * metre..100 * metre + 100, readings), None, "{metre} m");
+        // A third of the way most walls are hidden, or open.
+        let readings = match metre % 6 {
+            0 => [FITS, IS_OFF, hidden(3), hidden(4)],
+            3 => [FITS, IS_OFF, passed(3), passed(4)],
+            _ => [FITS, fits(2), fits(3), IS_OFF],
+        };
+        assert_eq!(drive(&mut monitor, 100 * metre..100 * metre + 100, &readings), None, "{metre} m");
     }
     assert_eq!(monitor.health(), Health::Well);
+}
+
+#[test]
+fn readings_of_one_kind_in_a_stretch_say_so_and_of_two_nothing() {
+    let odds = |readings: &[Outcome]| {
+        let mut monitor = HealthMonitor::NEW;
+        assert_eq!(drive(&mut monitor, 0..40, readings), None);
+        monitor.odds()
+    };
+    let one = odds(&[IS_OFF]);
+    assert!(one > 0.0);
+    assert!((odds(&[IS_OFF; 5]) - one).abs() < 1e-6, "a wall says one thing, however many sensors see it");
+    assert!((odds(&[hidden(2), hidden(3)]) - 2.0 * one).abs() < 1e-6);
+    assert!(odds(&[passed(2)]) > one, "people hide walls oftener than walls go");
+    assert_eq!(odds(&[hidden(2), fits(2)]), 0.0);
+}
+
+#[test]
+fn a_home_where_much_is_hidden_is_not_soon_another_one() {
+    let contradicted_cm = |people: &[Outcome]| {
+        let mut monitor = HealthMonitor::NEW;
+        assert_eq!(drive(&mut monitor, 0..20_000, people), None);
+        drive(&mut monitor, 20_000..40_000, &[hidden(2), passed(3), hidden(4)]).map(|(cm, _)| cm - 20_000)
+    };
+    let (quiet, crowded) = (contradicted_cm(&[fits(2), fits(3)]), contradicted_cm(&[fits(2), hidden(3), fits(4)]));
+    let (quiet, crowded) = (quiet.expect("elsewhere"), crowded.expect("elsewhere"));
+    assert!(quiet < 300 && crowded > 2 * quiet, "{quiet} cm, {crowded} cm");
+}
+
+#[test]
+fn what_is_drawn_by_a_robot_that_may_be_elsewhere_says_nothing() {
+    let lost = [IS_OFF, hidden(3), passed(4), hidden(5), passed(6)];
+    // It draws what is there a second time, and that fits.
+    let drawn = [lost.as_slice(), &[20, 21, 22, 23, 24, 25, 26, 27].map(fits)].concat();
+    let mut monitor = HealthMonitor::NEW;
+    assert_eq!(drive(&mut monitor, 0..76, &lost), None);
+    let (cm, cause) = drive(&mut monitor, 76..1000, &drawn).expect("contradicted");
+    assert!(cm < 400 && cause == Health::Contradicted, "{cm} cm, {cause:?}");
+    let mut monitor = HealthMonitor::NEW;
+    assert_eq!(drive(&mut monitor, 0..1000, &drawn), None, "walls that were there before anything spoke for that do");
 }
 
 #[test]
@@ -69,7 +133,7 @@ fn what_is_no_estimate_ends_at_once() {
     let judged = |outcome: Outcome, heading_variance: Option<f32>, is_sound: bool| {
         let mut monitor = HealthMonitor::NEW;
         monitor.note(&outcome, 0.0);
-        monitor.judge(0.0, heading_variance, is_sound)
+        monitor.judge(0.0, 0.0, heading_variance, is_sound)
     };
     assert_eq!(judged(FITS, Some(0.9), true), None);
     assert_eq!(judged(FITS, Some(1.1), true), Some(Health::Disoriented));
