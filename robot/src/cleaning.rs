@@ -4,7 +4,8 @@
 //! begun -> own     the pose is in the frame of the map that is kept, or none is kept
 //! begun -> fresh   a map is kept, and the robot does not know where it is in it: it sweeps by its fresh map
 //! fresh -> own     found: what was swept so far lies in the kept map as the robot does
-//! own   -> fresh   carried, and looked for itself for as long a path as what was swept is worth: all anew from here
+//! own   -> fresh   lost, and looked for itself for as long a path as what was swept is worth: all anew; home is here where it was
+//!                  carried, and else where it was: somebody pushed it aside
 //! fresh -> fresh   carried: all anew from here
 //! own   -> own     the home was in it twice: what was swept meanwhile lies who knows where; all anew, home is where it was
 //! ```
@@ -40,6 +41,8 @@ pub(crate) struct Cleaning<const S: usize> {
     redrawn: Option<u32>,
     /// Path without knowing where it is in its own map, metres.
     searched_m: f32,
+    /// Somebody lifted it, and it has not found itself since.
+    is_carried: bool,
     /// Where it was in the last step, in the map and by the wheels alone.
     last: Option<[Pose; 2]>,
     /// Areas of the kept map as far as they were told, and the corner that comes next.
@@ -55,6 +58,7 @@ impl<const S: usize> Cleaning<S> {
         world: None,
         redrawn: None,
         searched_m: 0.0,
+        is_carried: false,
         last: None,
         bounds: Bounds::NONE,
         next_corner: 0,
@@ -133,6 +137,7 @@ impl<const S: usize> Cleaning<S> {
         let reckoned = whereabouts.reckoned;
         let [_, last] = self.last.unwrap_or([reckoned; 2]);
         let moved_m = libm::hypotf(reckoned.x_m - last.x_m, reckoned.y_m - last.y_m);
+        self.is_carried = senses.contacts.lifted || self.is_carried && !whereabouts.is_located;
         if whereabouts.is_located {
             self.searched_m = 0.0;
         } else if moved_m.is_finite() && !senses.contacts.lifted {
@@ -154,7 +159,13 @@ impl<const S: usize> Cleaning<S> {
                 self.job.go_home_to(start);
             }
             (Some(Map::Fresh), _) if senses.contacts.lifted => self.begin_anew(),
-            (Some(Map::Own), _) if !is_located && self.is_worth_less_than_the_search() => self.begin_anew(),
+            (Some(Map::Own), _) if !is_located && self.is_worth_less_than_the_search() => {
+                let home = self.job.home().filter(|_| !self.is_carried);
+                self.begin_anew();
+                if let Some(home) = home {
+                    self.job.go_home_to(home);
+                }
+            }
             _ if is_elsewhere => self.begin_anew(),
             (Some(map), _) => {
                 if let Some(home) = self.job.home().filter(|_| is_redrawn) {

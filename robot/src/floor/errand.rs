@@ -73,8 +73,9 @@ impl<const S: usize> FloorJob<S> {
         match self.phase {
             Phase::Over { .. } | Phase::Paused => {}
             Phase::Lost if is_located => {
-                // What stands where is seen anew; what was swept is known.
+                // What stands where is seen anew; what was swept is known. Before it knew that it was lost it saw things where they are not.
                 self.near.clear();
+                self.sheet.picture.doubt_obstacles();
                 self.last = None;
                 self.go_about(senses.time_us);
             }

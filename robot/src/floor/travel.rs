@@ -27,6 +27,8 @@ const SQUEEZE_M2: f32 = 0.5;
 const MAX_SQUEEZES: u8 = 12;
 /// A way home is looked for so often, every second time from farther along the walls.
 const MAX_RETURNS: u8 = 12;
+/// After so many it is what was seen that bars the way.
+const DOUBTED_RETURNS: u8 = 4;
 /// Home is this near, metres.
 const HOME_M: f32 = 0.03;
 
@@ -94,7 +96,10 @@ impl<const S: usize> FloorJob<S> {
     pub(super) fn return_again(&mut self, now_us: u64) {
         self.retries = self.retries.saturating_add(1);
         self.blocked = 0;
-        self.sheet.picture.forget_visits();
+        match self.retries {
+            0..=DOUBTED_RETURNS => self.sheet.picture.forget_visits(),
+            _ => self.sheet.picture.doubt_obstacles(),
+        }
         if self.retries > MAX_RETURNS {
             self.begin(Phase::Over { is_home: false }, now_us);
         } else if self.retries.is_multiple_of(2) {

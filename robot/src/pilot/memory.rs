@@ -203,6 +203,14 @@ impl<const N: usize> Memory<N> {
         self.cells.as_flattened_mut().iter_mut().for_each(|value| *value &= !(VISITED | BLOCKED));
     }
 
+    /// Doubts every obstacle: one more beam that ends there makes it one again.
+    pub(crate) fn doubt_obstacles(&mut self) {
+        for value in self.cells.as_flattened_mut() {
+            let evidence = (*value & EVIDENCE).min(OCCUPIED - 1);
+            *value = *value & !(EVIDENCE | BLOCKED) | evidence;
+        }
+    }
+
     pub(crate) fn clear_steps(&mut self) {
         self.cells.as_flattened_mut().iter_mut().for_each(|value| *value &= !STEP);
     }
