@@ -2,7 +2,7 @@
 
 use hal_sim::floor::{FloorRaster, Moment};
 use hal_sim::{ClosedLoop, Estimate, Plan, SimError, SimOptions, Simulation};
-use robot::{Activity, Bounds, FLOOR_RECORD_BYTES, FloorConfig, FloorRecordError, PilotConfig};
+use robot::{Activity, Bounds, FLOOR_RECORD_BYTES, FloorConfig, FloorProgress, FloorRecordError, PilotConfig};
 
 use super::map_file::MapId;
 use super::session::Session;
@@ -195,6 +195,11 @@ impl Drive {
     /// Whether the robot has nothing left to do.
     pub fn is_over(&self) -> bool {
         self.robot.job.is_over()
+    }
+
+    /// How far the floor job says it is; none of a robot that has another job.
+    pub fn progress(&self) -> Option<FloorProgress> {
+        self.robot.job.floor()
     }
 
     /// The floor as it was swept so far.

@@ -94,6 +94,11 @@ impl Session {
         self.life.is_located()
     }
 
+    /// How often a place was given up.
+    pub fn lost(&self) -> usize {
+        self.life.lost()
+    }
+
     /// What the searches for the place in the kept map found so far.
     pub fn searches(&self) -> &[Searched] {
         self.life.searches()

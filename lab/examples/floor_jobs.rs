@@ -1,4 +1,4 @@
-//! Writes `docs/results/floor.md`: `cargo run --release --package hal-sim --example floor_jobs`. With `-- SEEDS HOME...`, as in
+//! Writes `docs/results/floor.md`: `cargo run --release --package lab --example floor_jobs`. With `-- SEEDS HOME...`, as in
 //! `-- 11-13 flat random-101`, it prints the rows of these homes instead, and what the path was driven for; with
 //! `-- mishaps` the tables of what goes wrong alone.
 
@@ -6,25 +6,30 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
+use hal_sim::floor::FloorScore;
 use hal_sim::mishap::{Hold, Kick};
 use hal_sim::plan::{Door, Person, Plan};
 use hal_sim::random_home::somebody;
 use hal_sim::rng::Rng;
-use hal_sim::{BatteryOptions, FloorDrive, Pose2, SimOptions, clean, clean_with, plan_file};
-use robot::FloorState;
+use hal_sim::{BatteryOptions, Pose2, SimOptions, Simulation, plan_file};
+use lab::input::built_in_robot;
+use lab::run::{Drive, Session};
+use robot::{FloorProgress, FloorState};
+use slam_core::Config;
 
 const MISHAPS_HEAD: &str = "\n## When something goes wrong\n\n\
     The flat, five minutes after the start, three seeds each; swept is of the floor that stays in reach. *Pose off* is how far the\n\
-    estimated position was off at worst. The bar is 95 % swept. Who gives way turns round before the robot; who does not walks into it,\n\
+    estimated position was off at worst, where a place was claimed. The bar is 95 % swept. Who gives way turns round before the robot; who does not walks into it,\n\
     again and again, and pushes it along by up to a metre, unseen by its wheels.\n\n\
     | what | drives | done and back | swept, % | overlap | minutes | pose off, m |\n\
     |---|---|---|---|---|---|---|\n";
 const RANDOM_MISHAPS_HEAD: &str = "\n## The same in random homes\n\n\
     The random homes 41 to 60, one drive each, the moment and the way of who walks drawn. Done and back is within 20 cm of the start by\n\
-    the true pose. Mean, and in brackets the worst; of *pose off* the median and the worst. *Twice* is in how many the robot found its home\n\
+    the true pose. Mean, and in brackets the worst; of *pose off* the median and the worst. *Gave up* is in how many the robot\n\
+    [gave its place up](../explanation/kept-map.md#a-map-that-the-readings-contradict) and looked for itself, *twice* in how many it found its home\n\
     [in its map twice](../explanation/kept-map.md#a-home-that-is-in-one-map-twice).\n\n\
-    | what | drives | done and back | swept, % | at least 95 % swept | overlap | minutes | pose off, m | twice |\n\
-    |---|---|---|---|---|---|---|---|---|\n";
+    | what | drives | done and back | swept, % | at least 95 % swept | overlap | minutes | pose off, m | gave up | twice |\n\
+    |---|---|---|---|---|---|---|---|---|---|\n";
 const MISHAP_SEEDS: std::ops::RangeInclusive<u64> = 1..=3;
 
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=10;
@@ -35,7 +40,7 @@ const RANDOM_HOMES: std::ops::RangeInclusive<u64> = 41..=80;
 const MINUTES: f64 = 60.0;
 
 const HEAD: &str = "# Floors swept\n\n\
-    Written by `cargo run --release --package hal-sim --example floor_jobs`. The built-in robot sweeps each home once, from an empty map,\n\
+    Written by `cargo run --release --package lab --example floor_jobs`. The built-in robot sweeps each home once, from an empty map,\n\
     without a dock; [what counts](../explanation/floor-job.md#what-counts). Mean, and in brackets the worst: of ten seeds a built-in\n\
     plan, and of the random homes 41 to 80 (`--plan random-SEED`), one drive each. *Bars* are what is aimed at: at least 96 % swept (93 %\n\
     in clutter), overlap at most 1.5, no hole over 0.05 m2, back within 20 cm, the flat in 20 minutes.\n\n\
@@ -82,7 +87,45 @@ fn mishaps() -> String {
 
 fn job(home: &str, seed: u64) -> FloorDrive {
     let plan = plan_file::load(home).expect("a built-in plan, or random-SEED");
-    clean(&plan, SimOptions::default(), seed, MINUTES).expect("the robot fits")
+    clean(&plan, SimOptions::default(), seed, |_| ())
+}
+
+/// How a floor job ended.
+struct FloorDrive {
+    score: FloorScore,
+    progress: FloorProgress,
+    minutes: f64,
+    /// Largest distance between estimated and true position where the robot claimed a place, metres.
+    worst_m: f64,
+    /// How often its home was in its map twice.
+    second_copies: u32,
+    /// How often it gave its place up.
+    lost: usize,
+}
+
+/// Lets the default robot clean a home, with somebody who may meddle after each step.
+fn clean(plan: &Plan, options: SimOptions, seed: u64, mut meddle: impl FnMut(&mut Simulation)) -> FloorDrive {
+    let (robot, _) = built_in_robot().expect("the built-in rig is good");
+    let mut session = Session::new(&robot, Config::for_rig(&robot.rig), plan.name.clone()).expect("a good rig");
+    let mut drive = Drive::cleaning(plan, &robot, options, seed).expect("the robot fits");
+    let (mut t_s, mut worst_m) = (0.0, 0.0_f64);
+    while t_s < 60.0 * MINUTES && !drive.is_over() {
+        let row = drive.step(&mut session);
+        t_s = row.t_s;
+        if let Some(truth) = row.truth.filter(|_| session.is_located()) {
+            let pose = session.slam().pose();
+            worst_m = worst_m.max((f64::from(pose.x_m) - truth.x_m).hypot(f64::from(pose.y_m) - truth.y_m));
+        }
+        meddle(drive.simulation());
+    }
+    FloorDrive {
+        score: drive.floor().score(),
+        progress: drive.progress().unwrap_or_default(),
+        minutes: t_s / 60.0,
+        worst_m,
+        second_copies: session.slam().counters().second_copies,
+        lost: session.lost(),
+    }
 }
 
 /// What goes wrong in the flat, five minutes after the start or all the time.
@@ -94,6 +137,7 @@ enum Mishap {
     Door,
     Slips,
     Kick,
+    Push,
     Lift,
     Battery,
     Held,
@@ -101,20 +145,21 @@ enum Mishap {
 }
 
 impl Mishap {
-    const ALL: [Self; 10] = [
+    const ALL: [Self; 11] = [
         Self::None,
         Self::GivesWay,
         Self::Pushes,
         Self::Door,
         Self::Slips,
         Self::Kick,
+        Self::Push,
         Self::Lift,
         Self::Battery,
         Self::Held,
         Self::Jammed,
     ];
 
-    const IN_RANDOM_HOMES: [Self; 5] = [Self::None, Self::GivesWay, Self::Pushes, Self::Kick, Self::Held];
+    const IN_RANDOM_HOMES: [Self; 6] = [Self::None, Self::GivesWay, Self::Pushes, Self::Kick, Self::Push, Self::Held];
 
     fn name(self) -> &'static str {
         match self {
@@ -124,6 +169,7 @@ impl Mishap {
             Self::Door => "the door to the kitchen shuts for good",
             Self::Slips => "a wheel slips by 2 cm every other metre",
             Self::Kick => "a kick, 10 cm and 15 degrees",
+            Self::Push => "pushed aside once, by 50 cm",
             Self::Lift => "lifted for 5 s, put back 3 cm and 3 degrees off",
             Self::Battery => "the battery lasts 10 minutes, a dock charges it in 5",
             Self::Held => "held for 20 s, wheels turning",
@@ -166,6 +212,7 @@ impl Mishap {
             }),
             Self::Slips => (options.drive.slips_per_m, options.drive.slip_m) = (0.5, 0.02),
             Self::Kick => plan.mishaps.kicks.push(Kick { at_s, slide_m: 0.1, turn_rad: 15_f64.to_radians() }),
+            Self::Push => plan.mishaps.kicks.push(Kick { at_s, slide_m: 0.5, turn_rad: 0.0 }),
             Self::Battery => {
                 // At the southern wall, which it looks to.
                 plan.start = Pose2::new(1.2, 0.185, -core::f64::consts::FRAC_PI_2);
@@ -178,15 +225,14 @@ impl Mishap {
             }
         }
         let mut is_lift_due = matches!(self, Self::Lift);
-        let drive = clean_with(&plan, options, seed, MINUTES, |robot| {
-            if is_lift_due && robot.simulation.time_s() >= at_s {
-                let pose = robot.simulation.pose_in_plan();
+        clean(&plan, options, seed, |simulation| {
+            if is_lift_due && simulation.time_s() >= at_s {
+                let pose = simulation.pose_in_plan();
                 let to = Pose2 { x_m: pose.x_m + 0.03, theta_rad: pose.theta_rad + 0.05, ..pose };
                 // Where there is no room just there, it is lifted a little later.
-                is_lift_due = robot.simulation.carry(Some(to), 5.0).is_err();
+                is_lift_due = simulation.carry(Some(to), 5.0).is_err();
             }
-        });
-        drive.expect("the robot fits")
+        })
     }
 }
 
@@ -214,7 +260,7 @@ fn random_mishap_row(page: &mut String, name: &str, jobs: &[FloorDrive]) {
     off_m.sort_by(f64::total_cmp);
     let line = writeln!(
         page,
-        "| {name} | {} | {} | {:.1} ({:.1}) | {} | {:.2} | {:.1} | {:.2} ({:.2}) | {} |",
+        "| {name} | {} | {} | {:.1} ({:.1}) | {} | {:.2} | {:.1} | {:.2} ({:.2}) | {} | {} |",
         jobs.len(),
         jobs.iter().filter(is_back).count(),
         mean(|job| 100.0 * job.score.swept),
@@ -224,6 +270,7 @@ fn random_mishap_row(page: &mut String, name: &str, jobs: &[FloorDrive]) {
         mean(|job| job.minutes),
         off_m[off_m.len() / 2],
         off_m.last().copied().unwrap_or_default(),
+        jobs.iter().filter(|job| job.lost > 0).count(),
         jobs.iter().filter(|job| job.second_copies > 0).count(),
     );
     line.expect("a String takes it all");
