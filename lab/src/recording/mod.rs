@@ -113,6 +113,8 @@ pub struct Step {
     pub merges: u8,
     /// Walls removed in this step.
     pub prunes: u8,
+    /// Maps that the estimator had begun anew until then.
+    pub restarts: u32,
     /// How the estimator was after it.
     pub health: Health,
     /// The pose is in a fresh map's frame, for the robot has not found itself in the kept one, and is not scored. Else it is

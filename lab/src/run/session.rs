@@ -177,6 +177,7 @@ impl Session {
             births: report.births,
             merges: report.merges,
             prunes: report.prunes,
+            restarts: self.slam.counters().restarts,
             health: report.health,
         };
         self.recording.readings.extend_from_slice(&report.readings[..self.recording.sensors.len()]);

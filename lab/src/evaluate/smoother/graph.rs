@@ -4,7 +4,6 @@
 //! come first: each is tied to the next only, so that a Cholesky factor in this order fills in no more than the walls' rows.
 
 use std::collections::BTreeMap;
-use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{DMatrix, DVector};
 use nalgebra_sparse::factorization::CscCholesky;
@@ -13,6 +12,7 @@ use slam_core::{BUILT_TOLERANCE, DriveModel, Rig, SLIP_M2_PER_RAD, SLIP_RUNS, Wa
 
 use super::keyframes::Keyframes;
 use super::line::Points;
+use super::parts::{Line, Parts, off_grid};
 use super::seen::{Beam, SIGMAS, Seen};
 use super::sightings::{Noise, Sighting, ended_on};
 use crate::input::rig_file::MAX_SENSORS;
@@ -59,7 +59,8 @@ pub struct Graph {
 impl Graph {
     /// Of a record; none where there is nothing to place.
     pub fn new(recording: &Recording, rig: &Rig<MAX_SENSORS>, keyframes: &Keyframes) -> Option<Self> {
-        let ended = ended_on(recording);
+        let mut parts = Parts::of(recording);
+        let ended = ended_on(recording, &parts);
         let mut counts: BTreeMap<u16, usize> = BTreeMap::new();
         for id in ended.iter().filter_map(|end| end.wall) {
             *counts.entry(id).or_default() += 1;
@@ -68,29 +69,33 @@ impl Graph {
         let keys = keyframes.steps().len();
         let mut sightings = Vec::new();
         let mut drawn = vec![Points::default(); ids.len()];
+        let mut drawn_in = vec![0; ids.len()];
         for end in &ended {
             let wall = end.wall.and_then(|id| ids.binary_search(&id).ok());
             sightings.extend(Sighting::of(recording, rig, keyframes, end, wall));
             if let Some(wall) = wall {
+                drawn_in[wall] = parts.at(end.step);
                 let pose = recording.steps[end.step].pose;
                 drawn[wall].add(end.at_m, [end.at_m[0] - pose.x_m, end.at_m[1] - pose.y_m]);
             }
         }
-        let alpha = recording.steps.last()?.alpha.map(|(alpha, _)| f64::from(alpha));
+        let lines: Vec<Line> = drawn.iter().zip(drawn_in).map(|(points, part)| Line::of(points, part)).collect();
+        parts.turn(&recording.steps, &lines);
         let mut state = DVector::zeros(3 * keys + 2 * ids.len() + 4);
         for (key, step) in keyframes.steps().iter().enumerate() {
-            let pose = recording.steps[*step].pose;
+            let pose = parts.frame(parts.at(*step)).compose(&recording.steps[*step].pose);
             state.as_mut_slice()[3 * key..3 * key + 3].copy_from_slice(&[pose.x_m, pose.y_m, pose.theta_rad]);
         }
         let mut on_grid = Vec::new();
-        for (wall, points) in drawn.iter().enumerate() {
-            let (rho_m, beta_rad) = points.line();
+        for (wall, line) in lines.iter().enumerate() {
+            let (rho_m, beta_rad) = parts.place(line);
             state[3 * keys + 2 * wall] = rho_m;
             state[3 * keys + 2 * wall + 1] = beta_rad;
+            let alpha = parts.grid(line.part);
             on_grid.push(alpha.is_some_and(|alpha| off_grid(beta_rad, alpha).abs() < OFF_GRID_RAD));
         }
         let calibration = 3 * keys + 2 * ids.len();
-        state[calibration] = alpha.unwrap_or(0.0);
+        state[calibration] = parts.grid(parts.at(recording.steps.len())).unwrap_or(0.0);
         state[calibration + 1] = 1.0;
         state[calibration + 2] = 1.0;
         let stretches = keyframes.stretches.iter();
@@ -328,12 +333,6 @@ impl Normal {
         let step = DVector::from_column_slice(step.as_slice());
         Some((factor, step))
     }
-}
-
-/// Angle from the nearest direction of the grid.
-fn off_grid(beta_rad: f64, alpha_rad: f64) -> f64 {
-    let difference = beta_rad - alpha_rad;
-    difference - (difference / FRAC_PI_2).round() * FRAC_PI_2
 }
 
 fn stretch_noise(drive: &DriveModel, path_m: f64, turning_rad: f64) -> StretchNoise {

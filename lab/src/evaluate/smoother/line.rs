@@ -23,6 +23,11 @@ impl Points {
         self.met.push((at_m, beam));
     }
 
+    /// How many.
+    pub fn count(&self) -> usize {
+        self.met.len()
+    }
+
     /// Offset and direction of the normal, which points along the beams: of lines through two of the points that with the
     /// least median distance (Rousseeuw 1984), then least squares across it of the half that is nearest.
     pub fn line(&self) -> (f64, f64) {

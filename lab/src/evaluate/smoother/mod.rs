@@ -12,6 +12,7 @@ mod graph;
 mod keyframes;
 mod labels;
 mod line;
+mod parts;
 mod seen;
 mod sightings;
 mod twins;

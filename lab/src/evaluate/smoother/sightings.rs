@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use slam_core::{BUILT_RELIEF_M, Outcome, RangeModel, RangeSensor, Rig, SURFACE_M, WallView};
 
 use super::keyframes::Keyframes;
+use super::parts::Parts;
 use crate::input::rig_file::MAX_SENSORS;
 use crate::recording::{MapSnapshot, Pose2, Recording, wrap};
 
@@ -92,8 +93,8 @@ impl Sighting {
 }
 
 /// Every reading that ended somewhere.
-pub fn ended_on(recording: &Recording) -> Vec<End> {
-    let became = mergers(&recording.maps);
+pub fn ended_on(recording: &Recording, parts: &Parts) -> Vec<End> {
+    let became = mergers(&recording.maps, parts);
     // Identifiers come again after 65,536 births: then a chain of mergers may have no end.
     let chain = |id: u16| std::iter::successors(Some(id), |id| became.get(id).copied()).take(became.len() + 1);
     let root = |id: u16| chain(id).last().unwrap_or(id);
@@ -114,10 +115,13 @@ pub fn ended_on(recording: &Recording) -> Vec<End> {
 }
 
 /// Which wall each merged one became part of: one beside it that has its readings from then on.
-fn mergers(maps: &[MapSnapshot]) -> BTreeMap<u16, u16> {
+fn mergers(maps: &[MapSnapshot], parts: &Parts) -> BTreeMap<u16, u16> {
     let mut became = BTreeMap::new();
     for pair in maps.windows(2) {
         let [before, after] = pair else { continue };
+        if parts.at(before.step) != parts.at(after.step) {
+            continue;
+        }
         let ids: BTreeSet<u16> = after.walls.iter().map(|wall| wall.id).collect();
         for gone in before.walls.iter().filter(|wall| !ids.contains(&wall.id)) {
             let grown = |wall: &&WallView| {
