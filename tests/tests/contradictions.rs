@@ -1,11 +1,13 @@
 //! Where readings contradict its map a robot keeps it, and finds itself in it.
 
 use hal_sim::rng::Rng;
+use lab::evaluate::{score, smoother};
 use lab::input::built_in_robot;
 use lab::input::log::Row;
+use lab::recording::{Pose2, Step};
 use lab::run::Session;
 use slam_core::kept::Kept;
-use slam_core::{Config, Health, RangeInput};
+use slam_core::{Config, DriveModel, Health, Motion, RangeInput};
 use tests::simulated::rows;
 
 /// When people stand around the robot, seconds.
@@ -23,6 +25,26 @@ fn crowded(seed: u64) -> Vec<Row> {
         }
     }
     rows
+}
+
+/// When they are gone, and the robot has driven on for a while.
+const AFTER_S: f64 = 350.0;
+
+/// How far the robot is turned among the people, radians, and its wheels do not tell: 25 degrees, half a degree in each row.
+const TURNED_RAD: f64 = 0.4363;
+const TURNED_IN: f64 = 50.0;
+
+/// Turns the robot untold at the beginning of the crowd: its wheels count as if it had not.
+fn turn(rows: &mut [Row], drive: &DriveModel) {
+    let DriveModel::Wheels { track_m, metres_per_tick, .. } = *drive else { panic!("a robot with wheels") };
+    let counts = 0.5 * TURNED_RAD * f64::from(track_m) / f64::from(metres_per_tick);
+    let begin = rows.partition_point(|row| row.t_s < CROWD_S.start);
+    for (row, after) in rows[begin..].iter_mut().zip(1..) {
+        let missed = (counts * (f64::from(after) / TURNED_IN).min(1.0)) as i32;
+        if let Motion::Ticks(ticks) = &mut row.sample.motion {
+            (ticks.left, ticks.right) = (ticks.left + missed, ticks.right - missed);
+        }
+    }
 }
 
 /// The estimator's drive over these rows.
@@ -60,4 +82,32 @@ fn a_contradicted_map_is_kept_and_the_robot_finds_itself_in_it() {
         let recording = session.finish();
         assert!(recording.is_one_frame(), "the odometry links all of it");
     }
+}
+
+#[test]
+fn a_look_back_across_a_contradiction_has_all_of_it_on_one_grid() {
+    let (robot, _) = built_in_robot().expect("the built-in rig is good");
+    let mut never_found = 0;
+    for seed in 1..=3 {
+        let mut rows = crowded(seed);
+        turn(&mut rows, &robot.rig.drive);
+        let mut session = session();
+        for row in &rows {
+            session.push(row);
+        }
+        let mut recording = session.finish();
+        assert!(recording.steps.iter().any(|step| step.searching), "seed {seed}: nothing was contradicted");
+        never_found += usize::from(recording.steps.last().is_some_and(|step| step.searching));
+        score::score(&mut recording, &[], None);
+        let back = smoother::add(&mut recording, &robot.rig, &mut |_| ()).expect("there are walls");
+        // Where the robot was while nothing but people was to be seen, the odometry alone says.
+        let after = back.steps.iter().filter(|step| step.t_s > AFTER_S);
+        let errors: Vec<Pose2> = after.filter_map(Step::error).collect();
+        assert!(!errors.is_empty(), "seed {seed}: no truth");
+        for error in errors {
+            let is_there = error.x_m.hypot(error.y_m) < 0.5 && error.theta_rad.abs() < 0.1;
+            assert!(is_there, "seed {seed}: {error:?}");
+        }
+    }
+    assert!(never_found > 0, "all of them found themselves back: a look back has nothing to add");
 }
