@@ -16,7 +16,7 @@ pub struct Part {
 }
 
 /// Every part.
-pub const PARTS: [Part; 17] = [
+pub const PARTS: [Part; 18] = [
     Part::new("grid", "every wall has a direction of its own", |config| config.walls.policy = WallPolicy::Free),
     Part::new("gains", "the range sensors' gains are taken for exact", |config| config.sensing.calibrate_gains = false),
     Part::new("scales", "the drive's scales are taken for exact", |config| config.motion.calibrate_scales = false),
@@ -31,6 +31,9 @@ pub const PARTS: [Part; 17] = [
     }),
     Part::new("repeats", "each reading of a wall is a new one, however near the last", |config| {
         config.sensing.repeats = false
+    }),
+    Part::new("bends", "a wall that turns the robot one way is believed as any other", |config| {
+        config.sensing.bends = false
     }),
     Part::new("relief", "the surfaces of walls are planes", |config| config.walls.relief_m = 0.0),
     Part::new("frame", "the start pose holds the map frame", |config| config.walls.frame = MapFrame::Start),

@@ -185,8 +185,7 @@ impl Observer<'_> {
                 if met.at_end && self.hypothesis(&sight, beyond_m).is_some_and(|next| next.explains) {
                     return Err(Refusal::Ambiguous);
                 }
-                let noise_m2 = self.weighed(met) * self.repeated(&sight, met);
-                self.ekf.update(met.innovation_m, &met.jacobian, noise_m2).map_err(|_| Refusal::Degenerate)?;
+                self.update(&sight, met)?;
                 self.map.met(met.candidate.index, met.candidate.along_m, self.path_m);
                 return Ok(met.updated());
             }
@@ -201,6 +200,20 @@ impl Observer<'_> {
         }
         // At an end it is in doubt whose reading this is: as a new wall's it would turn that one.
         if nearly { Err(Refusal::Ambiguous) } else { Ok(outcome) }
+    }
+
+    fn update(&mut self, sight: &Sight, met: &Hypothesis) -> Result<(), Refusal> {
+        let heading = |ekf: &EkfView| [ekf.mean(THETA), ekf.covariance(THETA, THETA)];
+        let bends = self.sensing.bends && matches!(sight.reading.noise, Noise::Metres { .. });
+        let excess = if bends { self.correlation.bends.excess(met.wall) } else { 1.0 };
+        let noise_m2 = self.weighed(met) * self.repeated(sight, met) * excess;
+        let [before_rad, before_rad2] = heading(self.ekf);
+        self.ekf.update(met.innovation_m, &met.jacobian, noise_m2).map_err(|_| Refusal::Degenerate)?;
+        if bends {
+            let [rad, rad2] = heading(self.ekf);
+            self.correlation.bends.note(met.wall, self.path_m, rad - before_rad, before_rad2 - rad2);
+        }
+        Ok(())
     }
 
     /// A beam that found nothing within its range, where it should have met a wall well within it, went through the wall: its identifier.

@@ -8,6 +8,8 @@
 
 use core::ops::{Deref, DerefMut};
 
+use crate::sensing::bend::Bends;
+
 /// Correlation length of a wall's departure from its plane, metres: the width of a door frame, a pilaster or a panel.
 pub const LENGTH_M: f32 = 0.25;
 
@@ -48,6 +50,8 @@ pub struct Hit {
 /// without its size.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceCorrelationInner<L: ?Sized> {
+    /// What is common to many readings of a wall, where it is not straight.
+    pub bends: Bends,
     pairs: f32,
     /// Mean product of neighbouring normalised innovations, as it would be at the same place.
     product: f32,
@@ -66,6 +70,7 @@ pub type SurfaceCorrelationView = SurfaceCorrelationInner<[Hit]>;
 impl<const S: usize> SurfaceCorrelation<S> {
     /// Nothing seen yet.
     pub const NEW: Self = Self {
+        bends: Bends::NONE,
         pairs: 0.0,
         product: 0.0,
         square: 0.0,

@@ -1,5 +1,6 @@
 //! From a range sensor's input to a reading, and what is known of the errors of readings.
 
+pub mod bend;
 pub mod correlation;
 pub mod latency;
 pub mod noise_level;
@@ -25,6 +26,8 @@ pub struct SensingSettings {
     pub learn_noise: bool,
     /// Readings of one stretch of wall repeat its surface's error, where the sensor reports metres.
     pub repeats: bool,
+    /// A wall whose readings turn the robot one way counts for less, where the sensor reports metres.
+    pub bends: bool,
 }
 
 impl SensingSettings {
@@ -35,6 +38,7 @@ impl SensingSettings {
         calibrate_age: false,
         learn_noise: false,
         repeats: false,
+        bends: false,
     };
 
     /// For sensors whose readings are late, and rigs whose noise is a guess.
@@ -52,6 +56,7 @@ impl Default for SensingSettings {
             calibrate_age: true,
             learn_noise: false,
             repeats: true,
+            bends: true,
         }
     }
 }

@@ -4,6 +4,7 @@
 mod anchors;
 mod angles;
 mod beams;
+mod bends;
 mod births;
 mod buffers;
 mod clusters;

@@ -240,6 +240,7 @@ fn run(policy: WallPolicy, linearisation: Linearisation, seed: u64, steps: u64) 
     config.walls.policy = policy;
     config.measurement.linearisation = linearisation;
     config.sensing.repeats = false;
+    config.sensing.bends = false;
     config.measurement.clutter = false;
     let mut truth = Truth::new(seed);
     let mut first = [0.0; 3];

@@ -162,6 +162,7 @@ fn config(source: &mut Source, rig: &Rig<SENSORS>) -> Config {
     config.motion.find_sign = coin();
     config.motion.find_holds = coin();
     config.sensing.repeats = coin();
+    config.sensing.bends = coin();
     config.sensing.learn_noise = coin();
     config
 }
