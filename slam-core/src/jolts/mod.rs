@@ -59,7 +59,7 @@ struct Trial {
     /// For how long, seconds.
     for_s: f32,
     /// The next start of the search.
-    start: usize,
+    start: u16,
     /// The best displacement of this round.
     best: Displacement,
     /// Log odds of the best of this round's others.
@@ -198,8 +198,8 @@ impl Jolts {
         }
         let readings = self.recent.since(trial.onset, moment);
         let is_late = trial.for_s > TRIAL_S;
-        if trial.start < STARTS {
-            trial.rank(scene.improve(&readings, &Displacement::start(trial.start), &JOLT));
+        if usize::from(trial.start) < STARTS {
+            trial.rank(scene.improve(&readings, &Displacement::start(trial.start.into()), &JOLT));
             trial.start += 1;
             return None;
         }

@@ -14,33 +14,27 @@ const MEMORY_M: f32 = 5.0;
 /// Walls that are kept account of: those that eight beams meet in a corridor, and two more.
 const WALLS: usize = 6;
 
-/// What one wall's readings did to the heading of late.
-#[derive(Clone, Copy, Debug)]
-struct Corrections {
-    wall: u16,
-    /// Their sum, radians.
-    sum_rad: f32,
-    /// Variance that is expected of it, rad^2; zero where no wall is.
-    expected_rad2: f32,
-}
-
 /// What the walls that were met of late did to the heading.
 #[derive(Clone, Copy, Debug)]
 pub struct Bends {
     path_m: f32,
-    walls: [Corrections; WALLS],
+    walls: [u16; WALLS],
+    /// Sum of each one's corrections, radians.
+    sums_rad: [f32; WALLS],
+    /// Variance that is expected of that, rad^2; zero where there is no wall.
+    expected_rad2: [f32; WALLS],
 }
 
 impl Bends {
     /// Nothing met.
-    pub const NONE: Self =
-        Self { path_m: 0.0, walls: [Corrections { wall: 0, sum_rad: 0.0, expected_rad2: 0.0 }; WALLS] };
+    pub const NONE: Self = Self { path_m: 0.0, walls: [0; WALLS], sums_rad: [0.0; WALLS], expected_rad2: [0.0; WALLS] };
 
     /// So many times larger than expected is the square of what a wall's readings turned the robot by, at least 1.
     pub fn excess(&self, wall: u16) -> f32 {
-        let found = self.walls.iter().find(|other| other.wall == wall && other.expected_rad2 > 0.0);
-        // A sum of nothing but rounding errors is no sum.
-        found.map_or(1.0, |of| (of.sum_rad * of.sum_rad / of.expected_rad2.max(f32::MIN_POSITIVE)).clamp(1.0, f32::MAX))
+        let sums = self.walls.iter().zip(self.sums_rad.iter().zip(&self.expected_rad2));
+        let found =
+            sums.filter(|(other, (_, expected))| **other == wall && **expected > 0.0).map(|(_, sums)| sums).next();
+        found.map_or(1.0, |(sum, expected)| (sum * sum / expected.max(f32::MIN_POSITIVE)).clamp(1.0, f32::MAX))
     }
 
     /// A wall's reading turned the robot by so much, radians, and took so much from the variance of its heading.
@@ -49,19 +43,19 @@ impl Bends {
         if driven_m > 0.0 {
             let kept = expf(-driven_m / MEMORY_M);
             // The variance of a sum is that of its terms times the squares of their weights.
-            for of in &mut self.walls {
-                of.sum_rad *= kept;
-                of.expected_rad2 *= kept * kept;
-            }
+            self.sums_rad = self.sums_rad.map(|sum| kept * sum);
+            self.expected_rad2 = self.expected_rad2.map(|expected| kept * kept * expected);
             self.path_m = path_m;
         }
+        let sums = self.walls.iter_mut().zip(self.sums_rad.iter_mut().zip(&mut self.expected_rad2));
         // The one of which least is known makes room for a new one.
-        let rank = |of: &Corrections| if of.wall == wall { -1.0 } else { of.expected_rad2 };
-        let Some(of) = self.walls.iter_mut().min_by(|a, b| rank(a).total_cmp(&rank(b))) else { return };
-        if of.wall != wall {
-            *of = Corrections { wall, sum_rad: 0.0, expected_rad2: 0.0 };
+        let rank =
+            |(other, (_, expected)): &(&mut u16, (&mut f32, &mut f32))| if **other == wall { -1.0 } else { **expected };
+        let Some((other, (sum, expected))) = sums.min_by(|a, b| rank(a).total_cmp(&rank(b))) else { return };
+        if *other != wall {
+            (*other, *sum, *expected) = (wall, 0.0, 0.0);
         }
-        of.sum_rad += turned_rad;
-        of.expected_rad2 += taken_rad2.max(0.0);
+        *sum += turned_rad;
+        *expected += taken_rad2.max(0.0);
     }
 }
