@@ -6,16 +6,13 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-use hal_sim::floor::FloorScore;
 use hal_sim::mishap::{Hold, Kick};
 use hal_sim::plan::{Door, Person, Plan};
 use hal_sim::random_home::somebody;
 use hal_sim::rng::Rng;
-use hal_sim::{BatteryOptions, Pose2, SimOptions, Simulation, plan_file};
-use lab::input::built_in_robot;
-use lab::run::{Drive, Session};
-use robot::{FloorProgress, FloorState};
-use slam_core::Config;
+use hal_sim::{BatteryOptions, Pose2, SimOptions, plan_file};
+use lab::run::{FloorDrive, clean, clean_with};
+use robot::FloorState;
 
 const MISHAPS_HEAD: &str = "\n## When something goes wrong\n\n\
     The flat, five minutes after the start, three seeds each; swept is of the floor that stays in reach. *Pose off* is how far the\n\
@@ -35,9 +32,6 @@ const MISHAP_SEEDS: std::ops::RangeInclusive<u64> = 1..=3;
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=10;
 const MISHAP_HOMES: std::ops::RangeInclusive<u64> = 41..=60;
 const RANDOM_HOMES: std::ops::RangeInclusive<u64> = 41..=80;
-
-/// A job that takes longer than this is ended, minutes.
-const MINUTES: f64 = 60.0;
 
 const HEAD: &str = "# Floors swept\n\n\
     Written by `cargo run --release --package lab --example floor_jobs`. The built-in robot sweeps each home once, from an empty map,\n\
@@ -87,45 +81,7 @@ fn mishaps() -> String {
 
 fn job(home: &str, seed: u64) -> FloorDrive {
     let plan = plan_file::load(home).expect("a built-in plan, or random-SEED");
-    clean(&plan, SimOptions::default(), seed, |_| ())
-}
-
-/// How a floor job ended.
-struct FloorDrive {
-    score: FloorScore,
-    progress: FloorProgress,
-    minutes: f64,
-    /// Largest distance between estimated and true position where the robot claimed a place, metres.
-    worst_m: f64,
-    /// How often its home was in its map twice.
-    second_copies: u32,
-    /// How often it gave its place up.
-    lost: usize,
-}
-
-/// Lets the default robot clean a home, with somebody who may meddle after each step.
-fn clean(plan: &Plan, options: SimOptions, seed: u64, mut meddle: impl FnMut(&mut Simulation)) -> FloorDrive {
-    let (robot, _) = built_in_robot().expect("the built-in rig is good");
-    let mut session = Session::new(&robot, Config::for_rig(&robot.rig), plan.name.clone()).expect("a good rig");
-    let mut drive = Drive::cleaning(plan, &robot, options, seed).expect("the robot fits");
-    let (mut t_s, mut worst_m) = (0.0, 0.0_f64);
-    while t_s < 60.0 * MINUTES && !drive.is_over() {
-        let row = drive.step(&mut session);
-        t_s = row.t_s;
-        if let Some(truth) = row.truth.filter(|_| session.is_located()) {
-            let pose = session.slam().pose();
-            worst_m = worst_m.max((f64::from(pose.x_m) - truth.x_m).hypot(f64::from(pose.y_m) - truth.y_m));
-        }
-        meddle(drive.simulation());
-    }
-    FloorDrive {
-        score: drive.floor().score(),
-        progress: drive.progress().unwrap_or_default(),
-        minutes: t_s / 60.0,
-        worst_m,
-        second_copies: session.slam().counters().second_copies,
-        lost: session.lost(),
-    }
+    clean(&plan, SimOptions::default(), seed).expect("the robot fits")
 }
 
 /// What goes wrong in the flat, five minutes after the start or all the time.
@@ -225,14 +181,16 @@ impl Mishap {
             }
         }
         let mut is_lift_due = matches!(self, Self::Lift);
-        clean(&plan, options, seed, |simulation| {
+        let drive = clean_with(&plan, options, seed, None, |drive, _| {
+            let simulation = drive.simulation();
             if is_lift_due && simulation.time_s() >= at_s {
                 let pose = simulation.pose_in_plan();
                 let to = Pose2 { x_m: pose.x_m + 0.03, theta_rad: pose.theta_rad + 0.05, ..pose };
                 // Where there is no room just there, it is lifted a little later.
                 is_lift_due = simulation.carry(Some(to), 5.0).is_err();
             }
-        })
+        });
+        drive.expect("the robot fits")
     }
 }
 

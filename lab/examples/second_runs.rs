@@ -3,21 +3,14 @@
 //!
 //! Each home is swept from an empty map, and then once more in the map that the robot kept.
 
-use std::convert::Infallible;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-use hal_sim::floor::FloorScore;
 use hal_sim::{Plan, SimOptions, plan_file};
-use lab::input::built_in_robot;
-use lab::run::{Drive, Session};
-use slam_core::Config;
+use lab::run::{FloorDrive, clean_with};
 
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=5;
-
-/// A job that takes longer than this is ended, minutes.
-const MINUTES: f64 = 60.0;
 
 const HEAD: &str = "# Floors swept again\n\n\
     Written by `cargo run --release --package lab --example second_runs`. The built-in robot sweeps each home twice: from an empty map, and\n\
@@ -53,8 +46,8 @@ fn home_rows(page: &mut String, name: &str, seeds: std::ops::RangeInclusive<u64>
     let plan = plan_file::load(name).expect("a built-in plan, or random-SEED");
     let runs: Vec<[Done; 2]> = seeds
         .map(|seed| {
-            let (first, map) = sweep(&plan, seed, None);
-            let (second, _) = sweep(&plan, seed + 100, map);
+            let first = sweep(&plan, seed, None);
+            let second = sweep(&plan, seed + 100, first.0.map.clone());
             [first, second]
         })
         .collect();
@@ -62,44 +55,28 @@ fn home_rows(page: &mut String, name: &str, seeds: std::ops::RangeInclusive<u64>
     row(page, "", "second", &runs.iter().map(|[_, second]| second).collect::<Vec<_>>());
 }
 
-/// How a job ended.
-struct Done {
-    score: FloorScore,
-    minutes: f64,
-    /// When the robot knew its place, seconds; none where it never did.
-    found_s: Option<f64>,
-}
+/// How a job ended, and when the robot knew its place, seconds; none where it never did.
+type Done = (FloorDrive, Option<f64>);
 
-/// Sweeps a home, in this kept map where there is one; gives the map that is kept then.
-fn sweep(plan: &Plan, seed: u64, map: Option<Vec<u8>>) -> (Done, Option<Vec<u8>>) {
-    let (robot, _) = built_in_robot().expect("the built-in rig is good");
-    let mut session = Session::new(&robot, Config::for_rig(&robot.rig), plan.name.clone()).expect("a good rig");
-    if let Some(map) = map {
-        session.begin_in(map).expect("its own map");
-    }
-    let mut drive = Drive::cleaning(plan, &robot, SimOptions::default(), seed).expect("the robot fits");
+/// Sweeps a home, in this kept map where there is one.
+fn sweep(plan: &Plan, seed: u64, map: Option<Vec<u8>>) -> Done {
     let mut found_s = None;
-    let done = drive.run(&mut session, 60.0 * MINUTES, |row, recording, _| -> Result<(), Infallible> {
-        if found_s.is_none() && recording.steps.last().is_some_and(|step| !step.searching) {
-            found_s = Some(row.t_s);
-        }
-        Ok(())
+    let drive = clean_with(plan, SimOptions::default(), seed, map, |_, step| {
+        found_s = found_s.or((!step.searching).then_some(step.t_s));
     });
-    done.expect("nothing can fail");
-    let minutes = session.recording().steps.last().map_or(0.0, |step| step.t_s / 60.0);
-    (Done { score: drive.floor().score(), minutes, found_s }, session.map())
+    (drive.expect("the robot fits, and goes on in its own map"), found_s)
 }
 
 fn row(page: &mut String, home: &str, run: &str, runs: &[&Done]) {
-    let values = |value: fn(&Done) -> f64| runs.iter().map(|done| value(done)).collect::<Vec<_>>();
+    let values = |value: fn(&FloorDrive) -> f64| runs.iter().map(|(done, _)| value(done)).collect::<Vec<_>>();
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let high = |values: &[f64]| values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let swept = values(|done| 100.0 * done.score.swept);
     let overlap = values(|done| done.score.overlap);
     let hole = values(|done| done.score.largest_hole_m2);
     let minutes = values(|done| done.minutes);
-    let back = runs.iter().filter(|done| done.score.home_m < 0.2).count();
-    let found: Vec<f64> = runs.iter().filter_map(|done| done.found_s).collect();
+    let back = runs.iter().filter(|(done, _)| done.score.home_m < 0.2).count();
+    let found: Vec<f64> = runs.iter().filter_map(|(_, found_s)| *found_s).collect();
     let found = if found.len() < runs.len() {
         format!("{} of {} never", runs.len() - found.len(), runs.len())
     } else {

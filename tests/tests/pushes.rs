@@ -1,16 +1,11 @@
 //! A robot that somebody pushes along again and again, unseen by its wheels, finds out and finds itself again.
 
-use std::convert::Infallible;
 use std::thread;
 
 use hal_sim::random_home::somebody;
 use hal_sim::{SimOptions, plan_file};
-use lab::input::built_in_robot;
-use lab::run::{Drive, Session};
-use slam_core::Config;
-
-/// A job that takes longer than this is ended, seconds.
-const FOR_S: f64 = 3600.0;
+use lab::run::clean_with;
+use robot::FloorState;
 
 /// Farther off than this a robot is not where it claims to be, metres.
 const OFF_M: f64 = 0.3;
@@ -20,19 +15,17 @@ const OFF_M: f64 = 0.3;
 fn job(home: u64) -> Option<(f64, bool)> {
     let mut plan = plan_file::load(&format!("random-{home}")).expect("a random home");
     plan.people.push(somebody(&plan, home, false)?);
-    let (robot, _) = built_in_robot().expect("the built-in rig is good");
-    let mut session = Session::new(&robot, Config::for_rig(&robot.rig), "").expect("a good rig");
-    let mut drive = Drive::cleaning(&plan, &robot, SimOptions::default(), 1).expect("the robot fits");
     let (mut claimed, mut off) = (0u32, 0u32);
-    let driven = drive.run(&mut session, FOR_S, |_, recording, _| -> Result<(), Infallible> {
-        if let Some(error) = recording.steps.last().and_then(lab::recording::Step::error) {
+    let drive = clean_with(&plan, SimOptions::default(), 1, None, |_, step| {
+        if let Some(error) = step.error() {
             claimed += 1;
             off += u32::from(error.x_m.hypot(error.y_m) > OFF_M);
         }
-        Ok(())
     });
-    driven.expect("nothing can fail");
-    Some((f64::from(off) / f64::from(claimed), drive.is_over() && drive.floor().score().home_m < 0.2))
+    let drive = drive.expect("the robot fits");
+    let is_over = matches!(drive.progress.state, FloorState::Done | FloorState::Away);
+    let is_home = is_over && drive.score.home_m < 0.2;
+    Some((f64::from(off) / f64::from(claimed), is_home))
 }
 
 #[test]

@@ -1,47 +1,29 @@
 //! A robot that was kicked and did not notice draws its home a second time, finds that out, and goes on in the first.
 
-use std::convert::Infallible;
 use std::thread;
 
 use hal_sim::mishap::Kick;
 use hal_sim::rng::Rng;
 use hal_sim::{SimOptions, plan_file};
-use lab::input::built_in_robot;
-use lab::run::{Drive, Session};
-use slam_core::{Config, Match, SecondCopy, Unfit};
+use lab::run::{FloorDrive, clean};
+use slam_core::{Match, SecondCopy, Unfit};
 use tests::carries::{drive, rig};
 
 /// Random homes, one drive each.
 const HOMES: [std::ops::Range<u64>; 2] = [401..421, 421..441];
 
-/// A job that takes longer than this is ended, seconds.
-const FOR_S: f64 = 3600.0;
-
-/// How a floor job ended.
-#[derive(Debug)]
-struct Job {
-    copies: u32,
-    home_m: f64,
-    swept: f64,
-}
-
 /// The floor job in this home, with a kick by 10 cm and 15 degrees at a moment between one minute and seven, or without.
-fn job(home: u64, is_kicked: bool) -> Job {
+fn job(home: u64, is_kicked: bool) -> FloorDrive {
     let mut plan = plan_file::load(&format!("random-{home}")).expect("a random home");
     if is_kicked {
         let at_s = Rng::stream(home, "moment", 0).uniform(60.0, 420.0);
         plan.mishaps.kicks.push(Kick { at_s, slide_m: 0.1, turn_rad: 15_f64.to_radians() });
     }
-    let (robot, _) = built_in_robot().expect("the built-in rig is good");
-    let mut session = Session::new(&robot, Config::for_rig(&robot.rig), "").expect("a good rig");
-    let mut drive = Drive::cleaning(&plan, &robot, SimOptions::default(), 1).expect("the robot fits");
-    let Ok(()) = drive.run(&mut session, FOR_S, |_, _, _| Ok::<(), Infallible>(()));
-    let score = drive.floor().score();
-    Job { copies: session.slam().counters().second_copies, home_m: score.home_m, swept: score.swept }
+    clean(&plan, SimOptions::default(), 1).expect("the robot fits")
 }
 
 /// Floor jobs in these homes, in every fourth one where nobody kicks.
-fn jobs(is_kicked: bool) -> Vec<Job> {
+fn jobs(is_kicked: bool) -> Vec<FloorDrive> {
     let every = if is_kicked { 1 } else { 4 };
     let of =
         move |homes: std::ops::Range<u64>| homes.step_by(every).map(|home| job(home, is_kicked)).collect::<Vec<_>>();
@@ -53,17 +35,17 @@ fn jobs(is_kicked: bool) -> Vec<Job> {
 fn kicks_that_no_reading_tells_are_told_by_walls_drawn_twice() {
     let jobs = jobs(true);
     // Of these forty, some are not told by the readings of the moment, and end 0.3 to 1 m from home where nothing else tells.
-    let told = jobs.iter().filter(|job| job.copies > 0).count();
+    let told = jobs.iter().filter(|job| job.second_copies > 0).count();
     assert!(told >= 3, "{told} of {}", jobs.len());
     for job in &jobs {
-        assert!(job.home_m < 0.2, "{job:?}");
-        assert!(job.swept > 0.93, "{job:?}");
+        assert!(job.score.home_m < 0.2, "{:?}", job.score);
+        assert!(job.score.swept > 0.93, "{:?}", job.score);
     }
 }
 
 #[test]
 fn a_home_is_not_in_its_map_twice_where_nobody_kicks() {
-    let copies: Vec<u32> = jobs(false).iter().map(|job| job.copies).collect();
+    let copies: Vec<u32> = jobs(false).iter().map(|job| job.second_copies).collect();
     assert!(copies.iter().all(|copies| *copies == 0), "{copies:?}");
 }
 

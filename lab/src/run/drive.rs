@@ -9,7 +9,7 @@ use super::session::Session;
 use crate::evaluate::score;
 use crate::evaluate::score::map::{LONG_M, PASSED_M, PassedWall};
 use crate::input::log::Row;
-use crate::input::rig_file::Robot;
+use crate::input::rig_file::{MAX_SENSORS, Robot};
 use crate::numbers::shortest;
 use crate::recording::{Figures, Job, Pose2, Recording, Segment, TruthFrame};
 
@@ -205,6 +205,11 @@ impl Drive {
     /// The floor as it was swept so far.
     pub fn floor(&self) -> &FloorRaster {
         &self.floor
+    }
+
+    /// What the robot is at: its own program, to be paused and told to go on.
+    pub fn job(&mut self) -> &mut robot::Job<MAX_SENSORS> {
+        &mut self.robot.job
     }
 
     /// The robot in its home, to be looked at and meddled with.

@@ -2,6 +2,7 @@
 //! that from input files to the output folder.
 
 mod drive;
+mod floor_drive;
 mod life;
 mod map_file;
 mod relative;
@@ -13,6 +14,7 @@ use robot::FloorRecordError;
 
 pub use crate::recording::Job;
 pub use drive::Drive;
+pub use floor_drive::{FloorDrive, clean, clean_with};
 pub use life::{Place, Searched};
 pub use map_file::MapId;
 pub use relative::{RelativeReplay, RelativeSession, covariance_of, look_back, to_record, views};
