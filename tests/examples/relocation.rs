@@ -5,11 +5,13 @@
 use std::{env, thread};
 
 use hal_sim::random_home::random_home;
-use hal_sim::{OwnMap, Plan, Pose2, plan_file};
+use hal_sim::{Plan, Pose2, SimOptions, plan_file};
 use lab::evaluate::score::path;
 use lab::evaluate::statistics::{mean, median};
+use lab::input::rig_file::Robot;
+use lab::run::{Drive, Session};
 use relocate::{Event, Locator, Progress, Search, State, Step, Verdict};
-use slam_core::{HostSlam, angle};
+use slam_core::{Config, HostSlam, angle};
 use tests::carries::{Driven, carried, drive, rig};
 
 const HOMES: [&str; 6] = ["room", "l-shape", "flat", "corridor-loop", "clutter", "diagonal"];
@@ -40,7 +42,7 @@ const CLASSES: usize = 8;
 /// A home with its kept map.
 struct Home {
     plan: Plan,
-    kept: Box<HostSlam>,
+    kept: Session,
     /// The map's frame in that of the plan's start, as its path lies on the true one best.
     lies: Pose2,
 }
@@ -140,18 +142,23 @@ fn main() {
     }
 }
 
-/// A home, and the map that a robot made of it, which looks for its home in that a second time.
+/// A home, and the map that a robot made of it in ten minutes.
 fn home(plan: Plan, sensors: usize) -> Home {
-    let (mut pairs, mut own) = (Vec::new(), OwnMap::new());
-    let kept = drive(&plan, &rig(sensors), 600.0, 1, |Driven { slam, in_plan, .. }| {
-        if own.watch(slam) {
-            // What was driven beside the second copy is in no map any more.
+    let rig = rig(sensors);
+    let robot = Robot { names: vec![String::new(); rig.sensors.len()], rig };
+    let mut session = Session::new(&robot, Config::for_rig(&robot.rig), "").expect("a rig that can be");
+    let mut drive = Drive::new(&plan, &robot, SimOptions::default(), 1).expect("the robot fits");
+    let (mut pairs, mut map) = (Vec::new(), (0, 0));
+    while drive.simulation().time_s() < 600.0 {
+        let truth = drive.step(&mut session).truth;
+        let now = (session.slam().counters().second_copies, session.lost());
+        if std::mem::replace(&mut map, now) != now {
+            // What was driven beside a second copy, or in a map that was given up, is in no map any more.
             pairs.clear();
         }
-        pairs.push((slam.pose().into(), plan.start.relative(&in_plan)));
-        true
-    });
-    Home { plan, kept, lies: path::align(&pairs) }
+        pairs.extend(truth.map(|truth| (session.slam().pose().into(), truth)));
+    }
+    Home { plan, kept: session, lies: path::align(&pairs) }
 }
 
 /// The flat and the furnished flat are one home.
@@ -197,8 +204,8 @@ fn carry_there(there: &Home, kept: &Home, homes: &[Home], sensors: usize, seed: 
             }
         }
         let step = Step { position_m, travelled_m, readings: [0; 2] };
-        if let Some(Event::Found(found)) = locator.step(&*slam, Some(&*kept.kept), &step, u32::MAX) {
-            slam.take_up(&*kept.kept, &found).expect("a map to go on in");
+        if let Some(Event::Found(found)) = locator.step(&*slam, Some(kept.kept.slam()), &step, u32::MAX) {
+            slam.take_up(kept.kept.slam(), &found).expect("a map to go on in");
             carry.claimed_m = Some(path_m);
             carry.off_m = apart_m(&slam.pose().into(), &kept.truth(&in_plan));
         }
@@ -210,22 +217,22 @@ fn carry_there(there: &Home, kept: &Home, homes: &[Home], sensors: usize, seed: 
 /// A search of this map, in which the robot drove along this path, in a home's.
 fn verdict(slam: &HostSlam, home: &Home, trail_m: &[[f32; 2]]) -> Option<Verdict> {
     let mut search = Search::IDLE;
-    search.begin(slam, &*home.kept, trail_m);
-    while search.work(&*home.kept, u32::MAX) == Progress::Working {}
+    search.begin(slam, home.kept.slam(), trail_m);
+    while search.work(home.kept.slam(), u32::MAX) == Progress::Working {}
     search.verdict()
 }
 
 /// Whether the robot is where a search puts it.
 fn is_there(slam: &HostSlam, home: &Home, verdict: &Verdict, truth: &Pose2) -> bool {
     const ALPHA: usize = 3;
-    let (fresh_rad, kept_rad) = (slam.state_mean(ALPHA), home.kept.state_mean(ALPHA));
+    let (fresh_rad, kept_rad) = (slam.state_mean(ALPHA), home.kept.slam().state_mean(ALPHA));
     let turn_rad = f64::from(kept_rad - fresh_rad) + f64::from(verdict.best.quarters) * std::f64::consts::FRAC_PI_2;
     let shift = verdict.best.shift_m.map(f64::from);
     let [x_m, y_m] = Pose2::new(0.0, 0.0, kept_rad.into()).transform(shift);
     // Of a robot that began its map anew the pose goes on in the map's first frame; walls and states of both maps are in the filter's.
     let at = Pose2::new(x_m, y_m, turn_rad).compose(&slam.filter_pose().into());
-    let kept: Pose2 = home.kept.filter_pose().into();
-    let at = Pose2::from(home.kept.pose()).compose(&kept.relative(&at));
+    let kept: Pose2 = home.kept.slam().filter_pose().into();
+    let at = Pose2::from(home.kept.slam().pose()).compose(&kept.relative(&at));
     let off_rad = angle::wrap((at.theta_rad - truth.theta_rad) as f32);
     apart_m(&at, truth) < WRONG_M && off_rad.abs() < 0.3
 }

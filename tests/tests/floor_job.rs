@@ -2,19 +2,21 @@
 
 use hal_sim::mishap::{Hold, Kidnap};
 use hal_sim::{
-    BatteryOptions, ClosedLoop, Estimate, Pose2, SimOptions, Simulation, clean, clean_with, default_rig,
-    nominal_ranges, plan_file,
+    BatteryOptions, ClosedLoop, Estimate, Pose2, SimOptions, Simulation, default_rig, nominal_ranges, plan_file,
 };
-use robot::{FloorConfig, FloorJob, FloorProgress, FloorState, Job, Whereabouts};
+use lab::input::built_in_robot;
+use lab::run::{clean, clean_with};
+use robot::{FloorConfig, FloorJob, FloorProgress, FloorState, Whereabouts};
 use slam_core::Pose;
 
 #[test]
 fn rooms_are_swept_and_the_robot_comes_back() {
     for plan in ["room", "l-shape"] {
         let plan = plan_file::load(plan).expect("a built-in plan");
-        let drive = clean(&plan, SimOptions::default(), 1, 20.0).expect("the robot fits");
+        let drive = clean(&plan, SimOptions::default(), 1).expect("the robot fits");
         let (score, progress) = (drive.score, drive.progress);
         assert_eq!(progress.state, FloorState::Done, "{}", plan.name);
+        assert!(drive.minutes < 20.0, "{}: {} minutes", plan.name, drive.minutes);
         assert!(progress.share() >= 0.95, "{}: it takes {} for its share", plan.name, progress.share());
         let told_s: f64 = progress.seconds_in.iter().map(|seconds| f64::from(*seconds)).sum();
         assert!((told_s - 60.0 * drive.minutes).abs() < 2.0, "{}: {told_s} s are told", plan.name);
@@ -31,7 +33,8 @@ fn a_flat_battery_is_charged_in_the_dock_and_the_job_goes_on() {
     plan.start = Pose2::new(0.185, 1.75, core::f64::consts::PI);
     let battery = Some(BatteryOptions { charge: 1.0, lasts_min: 6.0, charges_min: 2.0 });
     let options = SimOptions { has_dock: true, battery, ..SimOptions::default() };
-    let drive = clean(&plan, options, 1, 30.0).expect("the robot fits");
+    let drive = clean(&plan, options, 1).expect("the robot fits");
+    assert!(drive.minutes < 30.0, "{} minutes", drive.minutes);
     let seconds_in = |state: FloorState| drive.progress.seconds_in[state as usize];
     assert_eq!(drive.progress.state, FloorState::Done, "{:?}", drive.progress);
     assert!(seconds_in(FloorState::Charging) > 60, "{:?}", drive.progress);
@@ -43,8 +46,9 @@ fn a_flat_battery_is_charged_in_the_dock_and_the_job_goes_on() {
 fn without_a_dock_a_flat_battery_leads_back_to_the_start() {
     let plan = plan_file::load("room").expect("a built-in plan");
     let battery = Some(BatteryOptions { charge: 1.0, lasts_min: 6.0, charges_min: 2.0 });
-    let drive = clean(&plan, SimOptions { battery, ..SimOptions::default() }, 1, 30.0).expect("the robot fits");
+    let drive = clean(&plan, SimOptions { battery, ..SimOptions::default() }, 1).expect("the robot fits");
     assert_eq!(drive.progress.state, FloorState::Flat);
+    assert!(drive.minutes < 30.0, "{} minutes", drive.minutes);
     assert!(drive.score.home_m <= 0.2, "{} m from where it started", drive.score.home_m);
 }
 
@@ -52,9 +56,12 @@ fn without_a_dock_a_flat_battery_leads_back_to_the_start() {
 fn a_jammed_robot_stalls_stands_and_goes_on_when_it_is_free() {
     let mut plan = plan_file::load("room").expect("a built-in plan");
     plan.mishaps.holds.push(Hold { at_s: 60.0, held_s: 30.0, is_jammed: true });
-    let drive = clean(&plan, SimOptions::default(), 1, 30.0).expect("the robot fits");
+    let drive = clean(&plan, SimOptions::default(), 1).expect("the robot fits");
     assert_eq!(drive.progress.state, FloorState::Done, "{:?}", drive.progress);
     assert!(drive.progress.seconds_in[FloorState::Held as usize] >= 50, "{:?}", drive.progress);
+    assert!(drive.minutes < 30.0, "{} minutes", drive.minutes);
+    // It claims its place all the time.
+    assert_eq!(drive.lost, 0);
     assert!(drive.worst_m < 0.2, "the pose ran off by {} m", drive.worst_m);
 }
 
@@ -62,7 +69,8 @@ fn a_jammed_robot_stalls_stands_and_goes_on_when_it_is_free() {
 fn a_held_robot_whose_wheels_turn_finds_out() {
     let mut plan = plan_file::load("room").expect("a built-in plan");
     plan.mishaps.holds.push(Hold { at_s: 60.0, held_s: 120.0, is_jammed: false });
-    let drive = clean(&plan, SimOptions::default(), 1, 30.0).expect("the robot fits");
+    let drive = clean(&plan, SimOptions::default(), 1).expect("the robot fits");
+    assert_eq!(drive.lost, 0);
     assert!(drive.worst_m < 8.0, "the pose ran off by {} m", drive.worst_m);
 }
 
@@ -70,28 +78,28 @@ fn a_held_robot_whose_wheels_turn_finds_out() {
 fn after_a_reset_and_a_pause_it_goes_on_where_it_was() {
     let plan = plan_file::load("l-shape").expect("a built-in plan");
     let options = SimOptions::default();
-    let whole = clean(&plan, options, 1, 30.0).expect("the robot fits");
+    let whole = clean(&plan, options, 1).expect("the robot fits");
     let mut before = FloorProgress::default();
-    let meddled = clean_with(&plan, options, 1, 30.0, |robot| {
-        let time_s = robot.simulation.time_s();
-        let job = &mut robot.job;
-        if (time_s - 240.0).abs() < 0.01 {
-            let memory = job.saved(1).expect("something is left");
-            before = job.floor().expect("it cleans");
-            *job = Job::cleaning(FloorConfig::default(), &default_rig());
-            job.restore(1, &memory).expect("what was saved is a job");
-            assert_eq!(job.floor().expect("it cleans").swept_m2, before.swept_m2);
+    let (built_in, _) = built_in_robot().expect("the built-in rig is good");
+    let meddled = clean_with(&plan, options, 1, None, |drive, step| {
+        if (step.t_s - 240.0).abs() < 0.01 {
+            let memory = drive.job().saved(1).expect("something is left");
+            before = drive.progress().expect("it cleans");
+            drive.reboot(&built_in);
+            drive.job().restore(1, &memory).expect("what was saved is a job");
+            assert_eq!(drive.progress().expect("it cleans").swept_m2, before.swept_m2);
         }
-        if (time_s - 300.0).abs() < 0.01 {
-            job.pause();
+        if (step.t_s - 300.0).abs() < 0.01 {
+            drive.job().pause();
         }
-        if (time_s - 330.0).abs() < 0.01 {
-            job.clean(&default_rig(), false);
+        if (step.t_s - 330.0).abs() < 0.01 {
+            drive.job().clean(&built_in.rig, false);
         }
     });
     let meddled = meddled.expect("the robot fits");
     assert!(before.swept_m2 > 5.0);
     assert_eq!(meddled.progress.state, FloorState::Done, "{:?}", meddled.progress);
+    assert!(meddled.minutes < 30.0, "{} minutes", meddled.minutes);
     assert!(meddled.progress.seconds_in[FloorState::Paused as usize] >= 29, "{:?}", meddled.progress);
     assert!(meddled.score.swept >= 0.96, "{} of the floor", meddled.score.swept);
     // A reset costs little: it looks at the edges again, and sweeps nothing twice for it.
