@@ -227,7 +227,8 @@ impl FloorRaster {
         };
         let is_near = |&index: &usize| {
             let [x_m, y_m] = self.centre_m(index);
-            libm::hypot(x_m - point_m[0], y_m - point_m[1]) <= radius_m
+            let [x_m, y_m] = [x_m - point_m[0], y_m - point_m[1]];
+            x_m * x_m + y_m * y_m <= radius_m * radius_m
         };
         let columns = range(0, self.columns);
         let in_row = |row: usize| columns.clone().map(move |column| row * self.columns + column);

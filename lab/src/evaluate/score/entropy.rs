@@ -33,30 +33,37 @@ pub fn mean_nats(hits: &[Hit]) -> Option<f64> {
         n if n <= SAMPLED => Box::new(0..n),
         n => Box::new((0..SAMPLED).map(move |i| i * STRIDE % n)),
     };
+    let mut near: Vec<[f64; 2]> = Vec::new();
     let entropies: Vec<f64> = sampled
         .filter_map(|i| {
             let at_m = hits[i].at_m;
             let [column, row] = cell(at_m);
             let around = (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| [column + dx, row + dy]));
-            let near = around.filter_map(|key| cells.get(&key)).flatten();
-            of(near.filter(|other| (other[0] - at_m[0]).hypot(other[1] - at_m[1]) <= RADIUS_M))
+            let points = around.filter_map(|key| cells.get(&key)).flatten();
+            near.clear();
+            near.extend(points.filter(|other| {
+                let [x, y] = [other[0] - at_m[0], other[1] - at_m[1]];
+                x * x + y * y <= RADIUS_M * RADIUS_M
+            }));
+            of(&near)
         })
         .collect();
     (!entropies.is_empty()).then(|| entropies.iter().sum::<f64>() / entropies.len() as f64)
 }
 
-fn of<'a>(points: impl Iterator<Item = &'a [f64; 2]>) -> Option<f64> {
-    let points: Vec<&[f64; 2]> = points.collect();
+fn of(points: &[[f64; 2]]) -> Option<f64> {
     if points.len() < NEIGHBOURS {
         return None;
     }
     let n = points.len() as f64;
-    let mean = [0, 1].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / n);
-    let moment = |a: usize, b: usize| {
-        points.iter().map(|point| (point[a] - mean[a]) * (point[b] - mean[b])).sum::<f64>() / (n - 1.0)
-    };
+    let [x, y] = points.iter().fold([0.0; 2], |[x, y], point| [x + point[0], y + point[1]]).map(|sum| sum / n);
+    let moments = points.iter().fold([0.0; 3], |[xx, xy, yy], point| {
+        let [dx, dy] = [point[0] - x, point[1] - y];
+        [xx + dx * dx, xy + dx * dy, yy + dy * dy]
+    });
+    let [xx, xy, yy] = moments.map(|sum| sum / (n - 1.0));
     let floor_m2 = FLOOR_M * FLOOR_M;
-    let (xx, xy, yy) = (moment(0, 0) + floor_m2, moment(0, 1), moment(1, 1) + floor_m2);
+    let (xx, yy) = (xx + floor_m2, yy + floor_m2);
     let tau_e = std::f64::consts::TAU * std::f64::consts::E;
     Some(0.5 * (tau_e * tau_e * (xx * yy - xy * xy)).ln())
 }
@@ -76,7 +83,7 @@ mod tests {
         let points: Vec<[f64; 2]> =
             (0..100).flat_map(|i| (0..100).map(move |j| [0.02 * f64::from(i), 0.01 * f64::from(j)])).collect();
         let expected = 0.5 * ((std::f64::consts::TAU * std::f64::consts::E).powi(2) / 36.0).ln();
-        let found = of(points.iter()).expect("enough points");
+        let found = of(&points).expect("enough points");
         assert!((found - expected).abs() < 1e-3, "{found} {expected}");
     }
 

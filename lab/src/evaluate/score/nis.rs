@@ -18,7 +18,7 @@ pub struct Innovation {
     pub span_m: f64,
 }
 
-/// Rounds of expectation and maximisation; they settle within fifty.
+/// Most rounds of expectation and maximisation; they settle sooner.
 const ROUNDS: usize = 200;
 
 /// The factor of the filter's variance that the wall's own innovations have, by expectation and maximisation; 1 is ideal.
@@ -36,7 +36,11 @@ pub fn of_associated(innovations: &[Innovation]) -> Option<f64> {
             weights += weight;
             squares += weight * square;
         }
+        let before = (factor, share);
         (factor, share) = (squares / weights, weights / innovations.len() as f64);
+        if (factor, share) == before {
+            break;
+        }
     }
     factor.is_finite().then_some(factor)
 }
