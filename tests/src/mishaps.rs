@@ -1,6 +1,7 @@
 //! Drives in which something holds or kicks the robot, and whether it finds out by its readings.
 
 use std::fmt;
+use std::sync::LazyLock;
 
 use hal_sim::mishap::{Hold, Kick};
 use hal_sim::{Plan, Pose2, plan_file};
@@ -79,6 +80,10 @@ pub fn home(name: &str, mishap: Mishap) -> Plan {
     }
     plan
 }
+
+/// Drives in the flat in which nothing happens, by seeds from 1.
+pub static LEFT_ALONE: LazyLock<Vec<Found>> =
+    LazyLock::new(|| (1..=300).map(|seed| found("flat", Mishap::Nothing, seed)).collect());
 
 /// A drive of the built-in robot in a home of this name.
 pub fn found(name: &str, mishap: Mishap, seed: u64) -> Found {

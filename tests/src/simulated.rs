@@ -27,27 +27,27 @@ pub fn rows(plan: &str, minutes: f64, seed: u64) -> Vec<Row> {
 pub fn disturbed_rows(options: SimOptions, plan: &str, minutes: f64, seed: u64) -> Vec<Row> {
     let (robot, _) = built_in_robot().expect("the built-in rig is good");
     let mut rows = Vec::new();
-    disturbed_drive_of(&robot, options, plan, minutes, seed, |row| rows.push(row.clone()));
+    driven(&robot, options, plan, minutes, seed, |row| rows.push(row.clone()));
     rows
 }
 
 /// How often another estimator takes the robot to be held in such a log.
 pub fn holds(rows: &[Row], config: Config) -> u32 {
-    replayed(rows, config).counters.holds
+    replayed(rows, config).slam().counters().holds
 }
 
-fn replayed(rows: &[Row], config: Config) -> Recording {
+fn replayed(rows: &[Row], config: Config) -> Session {
     let (robot, _) = built_in_robot().expect("the built-in rig is good");
     let mut session = Session::new(&robot, config, "").expect("a good rig");
     for row in rows {
         session.push(row);
     }
-    session.finish()
+    session
 }
 
 /// What another estimator makes of such a log.
 pub fn estimated(rows: &[Row], config: Config) -> Figures {
-    let mut recording = replayed(rows, config);
+    let mut recording = replayed(rows, config).finish();
     let times_s: Vec<f64> = rows.iter().map(|row| row.t_s).collect();
     score::score(&mut recording, &times_s, None);
     recording.figures
@@ -55,17 +55,18 @@ pub fn estimated(rows: &[Row], config: Config) -> Figures {
 
 /// Any robot's drive through a built-in plan.
 pub fn drive_of(robot: &Robot, plan: &str, minutes: f64, seed: u64, see: impl FnMut(&Row)) -> Recording {
-    disturbed_drive_of(robot, SimOptions::default(), plan, minutes, seed, see)
+    let (drive, session) = driven(robot, SimOptions::default(), plan, minutes, seed, see);
+    drive.finish(session)
 }
 
-fn disturbed_drive_of(
+fn driven(
     robot: &Robot,
     options: SimOptions,
     plan: &str,
     minutes: f64,
     seed: u64,
     mut see: impl FnMut(&Row),
-) -> Recording {
+) -> (Drive, Session) {
     let home = hal_sim::plan_file::load(plan).expect("a built-in plan");
     let mut drive = Drive::new(&home, robot, options, seed).expect("the robot fits");
     let mut session = Session::new(robot, Config::default(), plan).expect("a good rig");
@@ -74,7 +75,7 @@ fn disturbed_drive_of(
         Ok::<(), Infallible>(())
     });
     driven.expect("nothing can fail");
-    drive.finish(session)
+    (drive, session)
 }
 
 #[cfg(test)]
