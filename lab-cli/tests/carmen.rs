@@ -1,10 +1,8 @@
 //! `lab replay` of CARMEN logs.
 
-mod common;
-
 use std::io::Write;
 
-use common::{ODOMETRY_RIG, Place, WHEELED_RIG};
+use crate::common::{ODOMETRY_RIG, Place, WHEELED_RIG};
 use flate2::write::GzEncoder;
 use lab::input::rig_file::Robot;
 use predicates::str::contains;

@@ -1,8 +1,6 @@
 //! `lab run --job clean` where the plan says what is to be cleaned.
 
-mod common;
-
-use common::Place;
+use crate::common::Place;
 use predicates::str::contains;
 
 const ROOM: &str = "[start]\nx_m = 0.6\ny_m = 0.6\n\

@@ -1,8 +1,6 @@
 //! `lab compare` as a user calls it.
 
-mod common;
-
-use common::Place;
+use crate::common::Place;
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::{Value, json};

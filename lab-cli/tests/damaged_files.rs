@@ -1,10 +1,8 @@
 //! Damaged files end in an error or in a good reading, never in a panic, and never in an endless loop.
 
-mod common;
-
 use std::path::Path;
 
-use common::{ODOMETRY_RIG, Place, SHARP_RIG, WHEELED_RIG, wheeled_log};
+use crate::common::{ODOMETRY_RIG, Place, SHARP_RIG, WHEELED_RIG, wheeled_log};
 use lab::input::rig_file::Robot;
 
 /// A generator of its own (xorshift64), so that every run tries the same damage.

@@ -1,10 +1,8 @@
 //! What `docs/formats.md` says is what the program does.
 
-mod common;
-
 use std::path::Path;
 
-use common::Place;
+use crate::common::Place;
 use lab::input::rig_file::Robot;
 
 const FORMATS: &str = include_str!("../../docs/formats.md");

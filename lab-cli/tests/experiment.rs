@@ -1,8 +1,6 @@
 //! `lab experiment` as a user would call it.
 
-mod common;
-
-use common::Place;
+use crate::common::Place;
 use predicates::prelude::PredicateBooleanExt as _;
 use predicates::str::contains;
 

@@ -1,8 +1,6 @@
 //! `lab hil` as a user calls it wrongly; `cargo xtask hil` calls it rightly, with the firmware's image.
 
-mod common;
-
-use common::Place;
+use crate::common::Place;
 use predicates::prelude::*;
 use predicates::str::contains;
 

@@ -1,10 +1,8 @@
 //! `map.bin`, `--map` and `--start` as a user calls them.
 
-mod common;
-
 use std::fs;
 
-use common::{Place, SHARP_RIG};
+use crate::common::{Place, SHARP_RIG};
 use predicates::str::contains;
 
 /// A place with a map of the flat.

@@ -1,10 +1,8 @@
 //! `lab replay` of `log.csv`: what is read, and what is said about what cannot be.
 
-mod common;
-
 use std::io::Write;
 
-use common::{ODOMETRY_RIG, Place, SHARP_RIG, WHEELED_RIG, wheeled_log};
+use crate::common::{ODOMETRY_RIG, Place, SHARP_RIG, WHEELED_RIG, wheeled_log};
 use flate2::write::GzEncoder;
 use lab::input::rig_file::Robot;
 use predicates::str::contains;

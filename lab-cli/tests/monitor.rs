@@ -1,8 +1,6 @@
 //! `lab monitor` on recorded bytes.
 
-mod common;
-
-use common::Place;
+use crate::common::Place;
 use predicates::prelude::*;
 use predicates::str::contains;
 use wire::{BoardFaults, Estimate, Faults, Floor, Frame, Range, Sample, SlamFaults, encode};

@@ -1,8 +1,6 @@
 //! Options that both commands share.
 
-mod common;
-
-use common::Place;
+use crate::common::Place;
 use predicates::str::contains;
 
 #[test]

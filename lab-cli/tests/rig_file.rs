@@ -1,10 +1,8 @@
 //! Every missing or impossible value of a rig file is an error that names file, line, key and what is allowed.
 
-mod common;
-
 use std::path::Path;
 
-use common::{ODOMETRY_RIG, Place, SHARP_RIG, WHEELED_RIG};
+use crate::common::{ODOMETRY_RIG, Place, SHARP_RIG, WHEELED_RIG};
 use lab::input::rig_file::Robot;
 use slam_core::{DriveModel, RangeModel};
 
@@ -170,7 +168,7 @@ fn whatever_the_rig_file_allows_the_estimator_takes() {
 #[test]
 fn the_program_says_so_and_fails() {
     let place = Place::new();
-    place.put("log.csv", common::wheeled_log(5));
+    place.put("log.csv", crate::common::wheeled_log(5));
     place.put("rig.toml", WHEELED_RIG.replace("track_m = 0.2", "track_m = -1"));
     let failure = place.replay("log.csv").assert().failure();
     let stderr = String::from_utf8_lossy(&failure.get_output().stderr).into_owned();

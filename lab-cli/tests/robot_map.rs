@@ -1,8 +1,6 @@
 //! `lab map` with a robot's answers recorded in a file.
 
-mod common;
-
-use common::Place;
+use crate::common::Place;
 use predicates::prelude::*;
 use predicates::str::contains;
 use wire::{Frame, MapAnswer, MapRefusal, PIECE_BYTES, Sample, encode};

@@ -1,8 +1,6 @@
 //! `lab run` as a user calls it.
 
-mod common;
-
-use common::{Place, SHARP_RIG};
+use crate::common::{Place, SHARP_RIG};
 use predicates::prelude::*;
 use predicates::str::contains;
 

@@ -1,5 +1,4 @@
 //! Small rigs and logs, and the program as a user calls it.
-#![allow(dead_code, reason = "each test file uses its own part of this")]
 
 use std::fs;
 use std::path::PathBuf;

@@ -8,7 +8,7 @@ use lab::run::{Replay, Run};
 use serde_json::json;
 use slam_core::Config;
 
-use crate::{assert_sound, open, picture, scratch};
+use super::{assert_sound, open, picture, scratch};
 
 /// A short simulated run's folder.
 fn a_run(name: &str) -> PathBuf {

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use slam_core::{Config, RobotSlam};
 use tests::devtools::Page;
 
-use crate::{assert_sound, open, open_with, picture};
+use super::{assert_sound, open, open_with, picture};
 
 /// What a robot sends over its line while it drives: the frames of the real crate, as the firmware does.
 fn robot_bytes(seconds: f64) -> Vec<u8> {
@@ -197,7 +197,7 @@ fn a_robot_gives_its_map_and_takes_one() {
     assert!(saved == map, "another map was saved");
     page.until("document.getElementById('map-said').textContent.includes('map is fetched')");
     // Half a map is refused before anything is sent; a whole one is sent as it is, and a robot that drives refuses it.
-    let [half, whole] = ["half.bin", "whole.bin"].map(|name| crate::scratch("robot-map").join(name));
+    let [half, whole] = ["half.bin", "whole.bin"].map(|name| super::scratch("robot-map").join(name));
     std::fs::write(&half, &map[..map.len() / 2]).expect("a file");
     std::fs::write(&whole, &map).expect("a file");
     page.choose_files("#store-map", &[half]);

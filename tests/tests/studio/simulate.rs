@@ -3,7 +3,7 @@
 use serde_json::json;
 use tests::devtools::Page;
 
-use crate::{assert_sound, open, picture, scratch};
+use super::{assert_sound, open, picture, scratch};
 
 #[test]
 #[ignore = "needs the built page: cargo xtask test studio"]
