@@ -1,6 +1,6 @@
 //! Hardware in the loop: the firmware's loop image in the emulator, driven by the workbench.
 
-use crate::run::{Result, cargo, root, run, target_dir};
+use crate::run::{HOST_TESTS, Result, cargo, root, run, target_dir};
 use crate::thumb::{TARGET, Thumb};
 use std::path::PathBuf;
 use std::process::Command;
@@ -52,7 +52,7 @@ fn drive_with(lab: &mut Command, arguments: &[&str]) -> Result {
 /// The workbench as the host's tests have built it: alone it would be compiled again, with other features of its
 /// dependencies.
 fn tested_lab() -> Result<Command> {
-    run(&mut cargo(&["test", "--quiet", "--workspace", "--no-run"]))?;
+    run(cargo(&HOST_TESTS).args(["--quiet", "--no-run"]))?;
     let mut lab = Command::new(target_dir().join("debug/lab"));
     lab.current_dir(root());
     Ok(lab)

@@ -1,6 +1,6 @@
 //! The tests on logs of real robots, which are not part of the project.
 
-use crate::run::{Result, cargo, root, run};
+use crate::run::{ACROSS, Result, cargo, root, run};
 use std::path::PathBuf;
 
 /// Names the folder of the logs.
@@ -22,6 +22,5 @@ pub fn missing() -> Option<String> {
 
 /// Runs by name the tests that are ignored elsewhere.
 pub fn test() -> Result {
-    let tests = ["test", "--package", "tests", "--test", "real_logs", "--test", "run_page", "--", "--ignored"];
-    run(cargo(&tests).env(VARIABLE, folder()))
+    run(cargo(&ACROSS).args(["--ignored", "real_logs::", "run_page::"]).env(VARIABLE, folder()))
 }

@@ -26,6 +26,13 @@ pub fn cargo(args: &[&str]) -> Command {
     command
 }
 
+/// Has the host's tests built and run. Examples have no tests, and clippy has checked them.
+pub const HOST_TESTS: [&str; 3] = ["test", "--workspace", "--tests"];
+
+/// Runs those of the tests across the crates that the arguments name. Of the whole workspace: for one package alone everything would be
+/// compiled again, with other features of its dependencies.
+pub const ACROSS: [&str; 5] = ["test", "--workspace", "--test", "across", "--"];
+
 fn line(command: &Command) -> String {
     let program = Path::new(command.get_program()).file_name().unwrap_or(command.get_program());
     let words = std::iter::once(program).chain(command.get_args());

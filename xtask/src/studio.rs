@@ -9,7 +9,7 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use wasm_bindgen_cli_support::Bindgen;
 
-use crate::run::{Result, cargo, root, run, target_dir};
+use crate::run::{ACROSS, Result, cargo, root, run, target_dir};
 use crate::wasm::{TARGET, Wasm};
 
 /// Most that the page's program may be when it is compressed as web servers do, bytes.
@@ -56,7 +56,7 @@ pub fn serve() -> Result {
 /// Builds the page and runs its tests in a browser.
 pub fn test() -> Result {
     let folder = build()?;
-    run(cargo(&["test", "--package", "tests", "--test", "studio", "--", "--ignored"]).env("STUDIO_PAGE", folder))
+    run(cargo(&ACROSS).args(["--ignored", "studio::"]).env("STUDIO_PAGE", folder))
 }
 
 /// Builds the page and measures it in a browser.

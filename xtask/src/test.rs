@@ -4,7 +4,7 @@ use crate::fail_safe;
 use crate::hil;
 use crate::panic_check::panic_check;
 use crate::real_logs;
-use crate::run::{Result, cargo, run, target_dir};
+use crate::run::{HOST_TESTS, Result, cargo, run, target_dir};
 use crate::setup;
 use crate::size;
 use crate::studio;
@@ -95,7 +95,8 @@ fn doc() -> Result {
 }
 
 fn host() -> Result {
-    run(&mut cargo(&["test", "--workspace"]))
+    run(&mut cargo(&HOST_TESTS))?;
+    run(&mut cargo(&["test", "--workspace", "--doc"]))
 }
 
 /// The robot's crates build for a processor that has no standard library.
