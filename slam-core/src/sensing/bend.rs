@@ -2,7 +2,7 @@
 //!
 //! The map's walls are straight. Along one that is not, each reading turns the robot a little, all of them the same way and each within its
 //! noise, until the heading is off by what the wall bends. Corrections by a straight wall go to both sides: their sum has the variance that
-//! they take away (innovations are white: Mehra 1970). A wall whose corrections of the heading add up to more counts for so much less, be it
+//! they take away (innovations are white: Mehra 1970). A wall whose corrections of the heading add up to more counts for less, be it
 //! that it bends, that it is a row of things that are not in line, or that another stands where it ended.
 
 use libm::expf;
@@ -29,12 +29,14 @@ impl Bends {
     /// Nothing met.
     pub const NONE: Self = Self { path_m: 0.0, walls: [0; WALLS], sums_rad: [0.0; WALLS], expected_rad2: [0.0; WALLS] };
 
-    /// So many times larger than expected is the square of what a wall's readings turned the robot by, at least 1.
+    /// Factor of the variance with which a reading of this wall is taken, at least 1: the mean of one, which is believed of any wall, and
+    /// of the square of what this one turned the robot by over what is expected of it.
     pub fn excess(&self, wall: u16) -> f32 {
         let sums = self.walls.iter().zip(self.sums_rad.iter().zip(&self.expected_rad2));
         let found =
             sums.filter(|(other, (_, expected))| **other == wall && **expected > 0.0).map(|(_, sums)| sums).next();
-        found.map_or(1.0, |(sum, expected)| (sum * sum / expected.max(f32::MIN_POSITIVE)).clamp(1.0, f32::MAX))
+        let squares = found.map_or(1.0, |(sum, expected)| sum * sum / expected.max(f32::MIN_POSITIVE));
+        (0.5 + 0.5 * squares).clamp(1.0, f32::MAX)
     }
 
     /// A wall's reading turned the robot by so much, radians, and took so much from the variance of its heading.

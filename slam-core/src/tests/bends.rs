@@ -27,18 +27,18 @@ fn excesses(bias: f64, rows: usize, seed: u64) -> Vec<f32> {
 #[test]
 fn a_straight_wall_is_believed() {
     let mean = (1..=50).map(|seed| excesses(0.0, 200, seed).iter().sum::<f32>() / 200.0).sum::<f32>() / 50.0;
-    // The larger of one and a chi-square variable with one degree of freedom is 1.48 on average.
-    assert!((1.2..1.8).contains(&mean), "{mean}");
+    // The square is a chi-square variable with one degree of freedom: the larger of one and the mean of one and that is 1.24 on average.
+    assert!((1.15..1.35).contains(&mean), "{mean}");
 }
 
 #[test]
 fn a_wall_whose_corrections_go_one_way_counts_for_less() {
     let mut last: Vec<f32> = (1..=50).map(|seed| *excesses(0.5, 60, seed).last().unwrap()).collect();
     last.sort_by(f32::total_cmp);
-    assert!(last[25] > 4.0, "{}", last[25]);
+    assert!(last[25] > 3.0, "{}", last[25]);
     let mut bends = Bends::NONE;
     bends.note(WALL, 0.0, 0.1, TAKEN_RAD2);
-    assert!(bends.excess(WALL) > 50.0);
+    assert_eq!(bends.excess(WALL).round(), 51.0, "the square is a hundred times what is expected");
     assert_eq!(bends.excess(WALL + 1), 1.0, "another wall is none of it");
     // Much of it is forgotten ten metres on, and as many other walls leave no room for it.
     for other in 0..6 {
