@@ -203,17 +203,25 @@ impl Observer<'_> {
     }
 
     fn update(&mut self, sight: &Sight, met: &Hypothesis) -> Result<(), Refusal> {
-        let heading = |ekf: &EkfView| [ekf.mean(THETA), ekf.covariance(THETA, THETA)];
-        let bends = self.sensing.bends && matches!(sight.reading.noise, Noise::Metres { .. });
-        let excess = if bends { self.correlation.bends.excess(met.wall) } else { 1.0 };
-        let noise_m2 = self.weighed(met) * self.repeated(sight, met) * excess;
-        let [before_rad, before_rad2] = heading(self.ekf);
-        self.ekf.update(met.innovation_m, &met.jacobian, noise_m2).map_err(|_| Refusal::Degenerate)?;
-        if bends {
-            let [rad, rad2] = heading(self.ekf);
-            self.correlation.bends.note(met.wall, self.path_m, rad - before_rad, before_rad2 - rad2);
+        let own_m2 = self.weighed(met);
+        // An analogue sensor's noise is electric, and new with each reading.
+        if matches!(sight.reading.noise, Noise::Volts { .. }) {
+            return self.correct(met, own_m2);
         }
+        let noise_m2 = own_m2 * self.repeated(sight, met);
+        if !self.sensing.bends {
+            return self.correct(met, noise_m2);
+        }
+        let [before_rad, before_rad2] = [self.ekf.mean(THETA), self.ekf.covariance(THETA, THETA)];
+        self.correct(met, noise_m2 * self.correlation.bends.excess(met.wall))?;
+        let turned_rad = self.ekf.mean(THETA) - before_rad;
+        let taken_rad2 = before_rad2 - self.ekf.covariance(THETA, THETA);
+        self.correlation.bends.note(met.wall, self.path_m, turned_rad, taken_rad2);
         Ok(())
+    }
+
+    fn correct(&mut self, met: &Hypothesis, noise_m2: f32) -> Result<(), Refusal> {
+        self.ekf.update(met.innovation_m, &met.jacobian, noise_m2).map_err(|_| Refusal::Degenerate)
     }
 
     /// A beam that found nothing within its range, where it should have met a wall well within it, went through the wall: its identifier.
@@ -330,8 +338,7 @@ impl Observer<'_> {
 
     /// Effective number of readings that this one repeats, at least 1; also records it.
     fn repeated(&mut self, sight: &Sight, met: &Hypothesis) -> f32 {
-        // An analogue sensor's noise is electric, and new with each reading.
-        if !self.sensing.repeats || !matches!(sight.reading.noise, Noise::Metres { .. }) {
+        if !self.sensing.repeats {
             return 1.0;
         }
         let (sensor, wall, along_m, step) = (sight.sensor.index, met.wall, met.candidate.along_m, self.number);
