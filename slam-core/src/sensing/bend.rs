@@ -14,7 +14,7 @@ const MEMORY_M: f32 = 5.0;
 /// Walls that are kept account of: those that eight beams meet in a corridor, and two more.
 const WALLS: usize = 6;
 
-/// What the walls that were met of late did to the heading.
+/// What the walls that were met of late did to the heading; in columns, for a row of each would be padded.
 #[derive(Clone, Copy, Debug)]
 pub struct Bends {
     path_m: f32,

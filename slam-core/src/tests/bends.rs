@@ -40,7 +40,11 @@ fn a_wall_whose_corrections_go_one_way_counts_for_less() {
     bends.note(WALL, 0.0, 0.1, TAKEN_RAD2);
     assert_eq!(bends.excess(WALL).round(), 51.0, "the square is a hundred times what is expected");
     assert_eq!(bends.excess(WALL + 1), 1.0, "another wall is none of it");
-    // Much of it is forgotten ten metres on, and as many other walls leave no room for it.
+    // Ten metres on, what is new counts most.
+    let mut later = bends;
+    later.note(WALL, 10.0, 0.0, TAKEN_RAD2);
+    assert!(later.excess(WALL) < 1.5, "{}", later.excess(WALL));
+    // As many other walls leave no room for it.
     for other in 0..6 {
         bends.note(10 + other, 10.0, 0.0, TAKEN_RAD2);
     }
