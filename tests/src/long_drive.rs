@@ -1,10 +1,12 @@
 //! Drives of hours and days, whose figures are kept hour by hour.
 
-use hal_sim::{ClosedLoop, Estimate, Plan, SimOptions, Simulation, default_rig};
+use hal_sim::{ClosedLoop, Estimate, Plan, SimOptions, Simulation};
 use lab::evaluate::score::path;
+use lab::input::built_in_robot;
 use lab::recording::Step;
+use lab::run::Session;
 use robot::PilotConfig;
-use slam_core::{Config, HostSlam};
+use slam_core::Config;
 
 use crate::positivity::{flaw, least_correlation_pivot};
 
@@ -16,10 +18,14 @@ const LOOK_EVERY: u32 = 150;
 pub struct Hour {
     /// Which, from 1.
     pub number: u32,
-    /// Root mean square of the position's error in the start frame, metres.
+    /// Root mean square of the position's error in the start frame, metres, where the robot claimed a place.
     pub rmse_m: f64,
-    /// Mean NEES of the pose: three for an honest filter.
+    /// Mean NEES of the pose there: three for an honest filter.
     pub nees: f64,
+    /// For how long the robot did not know where it is, seconds.
+    pub lost_s: f64,
+    /// How often it gave its map up.
+    pub restarts: u32,
     /// Length of the true path, metres.
     pub path_m: f64,
     /// Walls born.
@@ -36,7 +42,7 @@ pub struct Hour {
     pub flaw: Option<String>,
 }
 
-/// Sums over one hour.
+/// Sums over one hour, of the steps in which the robot claimed a place.
 #[derive(Default)]
 struct Sums {
     steps: u32,
@@ -56,20 +62,25 @@ pub fn square(side_m: f64) -> Plan {
     hal_sim::plan_file::parse("square", "square", &text).expect("a good plan")
 }
 
-/// The built-in robot drives through a home for so many hours; `each` gets every hour as it ends.
+/// The built-in robot drives through a home for so many hours, as robots do: with a map that is kept where readings contradict it, and in which
+/// it finds itself again. `each` gets every hour as it ends.
 pub fn drive(plan: &Plan, hours: f64, seed: u64, mut each: impl FnMut(&Hour)) {
-    let rig = default_rig();
-    let simulation = Simulation::new(plan, &rig, SimOptions::default(), seed).expect("the robot fits");
-    let mut slam = HostSlam::with_config(rig.clone(), Config::default()).expect("a good rig");
-    let mut robot = ClosedLoop::new(simulation, &rig, PilotConfig::default());
+    let (built_in, _) = built_in_robot().expect("the built-in rig is good");
+    let rig = &built_in.rig;
+    let simulation = Simulation::new(plan, rig, SimOptions::default(), seed).expect("the robot fits");
+    let mut session = Session::new(&built_in, Config::for_rig(rig), plan.name.clone()).expect("a good rig");
+    let mut robot = ClosedLoop::new(simulation, rig, PilotConfig::default());
     let mut sums = Sums { hour: Hour { number: 1, least_pivot: f64::INFINITY, ..Hour::default() }, ..Sums::default() };
-    let mut before = *slam.counters();
-    let mut last = None;
+    let mut before = *session.slam().counters();
+    let (mut last, mut last_s) = (None, 0.0);
     loop {
-        let frame = robot.step(&mut |sample| {
-            let report = slam.step(sample);
-            Estimate { pose: slam.pose(), ranges_m: report.readings.map(|reading| reading.range_m) }
+        let frame = robot.step_in(&mut |sample| {
+            let report = session.estimate(sample);
+            let ranges_m = report.readings.map(|reading| reading.range_m);
+            (Estimate { pose: session.slam().pose(), ranges_m }, session.whereabouts())
         });
+        let time_s = robot.simulation.time_s();
+        let slam = session.slam();
         let estimate = slam.estimate();
         let step = Step {
             pose: estimate.pose.into(),
@@ -79,28 +90,31 @@ pub fn drive(plan: &Plan, hours: f64, seed: u64, mut each: impl FnMut(&Hour)) {
             ..Step::default()
         };
         sums.steps += 1;
-        sums.square_m2 += step.error().map_or(0.0, |e| e.x_m * e.x_m + e.y_m * e.y_m);
-        if let Some(nees) = path::nees(&step) {
+        if !session.is_located() {
+            sums.hour.lost_s += time_s - last_s;
+        } else if let (Some(error), Some(nees)) = (step.error(), path::nees(&step)) {
+            sums.square_m2 += error.x_m * error.x_m + error.y_m * error.y_m;
             sums.nees += nees;
             sums.scored += 1;
         }
         sums.hour.path_m += path::length_m([last.unwrap_or(frame.truth), frame.truth].into_iter());
-        last = Some(frame.truth);
+        (last, last_s) = (Some(frame.truth), time_s);
         if sums.steps.is_multiple_of(LOOK_EVERY) {
-            sums.hour.least_pivot = sums.hour.least_pivot.min(least_correlation_pivot(&slam));
-            sums.hour.flaw = sums.hour.flaw.take().or_else(|| flaw(&slam));
+            sums.hour.least_pivot = sums.hour.least_pivot.min(least_correlation_pivot(slam));
+            sums.hour.flaw = sums.hour.flaw.take().or_else(|| flaw(slam));
         }
-        let time_h = robot.simulation.time_s() / 3600.0;
+        let time_h = time_s / 3600.0;
         let is_end = time_h >= hours - 1e-9;
         if is_end || time_h >= f64::from(sums.hour.number) - 1e-9 {
             let counters = *slam.counters();
             let number = sums.hour.number;
             each(&Hour {
-                rmse_m: (sums.square_m2 / f64::from(sums.steps)).sqrt(),
+                rmse_m: (sums.square_m2 / f64::from(sums.scored)).sqrt(),
                 nees: sums.nees / f64::from(sums.scored),
                 births: counters.births - before.births,
                 holds: counters.holds - before.holds,
                 jolts: counters.jolts - before.jolts,
+                restarts: counters.restarts - before.restarts,
                 walls: slam.walls().count(),
                 ..sums.hour
             });

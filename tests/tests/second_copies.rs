@@ -38,8 +38,8 @@ fn kicks_that_no_reading_tells_are_told_by_walls_drawn_twice() {
     let told = jobs.iter().filter(|job| job.second_copies > 0).count();
     assert!(told >= 3, "{told} of {}", jobs.len());
     for job in &jobs {
-        assert!(job.score.home_m < 0.2, "{:?}", job.score);
-        assert!(job.score.swept > 0.93, "{:?}", job.score);
+        let (home_m, swept) = (job.score.home_m, job.score.swept);
+        assert!(home_m < 0.2 && swept > 0.93, "home {home_m} m, swept {swept}");
     }
 }
 
