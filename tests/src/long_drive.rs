@@ -52,6 +52,25 @@ struct Sums {
     hour: Hour,
 }
 
+impl Sums {
+    /// An hour of which nothing is known yet.
+    fn of_hour(number: u32) -> Self {
+        Self { hour: Hour { number, least_pivot: f64::INFINITY, ..Hour::default() }, ..Self::default() }
+    }
+
+    /// Adds a step that took so long, seconds.
+    fn add(&mut self, step: &Step, is_located: bool, took_s: f64) {
+        self.steps += 1;
+        if !is_located {
+            self.hour.lost_s += took_s;
+        } else if let (Some(error), Some(nees)) = (step.error(), path::nees(step)) {
+            self.square_m2 += error.x_m * error.x_m + error.y_m * error.y_m;
+            self.nees += nees;
+            self.scored += 1;
+        }
+    }
+}
+
 /// An empty square with sides of so many metres, the robot in its middle.
 pub fn square(side_m: f64) -> Plan {
     let (half, side) = (0.5 * side_m, side_m);
@@ -70,7 +89,7 @@ pub fn drive(plan: &Plan, hours: f64, seed: u64, mut each: impl FnMut(&Hour)) {
     let simulation = Simulation::new(plan, rig, SimOptions::default(), seed).expect("the robot fits");
     let mut session = Session::new(&built_in, Config::for_rig(rig), plan.name.clone()).expect("a good rig");
     let mut robot = ClosedLoop::new(simulation, rig, PilotConfig::default());
-    let mut sums = Sums { hour: Hour { number: 1, least_pivot: f64::INFINITY, ..Hour::default() }, ..Sums::default() };
+    let mut sums = Sums::of_hour(1);
     let mut before = *session.slam().counters();
     let (mut last, mut last_s) = (None, 0.0);
     loop {
@@ -89,14 +108,7 @@ pub fn drive(plan: &Plan, hours: f64, seed: u64, mut each: impl FnMut(&Hour)) {
             truth: Some(frame.truth),
             ..Step::default()
         };
-        sums.steps += 1;
-        if !session.is_located() {
-            sums.hour.lost_s += time_s - last_s;
-        } else if let (Some(error), Some(nees)) = (step.error(), path::nees(&step)) {
-            sums.square_m2 += error.x_m * error.x_m + error.y_m * error.y_m;
-            sums.nees += nees;
-            sums.scored += 1;
-        }
+        sums.add(&step, session.is_located(), time_s - last_s);
         sums.hour.path_m += path::length_m([last.unwrap_or(frame.truth), frame.truth].into_iter());
         (last, last_s) = (Some(frame.truth), time_s);
         if sums.steps.is_multiple_of(LOOK_EVERY) {
@@ -119,10 +131,7 @@ pub fn drive(plan: &Plan, hours: f64, seed: u64, mut each: impl FnMut(&Hour)) {
                 ..sums.hour
             });
             before = counters;
-            sums = Sums {
-                hour: Hour { number: number + 1, least_pivot: f64::INFINITY, ..Hour::default() },
-                ..Sums::default()
-            };
+            sums = Sums::of_hour(number + 1);
         }
         if is_end {
             return;
