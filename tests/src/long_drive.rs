@@ -42,11 +42,12 @@ pub struct Hour {
     pub flaw: Option<String>,
 }
 
-/// Sums over one hour, of the steps in which the robot claimed a place.
+/// Sums over one hour: of every step, of those in which the robot claimed a place, and of those of them whose covariance can be inverted.
 #[derive(Default)]
 struct Sums {
     steps: u32,
     square_m2: f64,
+    located: u32,
     nees: f64,
     scored: u32,
     hour: Hour,
@@ -63,8 +64,11 @@ impl Sums {
         self.steps += 1;
         if !is_located {
             self.hour.lost_s += took_s;
-        } else if let (Some(error), Some(nees)) = (step.error(), path::nees(step)) {
-            self.square_m2 += error.x_m * error.x_m + error.y_m * error.y_m;
+            return;
+        }
+        self.square_m2 += step.error().map_or(0.0, |e| e.x_m * e.x_m + e.y_m * e.y_m);
+        self.located += 1;
+        if let Some(nees) = path::nees(step) {
             self.nees += nees;
             self.scored += 1;
         }
@@ -93,6 +97,7 @@ pub fn drive(plan: &Plan, hours: f64, seed: u64, mut each: impl FnMut(&Hour)) {
     let mut before = *session.slam().counters();
     let (mut last, mut last_s) = (None, 0.0);
     loop {
+        // Not recorded, as a drive of the workbench is: three days would be gigabytes.
         let frame = robot.step_in(&mut |sample| {
             let report = session.estimate(sample);
             let ranges_m = report.readings.map(|reading| reading.range_m);
@@ -121,7 +126,7 @@ pub fn drive(plan: &Plan, hours: f64, seed: u64, mut each: impl FnMut(&Hour)) {
             let counters = *slam.counters();
             let number = sums.hour.number;
             each(&Hour {
-                rmse_m: (sums.square_m2 / f64::from(sums.scored)).sqrt(),
+                rmse_m: (sums.square_m2 / f64::from(sums.located)).sqrt(),
                 nees: sums.nees / f64::from(sums.scored),
                 births: counters.births - before.births,
                 holds: counters.holds - before.holds,
