@@ -19,6 +19,8 @@ pub enum Metric {
     Heading,
     /// Mean over time of the pose's normalised error squared, three axes.
     Nees,
+    /// Share of the time that the robot claims no place, 0 to 1; errors and their normalised values are of the rest.
+    Lost,
     /// Mean normalised innovation squared of the readings used.
     Nis,
     /// RMS offset of the mapped walls from the true ones, metres.
@@ -43,7 +45,7 @@ pub enum Metric {
 
 impl Metric {
     /// Every metric, in the order of the columns.
-    pub const ALL: [Metric; 17] = [
+    pub const ALL: [Metric; 18] = [
         Self::Path,
         Self::RoomsVisited,
         Self::RoomsMissed,
@@ -51,6 +53,7 @@ impl Metric {
         Self::Start,
         Self::Heading,
         Self::Nees,
+        Self::Lost,
         Self::Nis,
         Self::Offset,
         Self::Matched,
@@ -73,6 +76,7 @@ impl Metric {
             Self::Start => "start_m",
             Self::Heading => "heading_deg",
             Self::Nees => "nees",
+            Self::Lost => "lost",
             Self::Nis => "nis",
             Self::Offset => "offset_m",
             Self::Matched => "matched",

@@ -70,7 +70,7 @@ fn scaled(value: Option<f64>, factor: f64) -> Option<f64> {
     value.map(|value| factor * value)
 }
 
-const COLUMNS: [Column; 17] = [
+const COLUMNS: [Column; 18] = [
     column("path_m", "path m", 0, |line| median(&line.figures(Metric::Path))),
     column("rooms_missed", "", 2, |line| mean(&line.figures(Metric::RoomsMissed))),
     column("ate_median_cm", "aligned RMSE cm", 2, |line| scaled(median(&line.figures(Metric::Ate)), 100.0)),
@@ -82,6 +82,7 @@ const COLUMNS: [Column; 17] = [
     column("nees_max", "largest", 1, |line| max(&line.figures(Metric::Nees))),
     column("nees_band_low", "", 2, |line| nees_band(line).map(|band| band[0])),
     column("nees_band_high", "", 2, |line| nees_band(line).map(|band| band[1])),
+    column("lost_mean_percent", "lost %", 1, |line| scaled(mean(&line.figures(Metric::Lost)), 100.0)),
     column("nis_mean", "NIS", 2, |line| mean(&line.figures(Metric::Nis))),
     column("map_offset_rms_cm", "map cm", 2, |line| scaled(rms(&line.figures(Metric::Offset)), 100.0)),
     column("missed_mean", "walls missed", 2, |line| mean(&line.figures(Metric::Missed))),
@@ -113,9 +114,10 @@ pub fn csv(lines: &[Line]) -> String {
     text
 }
 
-/// The table for reading: head and cells.
+/// The table for reading: head and cells, of the columns that any line has a figure in.
 pub fn cells(lines: &[Line]) -> (Vec<&'static str>, Vec<Vec<String>>) {
-    let shown: Vec<&Column> = COLUMNS.iter().filter(|column| !column.head.is_empty()).collect();
+    let has_figures = |column: &&Column| lines.iter().any(|line| (column.value)(line).is_some());
+    let shown: Vec<&Column> = COLUMNS.iter().filter(|column| !column.head.is_empty()).filter(has_figures).collect();
     let one_case = lines.iter().all(|line| line.case == lines[0].case);
     let mut head = if one_case { vec!["plan"] } else { vec!["plan", "case"] };
     head.extend(["variant", "runs"]);

@@ -3,11 +3,14 @@
 use std::time::Duration;
 
 use hal_sim::{Estimate, Frame};
+use look_back::RobotBackEnd;
 use slam_core::ekf::storage;
-use slam_core::{Config, HostSlam, Outcome, RigError, Sample, Slam, WallView};
+use slam_core::{Config, HostSlam, Outcome, RigError, Sample, Slam, StepReport, WallView};
 
+use lab::evaluate::statistics::mean;
 use lab::input::rig_file::{MAX_SENSORS, Robot};
-use lab::recording::{Step, nis};
+use lab::recording::Step;
+use lab::run::Session;
 
 /// What an estimator did on one drive.
 #[derive(Clone, Debug, Default)]
@@ -38,7 +41,6 @@ const _: fn(Estimator<128>) -> HostSlam = |slam| slam;
 pub struct Tracker<const B: usize> {
     slam: Box<Estimator<B>>,
     track: Track,
-    nis_sum: f64,
 }
 
 impl<const B: usize> Tracker<B> {
@@ -47,48 +49,59 @@ impl<const B: usize> Tracker<B> {
     /// # Errors
     /// A value of the rig that the estimator refuses.
     pub fn new(robot: &Robot, config: Config) -> Result<Self, RigError> {
-        Ok(Self {
-            slam: Box::new(Slam::with_config(robot.rig.clone(), config)?),
-            track: Track::default(),
-            nis_sum: 0.0,
-        })
+        Ok(Self { slam: Box::new(Slam::with_config(robot.rig.clone(), config)?), track: Track::default() })
     }
 
     /// Estimates one sample; for a pilot to drive by.
     pub fn estimate(&mut self, sample: &Sample<MAX_SENSORS>) -> Estimate {
         let report = self.slam.step(sample);
-        let t_s = sample.time_us as f64 * 1e-6;
-        for reading in &report.readings {
-            if let Outcome::Updated { innovation_m, variance_m2, .. } = reading.outcome {
-                self.nis_sum += nis(&reading.outcome).unwrap_or(0.0);
-                self.track.innovations.push((t_s, f64::from(innovation_m / variance_m2.sqrt())));
-            }
-        }
-        let estimate = self.slam.estimate();
-        self.track.steps.push(Step {
-            t_s,
-            pose: estimate.pose.into(),
-            start: self.slam.start_pose().into(),
-            covariance: estimate.covariance.into(),
-            dead_reckoning: self.slam.dead_reckoning().into(),
-            walls: self.slam.walls().count(),
-            ..Step::default()
-        });
-        Estimate { pose: estimate.pose, ranges_m: report.readings.map(|reading| reading.range_m) }
+        self.track.add(&self.slam, sample.time_us, &report, true);
+        Estimate { pose: self.slam.pose(), ranges_m: report.readings.map(|reading| reading.range_m) }
     }
 
     /// The track, with the truth of the frames that it was made from.
-    pub fn finish(mut self, frames: &[Frame]) -> Track {
-        self.track.walls = self.slam.walls().collect();
-        self.track.bytes = size_of_val(&*self.slam);
-        let used = self.track.innovations.len();
-        self.track.mean_nis = (used > 0).then(|| self.nis_sum / used as f64);
-        self.track.reveal(frames);
-        self.track
+    pub fn finish(self, frames: &[Frame]) -> Track {
+        self.track.ended(&self.slam, size_of_val(&*self.slam), frames)
     }
 }
 
 impl Track {
+    /// Adds what an estimator said after the sample of this time.
+    fn add<const B: usize>(
+        &mut self,
+        slam: &Estimator<B>,
+        time_us: u64,
+        report: &StepReport<MAX_SENSORS>,
+        is_located: bool,
+    ) {
+        let (estimate, t_s) = (slam.estimate(), time_us as f64 * 1e-6);
+        for reading in &report.readings {
+            if let Outcome::Updated { innovation_m, variance_m2, .. } = reading.outcome {
+                self.innovations.push((t_s, f64::from(innovation_m / variance_m2.sqrt())));
+            }
+        }
+        self.steps.push(Step {
+            t_s,
+            pose: estimate.pose.into(),
+            start: slam.start_pose().into(),
+            covariance: estimate.covariance.into(),
+            dead_reckoning: slam.dead_reckoning().into(),
+            walls: slam.walls().count(),
+            searching: !is_located,
+            ..Step::default()
+        });
+    }
+
+    /// The whole of it, with the estimator's map and memory and the truth of the frames that it was made from.
+    fn ended<const B: usize>(mut self, slam: &Estimator<B>, bytes: usize, frames: &[Frame]) -> Self {
+        let squares: Vec<f64> = self.innovations.iter().map(|(_, deviations)| deviations * deviations).collect();
+        self.mean_nis = mean(&squares);
+        self.walls = slam.walls().collect();
+        self.bytes = bytes;
+        self.reveal(frames);
+        self
+    }
+
     /// Puts the truth into the steps.
     pub fn reveal(&mut self, frames: &[Frame]) {
         for (step, frame) in self.steps.iter_mut().zip(frames) {
@@ -107,4 +120,19 @@ pub fn replay<const B: usize>(robot: &Robot, config: Config, frames: &[Frame]) -
         tracker.estimate(&frame.sample);
     }
     Ok(tracker.finish(frames))
+}
+
+/// Feeds a whole drive to a robot: the estimator with its back end and the kept map.
+///
+/// # Errors
+/// A value of the rig that the estimator refuses.
+pub fn whole_robot(robot: &Robot, frames: &[Frame]) -> Result<Track, RigError> {
+    let mut session = Session::new(robot, Config::default(), "")?;
+    let mut track = Track::default();
+    for frame in frames {
+        let report = session.estimate(&frame.sample);
+        track.add(session.slam(), frame.sample.time_us, &report, session.is_located());
+    }
+    let bytes = size_of_val(session.slam()) + size_of::<RobotBackEnd>();
+    Ok(track.ended(session.slam(), bytes, frames))
 }

@@ -13,7 +13,7 @@ use crate::plan::changed;
 use crate::relative;
 use crate::row::{Metric, RunKey, RunRow};
 use crate::senses::{Scanned, Senses};
-use crate::track::{Track, Tracker, replay};
+use crate::track::{Track, Tracker, replay, whole_robot};
 use crate::variant::{Buffer, Method, Variant};
 use input_file::FileError;
 use lab::evaluate::score::map::{LONG_M, PASSED_M, PassedWall};
@@ -179,6 +179,7 @@ impl Driven {
             (Method::Slam(config, Buffer::B64), _) => replay::<64>(robot, config, frames)?,
             (Method::Slam(config, Buffer::B128), _) => replay::<128>(robot, config, frames)?,
             (Method::Slam(config, Buffer::B255), _) => replay::<255>(robot, config, frames)?,
+            (Method::Robot, _) => whole_robot(robot, frames)?,
             (Method::Floor, _) => floor::localise(&self.plan, robot, &self.calibration, frames),
         };
         track.time = processor_time().saturating_sub(before);
@@ -191,7 +192,8 @@ impl Driven {
         let visited = self.rooms_visited();
         row.set(Metric::RoomsVisited, visited as f64);
         row.set(Metric::RoomsMissed, (self.plan.rooms.len() - visited) as f64);
-        let pairs: Vec<(Pose2, Pose2)> = track.steps.iter().filter_map(|step| Some((step.pose, step.truth?))).collect();
+        let pairs: Vec<(Pose2, Pose2)> =
+            track.steps.iter().filter_map(|step| Some((step.pose, step.claimed_truth()?))).collect();
         let Some(score) = path::score(&pairs) else { return row };
         row.set(Metric::Ate, score.ate_m);
         row.set(Metric::Start, score.start_m);
@@ -201,6 +203,10 @@ impl Driven {
             return row;
         }
         row.set(Metric::Nees, path::mean_nees(&track.steps).unwrap_or(f64::NAN));
+        if variant.method == Method::Robot {
+            let lost = track.steps.iter().filter(|step| step.searching).count();
+            row.set(Metric::Lost, lost as f64 / track.steps.len().max(1) as f64);
+        }
         row.set(Metric::Nis, track.mean_nis.unwrap_or(f64::NAN));
         row.set(Metric::Updates, track.innovations.len() as f64);
         row.set(Metric::StepCost, 1e6 * track.time.as_secs_f64() / track.steps.len().max(1) as f64);

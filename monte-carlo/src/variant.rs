@@ -18,6 +18,8 @@ pub enum Method {
     DeadReckoning,
     /// The estimator with these settings and this many buffered outliers.
     Slam(Config, Buffer),
+    /// The same with what a robot has beside it: the back end, which hands over, and the map that is kept where readings contradict it.
+    Robot,
     /// Localisation alone: the true map, the true gains, scales and track are given.
     Floor,
     /// Another system.
@@ -55,13 +57,14 @@ const LASER_RAYS: usize = 181;
 pub const DEFAULT: &str = "grid, calibrated";
 
 /// Names of the variants that need no description.
-pub const NAMED: [&str; 7] = [
+pub const NAMED: [&str; 8] = [
     "dead reckoning",
     "report 3.1, free",
     "report 3.2, snapped",
     "report 3.2, theta moves",
     "grid, uncalibrated",
     DEFAULT,
+    "whole robot",
     "floor",
 ];
 
@@ -89,6 +92,7 @@ impl Variant {
             slam(WallPolicy::Snapped { theta_moves: true }, false),
             slam(WallPolicy::Grid, false),
             Method::Slam(Config::default(), Buffer::B128),
+            Method::Robot,
             Method::Floor,
         ];
         let found = NAMED.iter().position(|named| *named == name)?;
