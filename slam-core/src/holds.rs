@@ -13,7 +13,7 @@ use crate::geometry::angle::{sin_cos, wrap};
 use crate::geometry::line::Line;
 use crate::geometry::pose::Pose;
 use crate::holds::stillness::{Stillness, log_odds_of_staying};
-use crate::jolts::confirmation::Confirmation;
+use crate::jolts::confirmation::{Confirmation, SURE};
 use crate::jolts::recent::{self, Recent};
 use crate::jolts::search::{Displacement, SLIP, Scene};
 use crate::measurement::beam::Beam;
@@ -319,7 +319,9 @@ impl<const S: usize> Holds<S> {
         let pairs = stayed.iter().map(|sighting| sighting.beam).zip(&moved);
         let stands = scene.said(pairs, correction.sigma);
         let slipped = if stands > 0.0 { scene.improve(&moved, &Displacement::start(0), &SLIP).log_odds } else { 0.0 };
-        let is_held = confirmation.verdict(stands - slipped.max(0.0))? && self.stillness.is_witnessed();
+        let said = stands - slipped.max(0.0);
+        // A robot taken to stand where it drives is silently wrong; one whose hold is found a little later is not.
+        let is_held = confirmation.verdict(said)? && said > SURE && self.stillness.is_witnessed();
         let found = is_held.then_some(*correction);
         self.begin_anew(is_held);
         found

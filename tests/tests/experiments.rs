@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use monte_carlo::file::Experiment;
+use monte_carlo::row::Metric;
 use monte_carlo::runner::{Runner, Shard};
 use monte_carlo::{page, table};
 
@@ -31,6 +32,25 @@ fn the_smaller_sweep_holds() {
 #[test]
 fn each_relative_beats_the_motion_alone() {
     holds("relatives-small.toml", 3);
+}
+
+/// With analogue sensors nothing is handed over, and in a home that nothing contradicts no map is searched: filter and robot are one.
+#[test]
+fn the_whole_robot_is_its_filter_where_nothing_goes_wrong() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("quiet.toml");
+    let text = "title = \"Quiet\"\nplans = [\"room\"]\nseeds = 2\nvariants = [\"grid, calibrated\", \"whole robot\"]\n\
+                [setting]\nminutes = 3\n[[case]]\nname = \"nothing\"\n";
+    std::fs::write(&file, text).expect("a file that can be written");
+    let experiment = Experiment::read(&file).expect("a good file");
+    let out = folder.path().join("out");
+    Runner { out: out.clone(), shard: Shard::WHOLE, jobs: 2 }.run(&experiment, &|_, _| {}).expect("it runs");
+    let lines = page::write(&out, &experiment).expect("it is written").lines;
+    let [filter, robot] = &lines[..] else { panic!("{} lines", lines.len()) };
+    for metric in [Metric::Ate, Metric::Nees, Metric::Offset] {
+        assert_eq!(filter.figures(metric), robot.figures(metric), "{metric:?}");
+    }
+    assert_eq!((filter.figures(Metric::Lost), robot.figures(Metric::Lost)), (vec![], vec![0.0; 2]));
 }
 
 /// Runs an experiment, and all of its bars, at least so many, hold.

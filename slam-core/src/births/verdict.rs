@@ -92,18 +92,19 @@ impl Doubts {
         if !possible || line.seen_variance > DIRECTION_SIGMA * DIRECTION_SIGMA {
             return false;
         }
-        let agrees = self.0.is_some_and(|last| {
-            let [x, y] = [line.seen_m[0] - last.seen_m[0], line.seen_m[1] - last.seen_m[1]];
-            // Walls as they are built stand off each other by so much, whatever the policy.
-            let variance = line.variance + last.variance + 2.0 * decision::deviation(WallPolicy::NearGrid);
-            line.quarter != last.quarter
-                && line.path_m - last.path_m < TOGETHER_M
-                && x * x + y * y > APART_M * APART_M
-                && line.seen_variance + last.seen_variance < DIRECTION_SIGMA * DIRECTION_SIGMA
-                && decide(line.off_rad - last.off_rad, variance, GRID_SHARE) == Some(true)
-        });
-        self.0 = Some(line);
-        agrees
+        let Some(last) = self.0.replace(line) else { return false };
+        let is_across = line.quarter != last.quarter && line.path_m - last.path_m < TOGETHER_M;
+        let [x, y] = [line.seen_m[0] - last.seen_m[0], line.seen_m[1] - last.seen_m[1]];
+        if is_across && x * x + y * y <= APART_M * APART_M {
+            // Another side of the same thing tells nothing; the next wall of that direction may.
+            self.0 = Some(last);
+            return false;
+        }
+        // Walls as they are built stand off each other by so much, whatever the policy.
+        let variance = line.variance + last.variance + 2.0 * decision::deviation(WallPolicy::NearGrid);
+        is_across
+            && line.seen_variance + last.seen_variance < DIRECTION_SIGMA * DIRECTION_SIGMA
+            && decide(line.off_rad - last.off_rad, variance, GRID_SHARE) == Some(true)
     }
 }
 

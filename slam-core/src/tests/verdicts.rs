@@ -79,6 +79,15 @@ fn two_walls_off_by_the_same_angle_show_that_the_heading_is() {
 }
 
 #[test]
+fn another_side_of_the_same_thing_neither_agrees_nor_is_waited_with() {
+    let mut case = Case::new(WallPolicy::NearGrid);
+    assert_eq!(case.judge(0.0, 9.5, [2.0, 0.0], 1.0), Verdict::Wait);
+    assert_eq!(case.judge(1.0, 9.0, [2.0, 0.3], 1.5), Verdict::Wait);
+    // Farther off than two sides of a thing from the wall that was seen first, along which it would be the same again.
+    assert_eq!(case.judge(1.0, 9.0, [0.0, 2.0], 2.0), Verdict::NearGrid(1, NEAR));
+}
+
+#[test]
 fn two_sides_of_one_thing_or_other_angles_do_not() {
     for (off_deg, seen_m, path_m) in [(9.5, [2.0, 0.5], 2.0), (-9.5, [0.0, 2.0], 2.0), (9.5, [0.0, 2.0], 20.0)] {
         let mut case = Case::new(WallPolicy::NearGrid);
