@@ -67,7 +67,7 @@ fn misled(laps: usize, reads_long: f64) -> Recording {
             let (s, c) = sensor.bearing_rad.sin_cos();
             let hit_m = dead_reckoning.transform([range_m * c, range_m * s]).map(|metres| metres as f32);
             let wall = (wall + 4 * (step / STEPS_A_LAP)) as u16;
-            let outcome = Outcome::Updated { wall, innovation_m: 0.0, variance_m2: 1e-3 };
+            let outcome = Outcome::Updated { wall, innovation_m: 0.0, variance_m2: 1e-3, noise_m2: 1e-3 };
             recording.readings.push(ReadingReport { outcome, range_m: Some(range_m as f32), hit_m: Some(hit_m) });
         }
         recording.steps.push(Step {

@@ -94,7 +94,6 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
         if self.phase == Phase::Resting {
             self.diary.odometry.position_level = slam.position_level();
             self.diary.odometry.wheel_level = slam.wheel_level();
-            self.diary.has_exact_grid = slam.has_exact_grid();
         }
         let before = self.epoch.replace(slam.epoch());
         if before == self.epoch {

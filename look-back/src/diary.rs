@@ -86,8 +86,8 @@ pub struct Diary<const K: usize, const G: usize, const W: usize> {
     pub(crate) gains: Gains,
     /// Direction of the grid, radians.
     pub(crate) alpha_rad: Option<f32>,
-    /// The filter's walls stand on it exactly.
-    pub(crate) has_exact_grid: bool,
+    /// Number of the filter's wall that is asked next how it stands to the grid.
+    pub(crate) turn: u8,
     pub(crate) odometry: Odometry,
     /// The robot in the last keyframe's frame, by the odometry as it is calibrated at present.
     robot: Moving,
@@ -115,7 +115,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         calibration: Calibration { distance: 0.0, turn: 0.0, veer_rad_per_m: 0.0 },
         gains: Gains::NONE,
         alpha_rad: None,
-        has_exact_grid: false,
+        turn: 0,
         odometry: Odometry::NONE,
         robot: Moving::NONE,
         filter: Pose::ORIGIN,
@@ -144,7 +144,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         self.calibration = Calibration::EXACT;
         self.gains = gains;
         self.alpha_rad = None;
-        self.has_exact_grid = false;
+        self.turn = 0;
         self.ranges_m = [0.0; MOST_GAINS];
         self.odometry = Odometry::of(drive);
         (self.robot, self.filter) = (Moving::ORIGIN, start);
@@ -314,6 +314,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
             &mut self.groups,
             &self.gains,
             (&self.calibration, &self.odometry),
+            &self.walls,
             self.placed,
         );
         if is_done {

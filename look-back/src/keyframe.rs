@@ -13,11 +13,12 @@ const SPACING_RAD: f32 = 0.2;
 /// Unit of [`Keyframe::swing`], metres.
 const SWING_M: f32 = 1e-4;
 
-/// Of a motion that is not known.
+/// Of a motion that the odometry did not sense: the robot was kicked, or held while its wheels turned.
 const UNKNOWN: u16 = u16::MAX;
 
-/// Variance of its turn, rad^2: as of every heading.
-const UNKNOWN_RAD2: f32 = 3.3;
+/// Variance of where it ends, m^2, and of its turn, rad^2, about what the filter found: half a metre and half a radian, twice the size of
+/// what is looked for (`slam_core::JOLT`). Left open altogether, all that comes later could slide along the walls of before.
+const UNKNOWN_VARIANCES: [f32; 2] = [0.25, 0.25];
 
 /// A pose that is placed, and the odometry from it to the next.
 #[derive(Clone, Copy, Debug)]
@@ -52,13 +53,16 @@ impl Keyframe {
 
     /// Variance of where the motion ends by the errors of headings on the way, m^2.
     pub fn swing_m2(&self) -> f32 {
+        if self.swing == UNKNOWN {
+            return UNKNOWN_VARIANCES[0];
+        }
         let swing_m = SWING_M * f32::from(self.swing);
         swing_m * swing_m
     }
 
     /// Variance of the motion's turn beyond the odometry's noise, rad^2.
     pub fn unknown_rad2(&self) -> f32 {
-        if self.swing == UNKNOWN { UNKNOWN_RAD2 } else { 0.0 }
+        if self.swing == UNKNOWN { UNKNOWN_VARIANCES[1] } else { 0.0 }
     }
 
     /// The odometry did not sense how the robot came from here to where it is next.
@@ -87,7 +91,7 @@ impl Keyframe {
             motion: Pose { x_m, y_m, theta_rad: self.motion.theta_rad + next.motion.theta_rad },
             path_m: self.path_m + next.path_m,
             turning_rad: self.turning_rad + next.turning_rad,
-            swing: if is_unknown { UNKNOWN } else { (libm::sqrtf(swing_m2) / SWING_M) as u16 },
+            swing: if is_unknown { UNKNOWN } else { ((libm::sqrtf(swing_m2) / SWING_M) as u16).min(UNKNOWN - 1) },
             ..*self
         }
     }

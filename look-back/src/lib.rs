@@ -8,7 +8,7 @@
 //!
 //! | layer | what it makes |
 //! |---|---|
-//! | [`diary`], keyframe, group | keyframes, the odometry between them, and what was seen from each: the hits on one surface as sums |
+//! | [`diary`], keyframe, group, thin, redundancy | keyframes, the odometry between them, and what was seen from each: the hits on one surface as sums |
 //! | gains, rows | residuals of odometry, groups and priors with their derivatives |
 //! | system, packed | one Gauss-Newton step: poses eliminated along the path, the border solved, the poses found on the way back |
 //! | solve | the step in slices |
@@ -49,6 +49,7 @@ mod posterior;
 mod power;
 mod present;
 mod record;
+mod redundancy;
 mod rows;
 mod solve;
 mod survey;

@@ -393,7 +393,7 @@ fn place_wall<const K: usize, const G: usize, const W: usize>(diary: &mut Diary<
     let Some(wall) = diary.walls.get(index).copied().flatten() else { return 1 };
     let placed = if wall.is_placed { Some(wall) } else { place(diary, index) };
     if let (Some(slot), Some(mut found)) = (diary.walls.get_mut(index), placed) {
-        found.on_grid = is_on_grid(found.beta_rad, diary.alpha_rad);
+        found.on_grid = is_on_grid(&found, diary.alpha_rad);
         *slot = Some(found);
     }
     if wall.is_placed { 1 } else { PLACE_COST * diary.groups.len() as u32 }

@@ -2,6 +2,7 @@
 
 use crate::diary::{Diary, FEWEST};
 use crate::wall::Wall;
+use slam_core::Standing;
 
 /// Identifiers that the diary knows walls by, two for each.
 pub(crate) const NAMES: usize = 2 * crate::ROBOT_WALLS;
@@ -43,6 +44,17 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         *self.walls.get_mut(wall)? = Some(Wall::NEW);
         self.names.push(Name { id, wall: u8::try_from(wall).ok()? }).ok()?;
         Some(wall)
+    }
+
+    /// The filter has the wall that it calls `id` stand so to the grid. Of two walls that are one, one may stand there exactly and the other
+    /// not yet.
+    pub(crate) fn stand(&mut self, id: u16, standing: Standing) {
+        let Some(wall) = self.names.iter().find(|name| name.id == id).map(|name| name.wall) else { return };
+        if let Some(wall) = self.walls.get_mut(usize::from(wall)).and_then(Option::as_mut)
+            && !matches!(wall.told, Standing::Exact(_))
+        {
+            wall.told = standing;
+        }
     }
 
     /// Forgets the oldest name of a wall that has a newer one.

@@ -1,11 +1,12 @@
 //! Where a wall is of which nothing but its groups is known yet.
 
+use slam_core::Standing;
 use slam_core::angle::wrap;
 
 use crate::diary::Diary;
 use crate::frame::{Frame, dot};
 use crate::group::Group;
-use crate::rows::off_grid;
+use crate::rows::{grid_rad, off_grid};
 use crate::wall::{Line, Wall};
 
 /// Walls that are farther than six degrees from the grid are not on it, radians.
@@ -44,15 +45,26 @@ pub fn place<const K: usize, const G: usize, const W: usize>(diary: &Diary<K, G,
         mean_m = all.mean_m;
         line = Some(through(&all, towards));
     }
-    let line = line?;
-    let beta_rad = wrap(libm::atan2f(line.normal[1], line.normal[0]));
     let before = diary.walls.get(index).copied().flatten()?;
+    let line = told(&before, diary.alpha_rad, mean_m).or(line)?;
+    let beta_rad = wrap(libm::atan2f(line.normal[1], line.normal[0]));
     Some(Wall { rho_m: line.rho_m, beta_rad, anchor_m: dot(line.tangent(), mean_m), is_placed: true, ..before })
 }
 
-/// Whether a wall of this direction stands on the grid.
-pub fn is_on_grid(beta_rad: f32, alpha_rad: Option<f32>) -> bool {
-    alpha_rad.is_some_and(|alpha_rad| off_grid(beta_rad, alpha_rad).abs() < OFF_GRID_RAD)
+/// The line through a point in the grid's direction that the filter has the wall in: a wall that was seen along a hand's breadth would
+/// be drawn in any.
+fn told(wall: &Wall, alpha_rad: Option<f32>, at_m: [f32; 2]) -> Option<Line> {
+    let (Standing::Near(quarter) | Standing::Exact(quarter)) = wall.told else { return None };
+    let (s, c) = slam_core::angle::sin_cos(wrap(grid_rad(alpha_rad?, quarter)));
+    Some(Line { rho_m: dot([c, s], at_m), normal: [c, s] })
+}
+
+/// Whether a wall stands on the grid: as the filter has it, or by its direction.
+pub fn is_on_grid(wall: &Wall, alpha_rad: Option<f32>) -> bool {
+    match wall.told {
+        Standing::Unknown => alpha_rad.is_some_and(|alpha_rad| off_grid(wall.beta_rad, alpha_rad).abs() < OFF_GRID_RAD),
+        told => told != Standing::Off,
+    }
 }
 
 /// A wall's groups, each with the frame of its keyframe.

@@ -32,6 +32,14 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         if let Some(alpha_rad) = slam.filter_alpha() {
             self.grid(alpha_rad);
         }
+        // One wall a step.
+        self.turn = match slam.standing(self.turn.into()) {
+            Some((id, standing)) => {
+                self.stand(id, standing);
+                self.turn.wrapping_add(1)
+            }
+            None => 0,
+        };
         let robot = Frame::of(&slam.pose());
         for (number, (sensor, reading)) in slam.rig().sensors.iter().zip(&report.readings).enumerate() {
             let last_m = self.ranges_m.get_mut(number).map_or(0.0, |last_m| {
@@ -84,11 +92,18 @@ pub(crate) fn hit(
         Outcome::Missing | Outcome::Refused(_) => return None,
     };
     let end_m = robot.seen(reading.hit_m?);
-    let about_m = expected_m(sensor, reading, (gain, last_m))?;
-    let (variance_m2, alike) = noise(&sensor.model, about_m);
-    if wall.is_none() && is_cut_off(sensor, gain * about_m, variance_m2) {
-        return None;
-    }
+    let (variance_m2, alike) = match (reading.outcome, sensor.model) {
+        // What an analogue reading is known to on its wall the filter has found: by what is learned of its output, its age and the wall's ends.
+        (Outcome::Updated { noise_m2, .. }, RangeModel::Sharp { .. }) => (noise_m2, 1.0),
+        _ => {
+            let about_m = expected_m(sensor, reading, last_m)?;
+            let (variance_m2, alike) = noise(&sensor.model, about_m);
+            if wall.is_none() && is_cut_off(sensor, gain * about_m, variance_m2) {
+                return None;
+            }
+            (variance_m2, alike)
+        }
+    };
     let [x, y] = [sensor.mount.x_m, sensor.mount.y_m];
     // What the sensor reported, before the filter's gain: gains are found here, too.
     let end_m = [x + gain * (end_m[0] - x), y + gain * (end_m[1] - y)];
@@ -102,17 +117,13 @@ fn is_cut_off(sensor: &RangeSensor, range_m: f32, variance_m2: f32) -> bool {
     matches!(sensor.model, RangeModel::Sharp { .. }) && left_m * left_m.abs() < 4.0 * variance_m2
 }
 
-/// The range at which a reading's noise is told, metres. That of an analogue one must not depend on the reading itself: those that came
-/// out short would count for more than those that came out long, and every wall would be pulled towards the robot. So it is what the
-/// filter expected; where that expected nothing, what the sensor read last on what seems to be the same surface.
-pub(crate) fn expected_m(sensor: &RangeSensor, reading: &ReadingReport, (gain, last_m): (f32, f32)) -> Option<f32> {
+/// The range at which the noise of a reading that is of no wall is told, metres. That of an analogue one must not depend on the reading
+/// itself: those that came out short would count for more than those that came out long, and every wall would be pulled towards the
+/// robot. So it is what the sensor read last, on what seems to be the same surface.
+pub(crate) fn expected_m(sensor: &RangeSensor, reading: &ReadingReport, last_m: f32) -> Option<f32> {
     let range_m = reading.range_m?;
     let is_analogue = matches!(sensor.model, RangeModel::Sharp { .. });
-    Some(match reading.outcome {
-        Outcome::Updated { innovation_m, .. } if is_analogue => range_m - innovation_m / gain,
-        _ if is_analogue && (last_m - range_m).abs() < SAME_SURFACE * last_m => last_m,
-        _ => range_m,
-    })
+    Some(if is_analogue && (last_m - range_m).abs() < SAME_SURFACE * last_m { last_m } else { range_m })
 }
 
 /// Variance of a reading at this range, m^2, and of how many it is one.

@@ -1,7 +1,7 @@
 //! Residuals of what was sensed, with their derivatives.
 
 use slam_core::angle::wrap;
-use slam_core::{BUILT_TOLERANCE, Calibration, DriveModel, Pose, SLIP_M2_PER_RAD, SLIP_RUNS};
+use slam_core::{BUILT_TOLERANCE, Calibration, DriveModel, LOOSE_RAD, Pose, SLIP_M2_PER_RAD, SLIP_RUNS, Standing};
 
 use crate::frame::{Frame, dot};
 use crate::gains::Gains;
@@ -170,17 +170,27 @@ pub fn of_group(group: &Group, gains: &Gains, pose: &Pose, frame: &Frame, wall: 
     [apart, turned]
 }
 
-/// A wall that stands on the grid stands as built walls do, or exactly where the filter has it so: a wall that was turned on its own
-/// would be turned back as it is handed over, and what was seen at its ends would lie off it.
-pub fn of_grid(wall: &Wall, alpha_rad: f32, is_exact: bool, place: usize) -> Row {
-    let tolerance_rad = if is_exact { EXACT_RAD } else { BUILT_TOLERANCE };
-    Row {
-        residual: off_grid(wall.beta_rad, alpha_rad),
+/// How a wall is tied to the grid: where the filter decides that wall by wall, as the filter has it, for one that was turned on its own
+/// would be turned back as it is handed over; else as built walls stand. None where it has a direction of its own.
+pub fn of_grid(wall: &Wall, alpha_rad: f32, place: usize) -> Option<Row> {
+    let (residual, tolerance_rad) = match wall.told {
+        Standing::Near(quarter) => (wrap(wall.beta_rad - grid_rad(alpha_rad, quarter)), LOOSE_RAD),
+        Standing::Exact(quarter) => (wrap(wall.beta_rad - grid_rad(alpha_rad, quarter)), EXACT_RAD),
+        Standing::Unknown if wall.on_grid => (off_grid(wall.beta_rad, alpha_rad), BUILT_TOLERANCE),
+        Standing::Off | Standing::Unknown => return None,
+    };
+    Some(Row {
+        residual,
         weight: 1.0 / (tolerance_rad * tolerance_rad),
         here: [0.0; 3],
         next: [0.0; 3],
         border: [(place + 1, 1.0), (ALPHA, -1.0), NONE],
-    }
+    })
+}
+
+/// The grid's direction that is so many quarter turns from alpha.
+pub fn grid_rad(alpha_rad: f32, quarter: u8) -> f32 {
+    alpha_rad + f32::from(quarter) * core::f32::consts::FRAC_PI_2
 }
 
 /// Angle from the nearest direction of the grid.

@@ -116,8 +116,8 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> Solver<K, W
         for (wall, place) in self.placed(diary) {
             self.system.damp(place, 1.0 / FREE_M2);
             self.system.damp(place + 1, 1.0 / FREE_RAD2);
-            if let Some(alpha_rad) = diary.alpha_rad.filter(|_| wall.on_grid) {
-                self.system.add(&rows::of_grid(&wall, alpha_rad, diary.has_exact_grid, place));
+            if let Some(row) = diary.alpha_rad.and_then(|alpha_rad| rows::of_grid(&wall, alpha_rad, place)) {
+                self.system.add(&row);
             }
         }
         self.system.reset_active();

@@ -7,7 +7,9 @@ use crate::frame::{Frame, relative};
 use crate::gains::Gains;
 use crate::group::Group;
 use crate::keyframe::Keyframe;
+use crate::redundancy::lessen;
 use crate::rows::Odometry;
+use crate::wall::Wall;
 
 /// So much turning makes the odometry as unsure as a metre of path, radians.
 const RAD_PER_M: f32 = 0.8;
@@ -20,6 +22,7 @@ pub fn thin<const K: usize, const G: usize>(
     groups: &mut Vec<Group, G>,
     gains: &Gains,
     (calibration, odometry): (&Calibration, &Odometry),
+    walls: &[Option<Wall>],
     placed: u32,
 ) -> bool {
     let span = |key: &Keyframe| key.path_m + key.turning_rad / RAD_PER_M;
@@ -34,10 +37,13 @@ pub fn thin<const K: usize, const G: usize>(
     let apart = relative(&first.pose, &second.pose);
     let both = usize::from(first.groups) + usize::from(second.groups);
     let seen = groups.get_mut(before..before + both).unwrap_or_default();
+    let [position_m2, heading_rad2] = odometry.variances(&first);
+    if let Some((own, others)) = seen.split_at_mut_checked(first.groups.into()) {
+        lessen(own, others, (&first.pose, &second.pose), walls, [position_m2, position_m2, heading_rad2]);
+    }
     let gone = join(seen, first.groups.into(), gains, &Frame::of(&apart));
     groups.retain(|group| group.hits > 0);
     let groups = first.groups + second.groups - gone;
-    let [_, heading_rad2] = odometry.variances(&first);
     let one = Keyframe { groups, ..first.over(&second, calibration, heading_rad2) };
     if let Some(key) = keyframes.get_mut(at) {
         *key = one;

@@ -1,5 +1,6 @@
 //! A wall of the diary.
 
+use slam_core::Standing;
 use slam_core::angle::sin_cos;
 
 use crate::frame::dot;
@@ -19,6 +20,8 @@ pub struct Wall {
     pub hits: u32,
     /// Whether its direction is one of the grid's.
     pub on_grid: bool,
+    /// How the filter has it stand to the grid, where that decides so wall by wall.
+    pub(crate) told: Standing,
     /// Place along it about which its line is turned, metres.
     pub(crate) anchor_m: f32,
     /// Whether its line is known.
@@ -56,6 +59,7 @@ impl Wall {
         hi_m: 0.0,
         hits: 0,
         on_grid: false,
+        told: Standing::Unknown,
         anchor_m: 0.0,
         is_placed: false,
     };

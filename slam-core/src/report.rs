@@ -104,6 +104,8 @@ pub enum Outcome {
         innovation_m: f32,
         /// Innovation variance, m^2.
         variance_m2: f32,
+        /// Variance of the noise with which it was taken, m^2.
+        noise_m2: f32,
     },
     /// Met this wall but fell outside the gate; kept in the outlier buffer.
     Gated {

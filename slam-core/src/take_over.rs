@@ -18,7 +18,6 @@ use crate::motion::drive::DriveStates;
 use crate::report::NotTaken;
 use crate::rig::DriveModel;
 use crate::slam::Slam;
-use crate::walls::decision::looseness;
 use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::map::MapView;
 use crate::walls::wall::{Direction, Wall, WallPolicy};
@@ -245,8 +244,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let is_new = |id: u16| newborn.iter().any(|born| born.id == id);
         self.map.keep_one_of_each(found, is_new);
         let policy = self.config.walls.policy;
-        let deviation = if self.has_exact_grid() { 0.0 } else { looseness(policy) };
-        self.map.allot(&mut self.ekf, found, policy, deviation, &mut add);
+        self.map.allot(&mut self.ekf, found, policy, &mut add);
     }
 }
 
@@ -298,21 +296,17 @@ impl MapView {
 
     /// Gives every wall of the hand-over that is seen well enough its states, those that the filter does not have any more, too,
     /// while there is room.
-    fn allot(
-        &mut self,
-        ekf: &mut EkfView,
-        found: &HandOver,
-        policy: WallPolicy,
-        deviation: f32,
-        add: &mut impl FnMut(Link),
-    ) {
+    fn allot(&mut self, ekf: &mut EkfView, found: &HandOver, policy: WallPolicy, add: &mut impl FnMut(Link)) {
         let grid = ManhattanFrame::of(ekf);
         for (index, placed) in found.walls.iter().enumerate() {
-            let quarter =
-                (placed.on_grid && self.has_grid && policy != WallPolicy::Free).then(|| grid.quarter(placed.beta_rad));
-            let needed = 1 + usize::from(quarter.is_none() || deviation > 0.0);
             let names = found.names.iter().filter(|(_, wall)| usize::from(*wall) == index);
             let known = names.filter_map(|(name, _)| self.walls().iter().position(|wall| wall.id == *name)).min();
+            let quarter =
+                (placed.on_grid && self.has_grid && policy != WallPolicy::Free).then(|| grid.quarter(placed.beta_rad));
+            // Which walls stand on the grid exactly the filter decides, by the covariance that it takes over, too.
+            let direction = known.and_then(|known| self.walls().get(known)).map(|wall| wall.direction);
+            let is_exact = policy == WallPolicy::Grid && matches!(direction, Some(Direction::Grid(_)));
+            let needed = 1 + usize::from(quarter.is_none() || !is_exact);
             let has_room = ekf.len() + needed <= ekf.capacity() && (known.is_some() || !self.is_full());
             if placed.hits < KNOWN_AFTER || !has_room {
                 if let Some(known) = known {
@@ -322,7 +316,7 @@ impl MapView {
             }
             // A wall on an exact grid is turned about its anchor until it stands on it.
             let (rho_m, lever_m) = match quarter {
-                Some(quarter) if deviation == 0.0 => {
+                Some(quarter) if is_exact => {
                     let ([x, y], [x_m, y_m]) = (grid.normal(quarter), anchor_m(placed));
                     (x * x_m + y * y_m, -y * x_m + x * y_m)
                 }
@@ -331,8 +325,8 @@ impl MapView {
             let mut allot = |mean| ekf.augment(mean, &Jacobian::new(), 0.0).unwrap_or(0);
             let (rho, offset) = (allot(rho_m), hand_over::WALLS + 2 * index);
             let direction = match quarter {
-                Some(quarter) if deviation > 0.0 => Direction::NearGrid(allot(placed.beta_rad) as u16, quarter),
-                Some(quarter) => Direction::Grid(quarter),
+                Some(quarter) if is_exact => Direction::Grid(quarter),
+                Some(quarter) => Direction::NearGrid(allot(placed.beta_rad) as u16, quarter),
                 None => Direction::Free(allot(placed.beta_rad) as u16),
             };
             let turned_with = if direction.state().is_some() { offset + 1 } else { hand_over::ALPHA };

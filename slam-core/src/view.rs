@@ -8,8 +8,22 @@ use crate::report::{Counters, Health};
 use crate::rig::{DriveModel, Rig};
 use crate::slam::Slam;
 use crate::walls::manhattan::ManhattanFrame;
-use crate::walls::wall::{WallKind, WallPolicy};
+use crate::walls::wall::{Direction, WallKind, WallPolicy};
 use nalgebra::Matrix3;
+
+/// How a wall stands to the grid.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Standing {
+    /// Not told.
+    #[default]
+    Unknown,
+    /// In a direction of its own.
+    Off,
+    /// Along its direction that is so many quarter turns from alpha, give or take what such walls may stand off it.
+    Near(u8),
+    /// On that direction exactly.
+    Exact(u8),
+}
 
 /// A calibration state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,6 +88,18 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     /// Whether walls on the grid are taken to stand on it exactly, as far as its walls tell by now.
     pub fn has_exact_grid(&self) -> bool {
         self.config.walls.policy == WallPolicy::Grid && self.map.exactness.is_likely()
+    }
+
+    /// Identifier of the wall with this number, and how it stands to the grid, where the filter decides that wall by wall
+    /// ([`WallPolicy::Grid`]). None past the last.
+    pub fn standing(&self, number: usize) -> Option<(u16, Standing)> {
+        let wall = self.map.walls().get(number).filter(|_| self.config.walls.policy == WallPolicy::Grid)?;
+        let standing = match wall.direction {
+            Direction::Grid(quarter) => Standing::Exact(quarter),
+            Direction::NearGrid(_, quarter) => Standing::Near(quarter),
+            Direction::Free(_) | Direction::Snapped(_) => Standing::Off,
+        };
+        Some((wall.id, standing))
     }
 
     /// The settings.

@@ -223,7 +223,7 @@ fn reading(
         (_, d) if d > 0.97 => Outcome::Refused(Refusal::Held),
         (false, _) => Outcome::Unexplained,
         (true, _) if innovation.abs() > 3.29 * sigma => Outcome::Gated { wall: wall as u16, innovation_m, variance_m2 },
-        (true, _) => Outcome::Updated { wall: wall as u16, innovation_m, variance_m2 },
+        (true, _) => Outcome::Updated { wall: wall as u16, innovation_m, variance_m2, noise_m2: variance_m2 },
     };
     let measured = range + innovation;
     let pose = step.pose;

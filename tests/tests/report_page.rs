@@ -259,7 +259,7 @@ fn odd_recordings_still_make_a_page() {
         step.truth = None;
     }
     for reading in broken.readings.iter_mut().step_by(3) {
-        let outcome = Outcome::Updated { wall: 900, innovation_m: f32::NAN, variance_m2: 0.0 };
+        let outcome = Outcome::Updated { wall: 900, innovation_m: f32::NAN, variance_m2: 0.0, noise_m2: 0.0 };
         *reading = ReadingReport { outcome, range_m: Some(f32::NAN), hit_m: Some([f32::INFINITY, 0.0]) };
     }
     broken.figures.mean_nis = Some(f64::NAN);

@@ -6,6 +6,7 @@ use super::random::Random;
 use crate::frame::Frame;
 use crate::gains::Gains;
 use crate::group::Group;
+use crate::redundancy::lessen;
 use crate::rows::{GAINS, WALLS, of_group};
 use crate::wall::{Line, Wall};
 
@@ -99,4 +100,37 @@ fn the_noise_of_hits_does_not_draw_gains() {
         let by_gain = apart.border.iter().find(|(place, _)| *place == GAINS).expect("a gain that is not known").1;
         assert!((by_gain - 1.0).abs() < 1e-6, "{off_m}: {by_gain}");
     }
+}
+
+/// A pose takes three numbers of what is seen from it: of more groups on walls that both poses see, all but three are left.
+#[test]
+fn what_a_pose_takes_its_groups_no_longer_say() {
+    let wall = |beta_rad: f32| {
+        Some(Wall { rho_m: 2.0, beta_rad, lo_m: -1.0, hi_m: 1.0, hits: 20, is_placed: true, ..Wall::NEW })
+    };
+    let walls: Vec<_> = [0.0, 1.6, 3.1, 4.7, 0.8, 2.4].map(wall).into();
+    let group = |(number, wall): (usize, &Option<Wall>)| {
+        let (sin, cos) = f64::from(wall.expect("a wall").beta_rad).sin_cos();
+        // Off the foot of the wall, so that it tells of the heading, too.
+        let at_m = [(2.0 * cos - 0.7 * sin) as f32, (2.0 * sin + 0.7 * cos) as f32];
+        let mut group = Group::of([0.0; 2], at_m, 1e5, 1.0, 0);
+        group.set_wall(Some(number));
+        group
+    };
+    let seen: Vec<Group> = walls.iter().enumerate().map(group).collect();
+    let there = Pose::new(0.2, 0.1, 0.3);
+    let left = |own: &[Group], noise: [f32; 3]| {
+        let mut others = seen.clone();
+        lessen(own, &mut others, (&Pose::ORIGIN, &there), &walls, noise);
+        others.iter().map(|group| group.weight / 1e5).sum::<f32>()
+    };
+    let unknown = [1.0, 1.0, 1.0];
+    assert!((left(&seen, unknown) - 3.0).abs() < 0.05, "of six {}", left(&seen, unknown));
+    let of_others = left(&seen[..3], unknown);
+    assert!(
+        of_others > 1.0 && of_others < 2.0,
+        "three that place the pose, and three that are as well known as that: {of_others}"
+    );
+    assert!(left(&[], unknown) < 1e-3, "nobody knows from where they were seen");
+    assert!(left(&[], [1e-8; 3]) > 5.9 && left(&seen, [1e-8; 3]) > 5.9, "it is known from where");
 }

@@ -19,20 +19,21 @@ fn read(range_m: f32, outcome: Outcome) -> ReadingReport {
 fn the_noise_of_an_analogue_reading_does_not_depend_on_the_reading() {
     let sharp = sensor(RangeModel::Sharp { scale_m: 0.6, exponent: -1.16, noise_v: 0.012 });
     for off_m in [-0.05, 0.0, 0.05] {
-        let met = Outcome::Updated { wall: 1, innovation_m: 1.01 * off_m, variance_m2: 1e-3 };
-        let found = expected_m(&sharp, &read(1.2 + off_m, met), (1.01, 0.0)).expect("a range");
-        assert!((found - 1.2).abs() < 1e-5, "{off_m}: {found}");
+        let met = Outcome::Updated { wall: 1, innovation_m: 1.01 * off_m, variance_m2: 1e-3, noise_m2: 7e-4 };
+        let reading = ReadingReport { hit_m: Some([1.26 + off_m, 0.0]), ..read(1.2 + off_m, met) };
+        let found = hit(&Frame::of(&Pose::ORIGIN), (1.01, 0.0), 0, &sharp, &reading).expect("a hit");
+        assert_eq!((found.variance_m2, found.alike), (7e-4, 1.0), "as the filter took it");
         let new = read(1.2 + off_m, Outcome::Unexplained);
-        assert_eq!(expected_m(&sharp, &new, (1.0, 1.21)), Some(1.21));
-        assert_eq!(expected_m(&sharp, &new, (1.0, 0.6)), new.range_m, "another surface");
+        assert_eq!(expected_m(&sharp, &new, 1.21), Some(1.21));
+        assert_eq!(expected_m(&sharp, &new, 0.6), new.range_m, "another surface");
     }
 }
 
 #[test]
 fn a_sensor_that_reports_metres_tells_its_noise() {
     let metric = sensor(RangeModel::Metric { noise_m: 0.01, noise_rel: 0.01 });
-    let met = Outcome::Updated { wall: 1, innovation_m: 0.05, variance_m2: 1e-3 };
-    assert_eq!(expected_m(&metric, &read(1.2, met), (1.0, 1.21)), Some(1.2));
+    let met = Outcome::Updated { wall: 1, innovation_m: 0.05, variance_m2: 1e-3, noise_m2: 7e-4 };
+    assert_eq!(expected_m(&metric, &read(1.2, met), 1.21), Some(1.2));
 }
 
 /// Of a surface at a sensor's largest range only the readings that came out short are any, and would draw a new wall near.
@@ -40,7 +41,7 @@ fn a_sensor_that_reports_metres_tells_its_noise() {
 fn readings_of_no_wall_near_the_largest_range_are_not_kept() {
     let sharp = sensor(RangeModel::Sharp { scale_m: 0.6, exponent: -1.16, noise_v: 0.012 });
     let metric = sensor(RangeModel::Metric { noise_m: 0.01, noise_rel: 0.0 });
-    let met = Outcome::Updated { wall: 1, innovation_m: 0.0, variance_m2: 1e-3 };
+    let met = Outcome::Updated { wall: 1, innovation_m: 0.0, variance_m2: 1e-3, noise_m2: 7e-4 };
     let kept = |sensor: &RangeSensor, range_m: f32, outcome| {
         let reading = ReadingReport { hit_m: Some([0.06 + range_m, 0.0]), ..read(range_m, outcome) };
         hit(&Frame::of(&Pose::ORIGIN), (1.0, range_m), 0, sensor, &reading).is_some()

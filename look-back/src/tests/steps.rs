@@ -4,7 +4,7 @@ use std::vec;
 use std::vec::Vec;
 
 use nalgebra::{DMatrix, DVector};
-use slam_core::Pose;
+use slam_core::{Pose, Standing};
 
 use super::drive::DRIVE;
 use super::random::Random;
@@ -95,7 +95,8 @@ fn problem(seed: u64) -> (Problem, Dense) {
         let (rho_m, beta_rad) = ((OFFSET_M + 0.02 * random.normal()) as f32, direction(wall) as f32 + 0.01);
         let anchor_m = random.normal() as f32;
         let (lo_m, hi_m) = (anchor_m - 1.0, anchor_m + 1.0);
-        *slot = Some(Wall { rho_m, beta_rad, anchor_m, lo_m, hi_m, hits: 100, on_grid: wall < 2, is_placed: true });
+        let seen = Wall { rho_m, beta_rad, lo_m, hi_m, hits: 100, ..Wall::NEW };
+        *slot = Some(Wall { anchor_m, on_grid: wall < 2, is_placed: true, ..seen });
         walls.push((f64::from(rho_m), f64::from(beta_rad), f64::from(0.5 * (lo_m + hi_m))));
     }
     (diary, Dense { poses, motions, walls, alpha: 0.02, groups })
@@ -257,4 +258,29 @@ fn a_step_turns_no_pose_farther_than_derivatives_hold() {
     let turned = pairs.map(|(a, b)| slam_core::angle::wrap(b.pose.theta_rad - a.pose.theta_rad).abs());
     let most = turned.fold(0.0, f32::max);
     assert!((most - FURTHEST_RAD).abs() < 1e-3, "{most}");
+}
+
+/// A wall that was seen along a hand's breadth is drawn in the direction that the filter has it in, not through the noise of its hits.
+#[test]
+fn a_short_wall_is_drawn_as_the_filter_has_it() {
+    let mut diary = Problem::new(&DRIVE, Pose::ORIGIN);
+    diary.grid(0.1);
+    for (x_m, y_m) in [(1.99, 0.0), (2.02, 0.03), (1.97, 0.06), (2.03, 0.09)] {
+        diary.hit(&Hit {
+            from_m: [0.0; 2],
+            end_m: [x_m, y_m],
+            variance_m2: 1e-4,
+            alike: 1.0,
+            sensor: 0,
+            wall: Some(7),
+        });
+    }
+    let drawn_rad = |diary: &Problem| crate::place::place(diary, 0).expect("it has hits").beta_rad;
+    assert!((drawn_rad(&diary) - 0.1).abs() > 0.3, "through the hits: {}", drawn_rad(&diary));
+    diary.stand(7, Standing::Near(0));
+    assert!((drawn_rad(&diary) - 0.1).abs() < 1e-5, "{}", drawn_rad(&diary));
+    // What stands there exactly stands so for good.
+    diary.stand(7, Standing::Exact(0));
+    diary.stand(7, Standing::Off);
+    assert!((drawn_rad(&diary) - 0.1).abs() < 1e-5, "{}", drawn_rad(&diary));
 }

@@ -83,8 +83,9 @@ impl Hypothesis {
         self.candidate.range_m + 1e-4
     }
 
-    fn updated(&self) -> Outcome {
-        Outcome::Updated { wall: self.wall, innovation_m: self.innovation_m, variance_m2: self.variance_m2 }
+    fn updated(&self, noise_m2: f32) -> Outcome {
+        let Self { wall, innovation_m, variance_m2, .. } = *self;
+        Outcome::Updated { wall, innovation_m, variance_m2, noise_m2 }
     }
 
     fn gated(&self) -> Outcome {
@@ -185,9 +186,9 @@ impl Observer<'_> {
                 if met.at_end && self.hypothesis(&sight, beyond_m).is_some_and(|next| next.explains) {
                     return Err(Refusal::Ambiguous);
                 }
-                self.update(&sight, met)?;
+                let noise_m2 = self.update(&sight, met)?;
                 self.map.met(met.candidate.index, met.candidate.along_m, self.path_m);
-                return Ok(met.updated());
+                return Ok(met.updated(noise_m2));
             }
             nearly |= met.nearly;
             if outcome == Outcome::Unexplained {
@@ -202,7 +203,8 @@ impl Observer<'_> {
         if nearly { Err(Refusal::Ambiguous) } else { Ok(outcome) }
     }
 
-    fn update(&mut self, sight: &Sight, met: &Hypothesis) -> Result<(), Refusal> {
+    /// Corrects the estimate: with which variance of noise, m^2.
+    fn update(&mut self, sight: &Sight, met: &Hypothesis) -> Result<f32, Refusal> {
         let own_m2 = self.weighed(met);
         // An analogue sensor's noise is electric, and new with each reading.
         if matches!(sight.reading.noise, Noise::Volts { .. }) {
@@ -213,15 +215,17 @@ impl Observer<'_> {
             return self.correct(met, noise_m2);
         }
         let [before_rad, before_rad2] = [self.ekf.mean(THETA), self.ekf.covariance(THETA, THETA)];
-        self.correct(met, noise_m2 * self.correlation.bends.excess(met.wall))?;
+        let noise_m2 = noise_m2 * self.correlation.bends.excess(met.wall);
+        self.correct(met, noise_m2)?;
         let turned_rad = self.ekf.mean(THETA) - before_rad;
         let taken_rad2 = before_rad2 - self.ekf.covariance(THETA, THETA);
         self.correlation.bends.note(met.wall, self.path_m, turned_rad, taken_rad2);
-        Ok(())
+        Ok(noise_m2)
     }
 
-    fn correct(&mut self, met: &Hypothesis, noise_m2: f32) -> Result<(), Refusal> {
-        self.ekf.update(met.innovation_m, &met.jacobian, noise_m2).map_err(|_| Refusal::Degenerate)
+    fn correct(&mut self, met: &Hypothesis, noise_m2: f32) -> Result<f32, Refusal> {
+        self.ekf.update(met.innovation_m, &met.jacobian, noise_m2).map_err(|_| Refusal::Degenerate)?;
+        Ok(noise_m2)
     }
 
     /// A beam that found nothing within its range, where it should have met a wall well within it, went through the wall: its identifier.

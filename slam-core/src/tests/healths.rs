@@ -12,7 +12,7 @@ const FITS: Outcome = fits(1);
 const IS_OFF: Outcome = hidden(2);
 
 const fn fits(wall: u16) -> Outcome {
-    Outcome::Updated { wall, innovation_m: 0.0, variance_m2: 1e-4 }
+    Outcome::Updated { wall, innovation_m: 0.0, variance_m2: 1e-4, noise_m2: 1e-4 }
 }
 
 /// Something is seen before the wall.

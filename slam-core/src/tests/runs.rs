@@ -199,7 +199,7 @@ fn follow(
 ) -> usize {
     let mut updates = 0;
     for (i, reading) in report.readings.iter().enumerate() {
-        let (Outcome::Updated { wall, innovation_m, variance_m2 }, RangeInput::Metres(read_m)) =
+        let (Outcome::Updated { wall, innovation_m, variance_m2, .. }, RangeInput::Metres(read_m)) =
             (reading.outcome, sample.ranges[i])
         else {
             continue;

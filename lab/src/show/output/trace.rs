@@ -33,7 +33,7 @@ fn cells(reading: &ReadingReport) -> String {
     let (outcome, wall, innovation_m, variance_m2) = match reading.outcome {
         Outcome::Missing => ("missing", None, None, None),
         Outcome::Refused(refusal) => (refusal_name(refusal), None, None, None),
-        Outcome::Updated { wall, innovation_m, variance_m2 } => {
+        Outcome::Updated { wall, innovation_m, variance_m2, .. } => {
             ("updated", Some(wall), Some(innovation_m), Some(variance_m2))
         }
         Outcome::Gated { wall, innovation_m, variance_m2 } => {

@@ -177,7 +177,7 @@ fn sensor(recording: &Recording, shown: &[usize], index: usize) -> Value {
         let reading = recording.readings(step).get(index).copied().unwrap_or_default();
         let range = hit_range(recording, step, index, &reading);
         let (wall, innovation) = match reading.outcome {
-            Outcome::Updated { wall, innovation_m, variance_m2 }
+            Outcome::Updated { wall, innovation_m, variance_m2, .. }
             | Outcome::Gated { wall, innovation_m, variance_m2 } => {
                 (i64::from(wall), Some((f64::from(innovation_m), f64::from(variance_m2).sqrt())))
             }

@@ -60,7 +60,7 @@ impl Growing {
             for (sensor, reading) in readings.iter().enumerate() {
                 let range_m = hit_range(recording, index, sensor, reading);
                 let (wall, sigmas, sigma_m) = match reading.outcome {
-                    Outcome::Updated { wall, innovation_m, variance_m2 }
+                    Outcome::Updated { wall, innovation_m, variance_m2, .. }
                     | Outcome::Gated { wall, innovation_m, variance_m2 } => {
                         let sigma_m = f64::from(variance_m2).sqrt();
                         (f64::from(wall), f64::from(innovation_m) / sigma_m, sigma_m)
