@@ -5,7 +5,7 @@ use look_back::look_back::Effort;
 use look_back::{Hit, Progress, RobotDiary, RobotLookBack, Unknown};
 use slam_core::{Increment, Outcome, Rig, WallKind, WallView};
 
-use super::smoother::{self, Noise};
+use super::smoother::{self, Expected, Noise};
 use crate::input::rig_file::MAX_SENSORS;
 use crate::recording::{Pose2, Recording, wrap};
 
@@ -35,6 +35,7 @@ pub struct RobotLooksBack {
     waiting: usize,
     is_looking: bool,
     looks: Vec<(Progress, Effort)>,
+    expected: Expected,
 }
 
 impl RobotLooksBack {
@@ -49,6 +50,7 @@ impl RobotLooksBack {
             waiting: 0,
             is_looking: false,
             looks: Vec::new(),
+            expected: Expected::default(),
         })
     }
 
@@ -115,14 +117,15 @@ impl RobotLooksBack {
             self.diary.grid(alpha_rad);
         }
         for (number, (reading, sensor)) in recording.readings(index).iter().zip(&rig.sensors).enumerate() {
+            let about_m = self.expected.range_m(number, sensor, reading);
             let wall = match reading.outcome {
                 Outcome::Updated { wall, .. } => Some(wall),
                 Outcome::Gated { .. } | Outcome::Unexplained => None,
                 Outcome::Missing | Outcome::Refused(_) => continue,
             };
-            let Some([x, y]) = reading.hit_m else { continue };
+            let Some(([x, y], about_m)) = reading.hit_m.zip(about_m) else { continue };
             let end = step.pose.relative(&Pose2::new(x.into(), y.into(), 0.0));
-            let noise = Noise::of(sensor, end.x_m.hypot(end.y_m));
+            let noise = Noise::of(sensor, about_m);
             self.diary.hit(&Hit {
                 from_m: [sensor.mount.x_m, sensor.mount.y_m],
                 end_m: [end.x_m as f32, end.y_m as f32],

@@ -60,7 +60,7 @@ impl Graph {
     /// Of a record; none where there is nothing to place.
     pub fn new(recording: &Recording, rig: &Rig<MAX_SENSORS>, keyframes: &Keyframes) -> Option<Self> {
         let mut parts = Parts::of(recording);
-        let ended = ended_on(recording, &parts);
+        let ended = ended_on(recording, rig, &parts);
         let mut counts: BTreeMap<u16, usize> = BTreeMap::new();
         for id in ended.iter().filter_map(|end| end.wall) {
             *counts.entry(id).or_default() += 1;

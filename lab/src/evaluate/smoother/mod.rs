@@ -24,7 +24,7 @@ use crate::input::rig_file::MAX_SENSORS;
 use crate::recording::{Figures, LookingBack, MapSnapshot, Pose2, Recording, Step};
 use graph::Graph;
 use keyframes::Keyframes;
-pub use sightings::Noise;
+pub use sightings::{Expected, Noise};
 
 /// Rounds of merging walls that turn out to be one, at most.
 const MERGING_ROUNDS: usize = 40;

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use slam_core::{BUILT_RELIEF_M, Outcome, RangeModel, RangeSensor, Rig, SURFACE_M, WallView};
+use slam_core::{BUILT_RELIEF_M, Outcome, RangeModel, RangeSensor, ReadingReport, Rig, SURFACE_M, WallView};
 
 use super::keyframes::Keyframes;
 use super::parts::Parts;
@@ -12,6 +12,9 @@ use crate::recording::{MapSnapshot, Pose2, Recording, wrap};
 /// Of so many readings of a sensor that reports metres, which say the same, one is one: as the estimator finds on real logs,
 /// three to five. An analogue sensor's noise is new each time.
 const ALIKE: f64 = 4.0;
+
+/// Two readings of a sensor in a row that differ by less than this share are of one surface.
+const SAME_SURFACE: f64 = 0.25;
 
 /// One reading, in its keyframe's frame, and on which wall it is.
 #[derive(Clone, Copy, Debug)]
@@ -40,7 +43,7 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// Of a reading at this range.
+    /// Of a reading where this range was to be read.
     pub fn of(sensor: &RangeSensor, range_m: f64) -> Self {
         match sensor.model {
             RangeModel::Metric { noise_m, noise_rel } => {
@@ -56,6 +59,38 @@ impl Noise {
     }
 }
 
+/// Where noise is told: what each sensor read so far.
+#[derive(Clone, Debug, Default)]
+pub struct Expected {
+    last_m: [Option<f64>; MAX_SENSORS],
+}
+
+impl Expected {
+    /// Takes in the next reading of a sensor: the range at which its noise is told, metres; none where it has no range.
+    ///
+    /// That of an analogue one must not depend on the reading itself: those that came out short would count for more than those that
+    /// came out long, and every wall would be pulled towards the robot. So it is what the filter expected; where that expected nothing,
+    /// what the sensor read last on what seems to be the same surface.
+    pub fn range_m(&mut self, number: usize, sensor: &RangeSensor, reading: &ReadingReport) -> Option<f64> {
+        let range_m = f64::from(reading.range_m?);
+        let last_m = self.last_m.get_mut(number)?.replace(range_m);
+        let RangeModel::Sharp { .. } = sensor.model else { return Some(range_m) };
+        Some(match (reading.outcome, last_m) {
+            (Outcome::Updated { innovation_m, .. }, _) if range_m > f64::from(innovation_m) => {
+                range_m - f64::from(innovation_m)
+            }
+            (_, Some(last_m)) if (last_m - range_m).abs() < SAME_SURFACE * last_m => last_m,
+            _ => range_m,
+        })
+    }
+}
+
+/// Whether of a surface at this range only the readings of an analogue sensor that come out short are any: they would draw it near.
+fn is_cut_off(sensor: &RangeSensor, range_m: f64) -> bool {
+    let is_analogue = matches!(sensor.model, RangeModel::Sharp { .. });
+    is_analogue && range_m + 2.0 * Noise::of(sensor, range_m).sigma_m > f64::from(sensor.max_m)
+}
+
 /// A reading that ended somewhere.
 #[derive(Clone, Copy, Debug)]
 pub struct End {
@@ -67,6 +102,8 @@ pub struct End {
     pub wall: Option<u16>,
     /// Where, in the map frame of the moment, metres.
     pub at_m: [f64; 2],
+    /// The range at which its noise is told, metres.
+    pub about_m: f64,
 }
 
 impl Sighting {
@@ -87,27 +124,30 @@ impl Sighting {
             from_m: robot.transform([sensor.mount.x_m.into(), sensor.mount.y_m.into()]),
             end_m: robot.transform([from_robot.x_m, from_robot.y_m]),
             min_cos: f64::from(sensor.max_incidence_rad).cos(),
-            noise: Noise::of(sensor, from_robot.x_m.hypot(from_robot.y_m)),
+            noise: Noise::of(sensor, end.about_m),
         })
     }
 }
 
 /// Every reading that ended somewhere.
-pub fn ended_on(recording: &Recording, parts: &Parts) -> Vec<End> {
+pub fn ended_on(recording: &Recording, rig: &Rig<MAX_SENSORS>, parts: &Parts) -> Vec<End> {
     let became = mergers(&recording.maps, parts);
     // Identifiers come again after 65,536 births: then a chain of mergers may have no end.
     let chain = |id: u16| std::iter::successors(Some(id), |id| became.get(id).copied()).take(became.len() + 1);
     let root = |id: u16| chain(id).last().unwrap_or(id);
-    let mut ends = Vec::new();
+    let (mut ends, mut expected) = (Vec::new(), Expected::default());
     for step in 0..recording.steps.len() {
-        for (sensor, reading) in recording.readings(step).iter().enumerate() {
+        for (number, (sensor, reading)) in rig.sensors.iter().zip(recording.readings(step)).enumerate() {
+            let about_m = expected.range_m(number, sensor, reading);
             let wall = match reading.outcome {
                 Outcome::Updated { wall, .. } => Some(root(wall)),
                 Outcome::Gated { .. } | Outcome::Unexplained => None,
                 Outcome::Missing | Outcome::Refused(_) => continue,
             };
-            if let Some(hit_m) = reading.hit_m.filter(|hit_m| hit_m.iter().all(|metres| metres.is_finite())) {
-                ends.push(End { step, sensor, wall, at_m: hit_m.map(f64::from) });
+            let hit_m = reading.hit_m.filter(|hit_m| hit_m.iter().all(|metres| metres.is_finite()));
+            let Some((hit_m, about_m)) = hit_m.zip(about_m) else { continue };
+            if wall.is_some() || !is_cut_off(sensor, about_m) {
+                ends.push(End { step, sensor: number, wall, at_m: hit_m.map(f64::from), about_m });
             }
         }
     }
