@@ -8,7 +8,7 @@ mod schemas;
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{BufWriter, Seek, Write};
+use std::io::{BufWriter, ErrorKind, Read as _, Seek, Write};
 use std::path::Path;
 
 use input_file::FileError;
@@ -40,7 +40,7 @@ impl<W: Write + Seek> Output<W> {
     /// # Errors
     /// What the system says.
     pub fn new(to: W) -> Result<Self, McapError> {
-        let mut writer = Writer::with_options(to, WriteOptions::new().compression(None).library("wall-slam"))?;
+        let mut writer = Writer::with_options(to, WriteOptions::new().compression(None).library(LIBRARY))?;
         let mut channels = BTreeMap::new();
         for topic in Topic::ALL {
             let (name, schema) = topic.schema();
@@ -126,11 +126,37 @@ impl Output<BufWriter<File>> {
     /// Begins a file of this name.
     ///
     /// # Errors
-    /// What the system says.
+    /// What the system says, or that the file is somebody else's.
     pub fn create(file: &Path) -> Result<Self, FileError> {
+        check(file)?;
         let to = File::create(file).map_err(|cause| FileError::system(file, "write", &cause))?;
         Self::new(BufWriter::new(to)).map_err(|error| failed(file, &error))
     }
+}
+
+/// Every MCAP file begins so.
+const MAGIC: &[u8] = b"\x89MCAP0\r\n";
+/// What wrote the file, as its header has it.
+const LIBRARY: &str = "wall-slam";
+/// The header's first bytes, which have both.
+const HEADER_BYTES: u64 = 64;
+
+/// Checks that a file can be written without loss: it is not there, or empty, or an MCAP file of this program.
+///
+/// # Errors
+/// It is another file, or cannot be read.
+pub fn check(file: &Path) -> Result<(), FileError> {
+    let mut header = Vec::new();
+    match File::open(file).and_then(|open| open.take(HEADER_BYTES).read_to_end(&mut header)) {
+        Err(cause) if cause.kind() == ErrorKind::NotFound => return Ok(()),
+        Err(cause) => return Err(FileError::system(file, "read", &cause)),
+        Ok(_) => {}
+    }
+    let is_own = header.starts_with(MAGIC) && header.windows(LIBRARY.len()).any(|bytes| bytes == LIBRARY.as_bytes());
+    if header.is_empty() || is_own {
+        return Ok(());
+    }
+    Err(FileError::new(file, "is no MCAP file that lab wrote, and would be overwritten; name another file with --mcap"))
 }
 
 /// An error of the file.

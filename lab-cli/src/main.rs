@@ -221,6 +221,7 @@ fn main() -> ExitCode {
 
 fn run(args: RunArgs) -> Result<(), Box<dyn Error>> {
     let RunArgs { plan, job, minutes, seed, rig, out, map, start, trace, mcap, variant } = args;
+    mcap.as_deref().map_or(Ok(()), foxglove_file::check)?;
     let bar = ProgressBar::new(1000).with_style(style(match job {
         Job::Explore => "driving {wide_bar} {percent} %, {eta} to go",
         Job::Clean => "sweeping {wide_bar} {percent} % of the floor, {elapsed}",
@@ -239,6 +240,7 @@ fn run(args: RunArgs) -> Result<(), Box<dyn Error>> {
 
 fn replay(args: ReplayArgs) -> Result<(), Box<dyn Error>> {
     let ReplayArgs { log, rig, out, truth, map, with, trace, mcap, variant } = args;
+    mcap.as_deref().map_or(Ok(()), foxglove_file::check)?;
     let bar = ProgressBar::new_spinner().with_style(style("{spinner} {pos} rows, {elapsed}"));
     let replay = Replay { log, rig, out, truth, map, settings: Settings::ForRig(variant), trace };
     let replayed = match with {

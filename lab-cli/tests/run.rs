@@ -208,6 +208,15 @@ fn a_run_and_its_replay_are_written_for_foxglove() {
             "{name}"
         );
     }
+    // Its own file it writes again; another one it leaves alone, and says so before it drives.
+    place.lab().args(replay).assert().success();
+    for (out, file) in [("again", "run/log.csv"), ("again", "run/rig.toml"), ("run", "run/estimate.csv")] {
+        let before = place.get(file);
+        let replay = ["replay", "run/log.csv", "--rig", "run/rig.toml", "--out", out, "--mcap", file];
+        let reason = format!("{file}: is no MCAP file that lab wrote");
+        place.lab().args(replay).assert().failure().stderr(contains(reason));
+        assert_eq!(place.get(file), before, "{file}");
+    }
     let nowhere = ["run", "--minutes", "0.1", "--out", "other", "--mcap", "no/such/folder/run.mcap"];
     place.lab().args(nowhere).assert().failure().stderr(contains("no/such/folder/run.mcap: cannot write"));
 }

@@ -69,6 +69,9 @@ impl Monitor {
     /// What is wrong with line or files, for people.
     pub fn run(&self) -> Result<(), String> {
         let (robot, rig_toml) = lab::input::robot(&self.rig).map_err(|error| error.to_string())?;
+        if let Some(file) = &self.mcap {
+            foxglove_file::check(file).map_err(|error| error.to_string())?;
+        }
         let folder = Folder::prepare(&self.out, &["log.csv", "rig.toml"]).map_err(|error| error.to_string())?;
         folder.write("rig.toml", &rig_toml).map_err(|error| error.to_string())?;
         let mut log = LineFile::create(folder.file("log.csv")).map_err(|error| error.to_string())?;
