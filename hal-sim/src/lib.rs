@@ -28,6 +28,7 @@ mod closed_loop;
 pub mod coverage;
 pub mod floor;
 mod history;
+mod inside;
 pub mod mishap;
 mod odometer;
 pub mod options;

@@ -8,6 +8,7 @@ use std::path::Path;
 
 use input_file::{FileError, Number, TomlFile};
 
+use crate::inside::{crossing_edges, edges, encloses};
 use crate::plan::{Cliff, Door, Face, Person, Plan, Room, Round};
 use crate::pose::Pose2;
 use crate::random_home::random_home;
@@ -78,40 +79,45 @@ pub fn parse(file: &str, name: &str, text: &str) -> Result<Plan, FileError> {
     };
     add_areas(&toml, &keys, &mut plan)?;
     add_moving(&toml, &keys, &mut plan)?;
-    check_start(&toml, &keys, &plan.start)?;
-    bounds::check_start(&toml, &plan)?;
+    check_places(&toml, &plan)?;
+    bounds::check(&toml, &plan)?;
     if plan.faces.is_empty() && plan.rounds.is_empty() {
         return Err(toml.error("outline", "is missing; a plan needs at least one outline, box, wall or round"));
     }
     Ok(plan)
 }
 
-/// The robot starts within one of the outlines, where there are any that close something in.
-fn check_start(toml: &TomlFile<'_>, file: &File, start: &Pose2) -> Result<(), FileError> {
-    let outlines = file.outline.iter().map(|outline| outline.points_m.iter().map(metres).collect::<Vec<_>>());
-    // One that runs clockwise is seen from outside: a pillar.
-    let mut outer = outlines.filter(|points_m| twice_area_m2(points_m) > 0.0).peekable();
-    if outer.peek().is_none() || outer.any(|points_m| encloses(&points_m, [start.x_m, start.y_m])) {
-        return Ok(());
+/// The robot starts within an outline, where there is one, and not in a box; so does one that is put down somewhere.
+fn check_places(toml: &TomlFile<'_>, plan: &Plan) -> Result<(), FileError> {
+    let put_down = plan.mishaps.kidnaps.iter().enumerate();
+    let put_down = put_down.filter_map(|(i, kidnap)| Some((format!("kidnap[{i}].to_m"), kidnap.to?)));
+    for (place, pose) in std::iter::once(("start".to_owned(), plan.start)).chain(put_down) {
+        if !plan.is_inside([pose.x_m, pose.y_m]) {
+            return Err(toml.error(&place, OUTSIDE));
+        }
     }
-    Err(toml.error("start", "is outside the outline; the robot must start inside, where it can drive"))
+    Ok(())
+}
+
+/// Why a robot cannot be at a place.
+const OUTSIDE: &str = "is outside the outline or in a box; the robot must be inside, where it can drive";
+
+impl Plan {
+    /// Checks that a robot can start at a place, as the plan's own start is checked.
+    ///
+    /// # Errors
+    /// Why not, to be put after the place's name.
+    pub fn check_start(&self, start: &Pose2) -> Result<(), String> {
+        if !self.is_inside([start.x_m, start.y_m]) {
+            return Err(OUTSIDE.to_owned());
+        }
+        bounds::check_start(self, start)
+    }
 }
 
 /// Twice the area within a closed line, m^2: positive where it runs counter-clockwise.
 fn twice_area_m2(points_m: &[[f64; 2]]) -> f64 {
     edges(points_m).map(|([ax, ay], [bx, by])| ax * by - bx * ay).sum()
-}
-
-/// Whether a ray from the point along x crosses a closed line an odd number of times.
-fn encloses(points_m: &[[f64; 2]], [x_m, y_m]: [f64; 2]) -> bool {
-    let crossed = |&([ax, ay], [bx, by]): &([f64; 2], [f64; 2])| {
-        (ay > y_m) != (by > y_m) && x_m < ax + (y_m - ay) / (by - ay) * (bx - ax)
-    };
-    edges(points_m).filter(crossed).count() % 2 == 1
-}
-
-fn edges(points_m: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
-    points_m.iter().copied().zip(points_m.iter().copied().cycle().skip(1))
 }
 
 fn metres(point: &Point) -> [f64; 2] {
@@ -148,13 +154,20 @@ fn closed_line(toml: &TomlFile<'_>, place: &str, line: &Outline) -> Result<Vec<[
     if let Some(j) = edges(&points_m).position(|edge| length_m(edge) <= SHORTEST_M) {
         return Err(toml.error(&format!("{place}[{j}]"), "must be at least 1 mm from the next point"));
     }
+    if let Some((i, j)) = crossing_edges(&points_m) {
+        let what = format!(
+            "crosses itself: the line from point {} and that from point {}; the corners must be in order, each side apart from the others",
+            i + 1,
+            j + 1
+        );
+        return Err(toml.error(place, &what));
+    }
     Ok(points_m)
 }
 
 fn faces(toml: &TomlFile<'_>, file: &File) -> Result<Vec<Face>, FileError> {
     let mut faces = Vec::new();
-    for (i, outline) in file.outline.iter().enumerate() {
-        let points_m = closed_line(toml, &format!("outline[{i}].points_m"), outline)?;
+    for points_m in outlines(toml, file)? {
         faces.extend(edges(&points_m).map(|(from_m, to_m)| Face { from_m, to_m, two_sided: false }));
     }
     for (i, cuboid) in file.boxes.iter().enumerate() {
@@ -166,6 +179,18 @@ fn faces(toml: &TomlFile<'_>, file: &File) -> Result<Vec<Face>, FileError> {
         faces.push(Face { from_m, to_m, two_sided: true });
     }
     Ok(faces)
+}
+
+/// The outlines. One that runs clockwise is seen from outside: a pillar. Where the robot starts in it, and in no other, it is the home.
+fn outlines(toml: &TomlFile<'_>, file: &File) -> Result<Vec<Vec<[f64; 2]>>, FileError> {
+    let line = |(i, outline): (usize, &Outline)| closed_line(toml, &format!("outline[{i}].points_m"), outline);
+    let mut outlines: Vec<Vec<[f64; 2]>> = file.outline.iter().enumerate().map(line).collect::<Result<_, _>>()?;
+    let start_m = [file.start.x_m.get(), file.start.y_m.get()];
+    let is_home = |points_m: &Vec<[f64; 2]>| twice_area_m2(points_m) > 0.0 && encloses(points_m, start_m);
+    if !outlines.iter().any(is_home) {
+        outlines.iter_mut().filter(|points_m| encloses(points_m, start_m)).for_each(|points_m| points_m.reverse());
+    }
+    Ok(outlines)
 }
 
 impl Cuboid {
@@ -229,6 +254,8 @@ mod tests {
         parse("home.toml", "home", text).unwrap_err().to_string()
     }
 
+    /// A square home, three lines.
+    const HOME: &str = "[[outline]]\npoints_m = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]\n";
     const START: &str = "[start]\nx_m = 1.0\ny_m = 1.0\n";
 
     #[test]
@@ -255,12 +282,43 @@ mod tests {
     }
 
     #[test]
+    fn an_outline_that_runs_clockwise_around_the_start_is_the_home() {
+        let turned = HOME.replace("[4.0, 0.0], [4.0, 4.0], [0.0, 4.0]", "[0.0, 4.0], [4.0, 4.0], [4.0, 0.0]");
+        let plan = parse("home.toml", "home", &format!("{START}{turned}")).unwrap();
+        assert!(plan.is_inside([1.0, 1.0]) && !plan.is_inside([5.0, 1.0]));
+        let around = "[[outline]]\npoints_m = [[0.5, 0.5], [0.5, 1.5], [1.5, 1.5], [1.5, 0.5]]";
+        assert!(error(&format!("{START}{HOME}{around}")).contains("start: is outside"), "it starts in a pillar");
+    }
+
+    #[test]
     fn a_pillar_closes_nothing_in_and_one_of_several_outlines_is_enough() {
         let pillar = "[[outline]]\npoints_m = [[2.0, 0.0], [2.0, 4.0], [4.0, 4.0], [4.0, 0.0]]";
         let flats = "[[outline]]\npoints_m = [[2.0, 0.0], [4.0, 0.0], [4.0, 4.0]]\n\
                      [[outline]]\npoints_m = [[0.0, 0.0], [3.0, 0.0], [0.0, 3.0]]";
         for outlines in [pillar, flats] {
             assert!(parse("home.toml", "home", &format!("{START}{outlines}")).is_ok(), "{outlines}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_in_a_home_is_named() {
+        let cases = [
+            (
+                format!("{START}{HOME}[[box]]\nmin_m = [0.2, 0.2]\nmax_m = [2.0, 2.0]"),
+                "home.toml:1: start: is outside the outline or in a box",
+            ),
+            (
+                format!("{START}{HOME}[[kidnap]]\nat_s = 1.0\nto_m = [5.0, 1.0]"),
+                "home.toml:8: kidnap[0].to_m: is outside the outline or in a box",
+            ),
+            (
+                format!("{START}[[outline]]\npoints_m = [[0.0, 0.0], [4.0, 4.0], [4.0, 0.0], [0.0, 4.0]]"),
+                "home.toml:5: outline[0].points_m: crosses itself: the line from point 1 and that from point 3",
+            ),
+        ];
+        for (text, expected) in cases {
+            let message = error(&text);
+            assert!(message.starts_with(expected), "{message}");
         }
     }
 
@@ -286,14 +344,14 @@ mod tests {
             ),
             (
                 format!("{START}[[outline]]\npoints_m = [[2.0, 0.0], [4.0, 0.0], [4.0, 4.0], [2.0, 4.0]]"),
-                "home.toml:1: start: is outside the outline",
+                "home.toml:1: start: is outside the outline or in a box",
             ),
             (
                 // In the notch of an L.
                 format!(
                     "{START}[[outline]]\npoints_m = [[0.0, 0.0], [0.5, 0.0], [0.5, 2.0], [2.0, 2.0], [2.0, 3.0], [0.0, 3.0]]"
                 ),
-                "home.toml:1: start: is outside the outline",
+                "home.toml:1: start: is outside the outline or in a box",
             ),
             (format!("{START}[[wal]]\n"), "home.toml:4: wal: is not known here; known are name, start, outline"),
             ("[start]\nx_m = 1.0\n".into(), "home.toml:1: start.y_m: is missing; it must be metres from"),

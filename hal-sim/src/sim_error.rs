@@ -31,7 +31,7 @@ impl fmt::Display for SimError {
             ),
             Self::PlaceBlocked(kidnap, clearance_m, radius_m) => write!(
                 f,
-                "plan: kidnap[{kidnap}].to_m is {clearance_m:.2} m from the nearest wall or thing; the robot's radius is {radius_m:.2} m"
+                "kidnap[{kidnap}].to_m is {clearance_m:.2} m from the nearest wall or thing; the robot's radius is {radius_m:.2} m"
             ),
         }
     }

@@ -118,4 +118,8 @@ fn what_is_no_map_of_this_robot_is_refused_with_the_reason() {
     refused(&["--map", "none.bin"], "none.bin");
     refused(&["--start", "1,2"], "it must be three numbers");
     refused(&["--start", "0.1,0.1,0"], "the robot's radius is");
+    let outside = "flat: the place of --start is outside the outline or in a box";
+    refused(&["--start", "100,100,0"], outside);
+    refused(&["--start=-1,1,0"], outside);
+    refused(&["--map", "first/map.bin", "--start", "100,100,0"], outside);
 }

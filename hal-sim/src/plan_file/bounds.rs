@@ -8,6 +8,7 @@ use super::closed_line;
 use super::keys::File;
 use crate::options::SimOptions;
 use crate::plan::Plan;
+use crate::pose::Pose2;
 use crate::world::World;
 
 /// The areas of a plan, in its own frame.
@@ -33,17 +34,30 @@ fn add(bounds: &mut Bounds, kind: AreaKind, points_m: &[[f64; 2]]) -> Result<(),
     })
 }
 
-/// The robot fits where it starts.
-pub(super) fn check_start(toml: &TomlFile<'_>, plan: &Plan) -> Result<(), FileError> {
-    let start_m = [plan.start.x_m, plan.start.y_m];
+/// The robot fits where it starts, and some of each area to clean is floor.
+pub(super) fn check(toml: &TomlFile<'_>, plan: &Plan) -> Result<(), FileError> {
+    check_start(plan, &plan.start).map_err(|what| toml.error("start", &what))?;
+    for (i, corners) in plan.bounds.areas(AreaKind::Clean).enumerate() {
+        let corners_m: Vec<[f64; 2]> = corners.iter().map(|corner| corner.map(f64::from)).collect();
+        if !plan.reaches_inside(&corners_m) {
+            let what = "is outside the home; some of it must be within the outline and in no box";
+            return Err(toml.error(&format!("clean[{i}].points_m"), what));
+        }
+    }
+    Ok(())
+}
+
+/// Why a robot that knows the areas cannot start at a place.
+pub(super) fn check_start(plan: &Plan, start: &Pose2) -> Result<(), String> {
+    let start_m = [start.x_m, start.y_m];
     let fenced =
         Plan { faces: plan.fences(), rounds: Vec::new(), doors: Vec::new(), people: Vec::new(), ..plan.clone() };
     let radius_m = SimOptions::default().body_radius_m;
     if plan.bounds.is_out(start_m.map(|value_m| value_m as f32)) || World::new(&fenced).clearance_m(start_m) < radius_m
     {
-        let what =
-            format!("is in a keep_out or less than {radius_m} m beside it; the robot must start where it may go");
-        return Err(toml.error("start", &what));
+        return Err(format!(
+            "is in a keep_out or less than {radius_m} m beside it; the robot must start where it may go"
+        ));
     }
     Ok(())
 }
@@ -67,6 +81,15 @@ mod tests {
             (
                 area("keep_out", "[1.1, 0.5], [2.0, 0.5], [2.0, 2.0], [1.1, 2.0]"),
                 "home.toml:1: start: is in a keep_out or less than",
+            ),
+            (
+                area("keep_out", "[2.0, 2.0], [3.0, 3.0], [3.0, 2.0], [2.0, 3.0]"),
+                "home.toml:8: keep_out[0].points_m: crosses itself: the line from point 1 and that from point 3",
+            ),
+            (
+                area("outline", "[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]")
+                    + &area("clean", "[5.0, 1.0], [6.0, 1.0], [6.0, 2.0]"),
+                "home.toml:10: clean[0].points_m: is outside the home",
             ),
             (area("clean", "[5.0, 5.0], [6.0, 5.0], [6.0, 6.0]").repeat(9), "clean[8].points_m: is one too many"),
         ];

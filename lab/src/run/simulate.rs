@@ -56,6 +56,10 @@ impl Run {
     /// What keeps the run from starting, or an output from being written.
     pub fn run(&self, mut progress: impl FnMut(Progress)) -> Result<Recording, FileError> {
         let mut plan = hal_sim::plan_file::load(&self.plan)?;
+        if let Some(start) = &self.start {
+            plan.check_start(start)
+                .map_err(|what| FileError::new(Path::new(&self.plan), format!("the place of --start {what}")))?;
+        }
         let mut options = SimOptions::default();
         match (&self.map, self.start) {
             // The kept map's frame is the plan's start, as that of the drive that made it.
@@ -121,7 +125,8 @@ impl Run {
     /// What cannot be simulated, as an error in the file that is at fault.
     fn simulation_error(&self, rig: &Path, error: &SimError) -> FileError {
         let plan = Path::new(&self.plan);
-        FileError::new(if matches!(error, SimError::StartBlocked(..)) { plan } else { rig }, error.to_string())
+        let is_of_plan = matches!(error, SimError::StartBlocked(..) | SimError::PlaceBlocked(..));
+        FileError::new(if is_of_plan { plan } else { rig }, error.to_string())
     }
 
     fn origin(&self, rig_toml: String, config: Config) -> Origin {
