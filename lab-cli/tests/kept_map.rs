@@ -115,6 +115,11 @@ fn what_is_no_map_of_this_robot_is_refused_with_the_reason() {
     refused(&["--map", "older.bin"], "older.bin: is a kept map of version 0; this program reads versions 1 to 2");
     refused(&["--map", "first/map.bin", "--rig", "rig.toml"], "first/map.bin: is the map of a robot with another rig");
     refused(&["--map", "first/map.bin", "--no-calibration"], "first/map.bin: was made with other settings");
+    refused(
+        &["--map", "first/map.bin", "--walls", "free"],
+        "first/map.bin: was made with other settings for its walls",
+    );
+    refused(&["--map", "first/map.bin", "--walls", "snapped"], "the same --walls is needed");
     refused(&["--map", "none.bin"], "none.bin");
     refused(&["--start", "1,2"], "it must be three numbers");
     refused(&["--start", "0.1,0.1,0"], "the robot's radius is");

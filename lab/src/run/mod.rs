@@ -9,6 +9,7 @@ mod relative;
 mod replay;
 mod session;
 mod simulate;
+mod suits;
 
 use robot::FloorRecordError;
 
@@ -19,8 +20,9 @@ pub use life::{Place, Searched};
 pub use map_file::MapId;
 pub use relative::{RelativeReplay, RelativeSession, covariance_of, look_back, to_record, views};
 pub use replay::{Replay, Replayed};
-pub use session::{Session, begun, parameter_name, unsuitable};
+pub use session::{Session, begun, parameter_name};
 pub use simulate::Run;
+pub use suits::unsuitable;
 
 /// How far a run or a replay is.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,10 +6,11 @@ use std::time::{Duration, Instant};
 use kept_map::{Record, rig_hash};
 use look_back::RobotBackEnd;
 use robot::{Bounds, Whereabouts};
-use slam_core::{Config, DriveModel, HostSlam, Outcome, Parameter, RigError, Sample, StepReport, Unfit};
+use slam_core::{Config, DriveModel, HostSlam, Outcome, Parameter, RigError, Sample, StepReport};
 
 use super::life::{Life, Place, Searched};
 use super::map_file::{self, MapId};
+use super::suits::suits;
 use crate::evaluate::score::{nis, path};
 use crate::evaluate::statistics;
 use crate::input::log::Row;
@@ -58,7 +59,7 @@ impl Session {
         let rig = rig_hash(self.slam.rig());
         let record =
             Record::parse(&map).and_then(|record| record.of_rig(rig)).map_err(|refused| refused.to_string())?;
-        self.slam.suits(&record).map_err(|unfit| unsuitable(unfit).to_owned())?;
+        suits(&self.slam, &record)?;
         let sequence = record.sequence();
         self.life.begin_in(map, sequence);
         Ok(())
@@ -326,18 +327,6 @@ pub(super) fn keep(folder: &Folder, session: &Session) -> Result<Option<MapId>, 
 const MAP: &str = "map.bin";
 /// The file of a floor job that is not over, in the kept map beside it.
 pub(super) const JOB: &str = "job.bin";
-
-/// Why a kept map cannot be gone on with.
-pub fn unsuitable(unfit: Unfit) -> &'static str {
-    match unfit {
-        Unfit::TooLarge => "has more walls or states than there is room for; it must be the map of a smaller home",
-        Unfit::OtherCalibration => {
-            "was made with other settings, which calibrate other things; the same --walls, --without and --no-calibration are needed"
-        }
-        Unfit::NoGrid => "has no wall grid, which finding oneself needs; it must be the map of a longer drive",
-        Unfit::NoMatch | Unfit::NoNumber => "has values that no map has; it must be one that a run or a replay wrote",
-    }
-}
 
 /// The innovation of a reading that met a wall.
 fn innovation(outcome: &Outcome, sensor: &SensorInfo) -> Option<nis::Innovation> {
