@@ -4,7 +4,7 @@ use std::path::Path;
 
 use lab::recording::{HandOver, Pose2, Recording, Searched};
 use serde_json::{Value, json};
-use slam_core::NotTaken;
+use slam_core::{Health, NotTaken};
 use tests::report::open;
 use tests::sample_recording::sample_recording;
 
@@ -37,6 +37,11 @@ fn a_robot_that_was_lost_shows_when_and_with_what_odds_it_was_found() {
         (step.searching, step.truth) = (true, None);
         step.pose = Pose2::new(3.0, -2.0, 1.0).compose(&step.pose);
     }
+    recording.figures.lost = recording.lost();
+    for step in &mut recording.steps[20..30] {
+        step.health = Health::Contradicted;
+    }
+    recording.counters.jolts = 2;
     let search = |step, log_odds| Searched { step, log_odds, against_places: log_odds, walls: [6, 4] };
     recording.searches = vec![search(150, -2.0), search(199, 9.3)];
     let probe = format!(
@@ -48,6 +53,11 @@ fn a_robot_that_was_lost_shows_when_and_with_what_odds_it_was_found() {
             lost: [Math.min(...lost), Math.max(...lost)],
             note: document.querySelector("#place-note").textContent,
             rows: rows("#searches"),
+            legend: [...document.querySelectorAll("#time-legend li")].map((mark) => mark.textContent),
+            verdict: document.querySelector("#verdict").textContent,
+            known: document.querySelector("[data-figure='place'] .value").textContent,
+            health: document.querySelector("[data-figure='health']").innerText.replace(/\s+/g, " "),
+            sensors: rows("#sensor-counts").length,
             readout: document.querySelector("[data-chart='odds'] .readout").textContent,
         }};"##
     );
@@ -55,13 +65,20 @@ fn a_robot_that_was_lost_shows_when_and_with_what_odds_it_was_found() {
     assert_eq!((&seen["hidden"], &seen["overs"]), (&json!(false), &json!(true)));
     let [from, to] = [0, 1].map(|end| seen["lost"][end].as_f64().unwrap());
     assert!((from - 0.25).abs() < 0.02 && (to - 0.5).abs() < 0.02, "{seen:#}");
+    assert_eq!(seen["legend"], json!(["A wall was born", "Estimator not well", "Place not known"]));
+    let verdict = seen["verdict"].as_str().unwrap();
+    assert!(verdict.contains("For 24.9\u{a0}% of the time it did not know its place"), "{verdict}");
+    assert_eq!(seen["known"], "75.1\u{a0}%");
+    let health = seen["health"].as_str().unwrap();
+    assert!(health.contains("contradicted from 0:02.0 to 0:03.0. Jolts that readings undid: 2"), "{health}");
+    assert_eq!(seen["sensors"], recording.sensors.len());
     let note = seen["note"].as_str().unwrap();
     assert!(
         note.contains("For 10.0\u{a0}s") && note.contains("again from 0:20.0 on") && note.contains("2 searches"),
         "{note}"
     );
-    assert_eq!(seen["rows"], json!(["0:15.0 6 4 10^\u{2212}0.9", "0:19.9 6 4 10^4.0"]));
-    assert!(seen["readout"].as_str().unwrap().ends_with("Odds 10^4.0"), "{seen:#}");
+    assert_eq!(seen["rows"], json!(["0:15.0 6 4 10⁻⁰·⁹", "0:19.9 6 4 10⁴·⁰"]));
+    assert!(seen["readout"].as_str().unwrap().ends_with("Odds 10⁴·⁰"), "{seen:#}");
 }
 
 #[test]

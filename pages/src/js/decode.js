@@ -121,6 +121,7 @@ function decode(raw) {
     program: raw.program,
     figures: raw.figures,
     counts: raw.counts,
+    sensorCounts: raw.sensor_counts,
     refusals: raw.refusals,
     stride: raw.stride,
     count: s.t.length,

@@ -10,12 +10,34 @@ function verdict(run) {
     const versus = times >= 1.05
       ? `${times >= 10 ? fixed(times, 0) : fixed(times, 1)} times closer than dead reckoning`
       : times > 0.95 ? "about as far as dead reckoning" : "worse than dead reckoning";
-    return `${drive}: the estimated path lies ${length(estimate.ate_m)} from the true one, ${versus}; ${walls} in the map.`;
+    return `${drive}: the estimated path lies ${length(estimate.ate_m)} from the true one, ${versus}; ${walls} in the map.${placeWords(run.figures.lost)}`;
   }
   const consistency = run.figures.consistency;
   const apart = Number.isFinite(consistency?.apart_m ?? NaN)
     ? ` Different visits see one surface ${length(consistency.apart_m)} apart${Number.isFinite(consistency.odometry_apart_m ?? NaN) ? `, dead reckoning ${length(consistency.odometry_apart_m)}` : ""}.` : "";
-  return `${drive}, ${walls} in the map. The true path is not known.${apart}`;
+  return `${drive}, ${walls} in the map. ${truthWords(run)}${apart}${placeWords(run.figures.lost)}`;
+}
+
+function truthWords({ figures, plan }) {
+  return figures.lost === 1 && plan.length ? "There is no path in the map that it began in." : "The true path is not known.";
+}
+
+// Of the time in which the robot did not know its place; the studio does not count it.
+function placeWords(lost) {
+  if (!(lost > 0)) return "";
+  if (lost === 1) return " The robot never found itself in the map that it began in.";
+  return ` For ${percent(lost)} of the time it did not know its place; no error counts that.`;
+}
+
+// How the estimator was, and what it noticed of what befell the robot.
+function conditionFigure({ at_end: atEnd, unwell, jolts, holds, restarts }) {
+  const stretch = ({ what, begin_s: begin, end_s: end }) => `${what} from ${clockTime(begin)} to ${end === null ? "the end" : clockTime(end)}`;
+  const most = 3;
+  const more = unwell.length > most ? ` and ${unwell.length - most} times more` : "";
+  const illness = unwell.length ? `Not well: ${unwell.slice(0, most).map(stretch).join(", ")}${more}.` : "It was well all the time.";
+  const times = (count) => (count === 1 ? "once" : `${whole(count)} times`);
+  return { id: "health", name: "Estimator", value: atEnd === "well" ? "Well" : "Not well",
+    note: `${illness} Jolts that readings undid: ${whole(jolts)}; times that something held the robot: ${whole(holds)}. Its map was begun anew ${restarts ? times(restarts) : "never"}.` };
 }
 
 // A figure with its comparison, if there is one: the bar shows the estimate's share of dead reckoning's error.
@@ -80,7 +102,11 @@ function consistencyFigures(consistency) {
 function showFigures(run) {
   const f = run.figures;
   document.getElementById("verdict").textContent = verdict(run);
-  const cards = [];
+  const cards = run.condition ? [conditionFigure(run.condition)] : [];
+  if (f.lost > 0) {
+    cards.push({ id: "place", name: "Place known", value: percent(1 - f.lost),
+      note: "Share of the time in which the robot claimed to know where it is. Errors are of that time alone." });
+  }
   if (Number.isFinite(f.estimate?.nees)) {
     cards.push({ id: "nees", name: "NEES", value: plain(f.estimate.nees),
       note: `Squared pose error in units of the estimator's own covariance; 3 is ideal. ${honesty(f.estimate.nees)}` });

@@ -37,6 +37,14 @@ function axisNumber(value) {
   return String(Number(value.toPrecision(4))).replace("-", "\u2212");
 }
 
+const RAISED = { "-": "\u207b", "\u2212": "\u207b", ".": "\u00b7", 0: "\u2070", 1: "\u00b9", 2: "\u00b2", 3: "\u00b3" };
+
+// A power of ten, its exponent raised.
+function powerOfTen(exponent) {
+  const raised = [...exponent].map((digit) => RAISED[digit] ?? String.fromCodePoint(0x2070 + Number(digit)));
+  return `10${raised.join("")}`;
+}
+
 // Seconds as m:ss.s
 function clockTime(seconds) {
   if (!Number.isFinite(seconds)) return NONE;

@@ -2,7 +2,7 @@
 //
 // Of a run: `handOvers` with the shown step after each, the one before, why it was `refused` (null: taken over), `moved_m` and
 // `turned_rad`; `searches` with the shown step, the log odds of the best place, and walls of the fresh map and those matched;
-// `lost`, pairs of shown steps between which the robot did not know its place.
+// `lost`, pairs of shown steps between which the robot did not know its place; `condition`, how the estimator was, or null.
 
 // Odds of a thousand to one, as a power of ten: from there on a place is claimed.
 const CLAIMED = 3;
@@ -12,11 +12,18 @@ const ODDS_SPAN = 9;
 function decodeEvents(raw) {
   const lost = raw?.lost ?? [];
   // Where the frame changed, paths are broken.
-  return { handOvers: raw?.hand_overs ?? [], searches: raw?.searches ?? [], lost, breaks: new Set(lost.flat()) };
+  const condition = raw?.condition ?? null;
+  return { handOvers: raw?.hand_overs ?? [], searches: raw?.searches ?? [], lost, condition, breaks: new Set(lost.flat()) };
 }
 
-// On the time line: bands where the robot did not know its place, and a bar for each hand-over, hollow where it was refused.
+// On the time line: bands where the estimator was not well and where the robot did not know its place, and a bar for each
+// hand-over, hollow where it was refused.
 function drawEvents({ context, width, height }, run, theme, xOf) {
+  context.fillStyle = translucent(theme.gated, 0.6);
+  for (const { begin_s: begin, end_s: end } of run.condition?.unwell ?? []) {
+    const [from, to] = [stepAt(run, begin), stepAt(run, end ?? run.end)].map(xOf);
+    context.fillRect(from, 0, Math.max(2, to - from), height);
+  }
   context.fillStyle = translucent(theme.apart, 0.35);
   for (const [from, to] of run.lost ?? []) context.fillRect(xOf(from), 0, Math.max(2, xOf(to) - xOf(from)), height);
   for (const { step, refused } of run.handOvers ?? []) {
@@ -28,19 +35,31 @@ function drawEvents({ context, width, height }, run, theme, xOf) {
   }
 }
 
+// What the marks on the time line are.
+function showTimeLegend(run) {
+  const marks = [
+    ["soft", "A wall was born", run.walls.length],
+    ["gated", "Estimator not well", run.condition?.unwell.length],
+    ["apart", "Place not known", run.lost.length],
+    ["estimate", "A look back was taken over, or refused (hollow)", run.handOvers.length],
+  ];
+  const entry = ([colour, label]) => element("li", {}, element("span", { class: "dot", style: `--c:var(--${colour})` }), label);
+  document.getElementById("time-legend").replaceChildren(...marks.filter(([, , count]) => count > 0).map(entry));
+}
+
 // Odds of the best place over time.
 function oddsChart(run) {
   const at = (step) => run.t[Math.min(step, run.count - 1)];
   const edges = run.lost.flatMap(([from, to]) => [[at(from), -ODDS_SPAN, ODDS_SPAN], [at(to), -ODDS_SPAN, ODDS_SPAN], [at(to), NaN, NaN]]);
   const powers = run.searches.map(({ log_odds: odds }) => Math.max(-ODDS_SPAN, Math.min(ODDS_SPAN, odds / Math.LN10)));
   const t = run.searches.map(({ step }) => at(step));
-  const text = (power) => (Math.abs(power) >= ODDS_SPAN ? `beyond 10^${fixed(power, 0)}` : `10^${fixed(power, 1)}`);
+  const text = (power) => (Math.abs(power) >= ODDS_SPAN ? `beyond ${powerOfTen(fixed(power, 0))}` : powerOfTen(fixed(power, 1)));
   return {
     id: "odds",
     title: "Odds of the best place",
     note: "Against all other places and elsewhere, as found by each search. The robot claims a place at a thousand to one.",
     unit: text,
-    axis: (power) => `10^${axisNumber(power)}`,
+    axis: (power) => powerOfTen(axisNumber(power)),
     range: [-ODDS_SPAN, ODDS_SPAN],
     series: [
       { kind: "band", label: "Place not known", colour: "apart", t: edges.map(([s]) => s), low: edges.map(([, low]) => low), high: edges.map(([, , high]) => high), quiet: true },
@@ -55,7 +74,7 @@ function placeNote(run) {
   const last = run.lost.at(-1);
   const found = last && last[1] < run.count ? `It knew its place again from ${clockTime(run.t[last[1]])} on.` : "At the end it did not know it.";
   const wholly = run.searches.length === 1 ? "one search" : `${whole(run.searches.length)} searches`;
-  return `For ${duration(seconds)} the robot did not know where it was in its kept map (shaded here and on the time line). Path and walls are of a fresh map then, drawn where it was found to lie; the kept map is dashed. ${found} It made ${wholly}.`;
+  return `For ${duration(seconds)} the robot did not know where it was in the map that it keeps (shaded here and on the time line). Path and walls are of a fresh map then, drawn where it was found to lie; the kept map is dashed. ${found} It made ${wholly}.`;
 }
 
 // The section of a robot that looked for its place; gives its charts.
@@ -67,7 +86,7 @@ function showPlace(run, clock) {
   const rows = run.searches.map(({ step, log_odds: odds, walls: [walls, matched] }) => element("tr", {},
     element("th", { scope: "row" }, momentButton(run, clock, step)),
     element("td", { class: "num" }, whole(walls)), element("td", { class: "num" }, whole(matched)),
-    element("td", { class: "num" }, `10^${fixed(odds / Math.LN10, 1)}`)));
+    element("td", { class: "num" }, powerOfTen(fixed(odds / Math.LN10, 1)))));
   document.querySelector("#searches tbody").replaceChildren(...rows);
   document.getElementById("searches").hidden = !rows.length;
   return addCharts("place-charts", rows.length ? [oddsChart(run)] : [], clock);

@@ -118,4 +118,26 @@ function fillCounts(run) {
       element("span", { class: "num" }, `${whole(n)}\u2002(${fixed(share, 1)} %)`));
   });
   document.getElementById("counts").replaceChildren(...(rows.length ? rows : [element("p", { class: "note" }, "There were none.")]));
+  fillSensorCounts(run);
+}
+
+// What became of each sensor's readings; the studio counts them together alone.
+function fillSensorCounts(run) {
+  const table = document.getElementById("sensor-counts");
+  table.hidden = !run.sensorCounts?.length;
+  if (table.hidden) return;
+  const cell = (text) => element("td", { class: "num" }, text);
+  const row = (counts, i) => {
+    const of = (wanted) => counts.filter(([code]) => wanted(code)).reduce((sum, [, n]) => sum + n, 0);
+    const all = of((code) => code !== MISSING);
+    const share = (n) => (all ? percent(n / all) : NONE);
+    const [code, most] = counts.filter(([one]) => one >= REFUSED).sort((a, b) => b[1] - a[1])[0] ?? [];
+    const why = most ? `${run.refusals[code - REFUSED]} ${share(most)}` : NONE;
+    const used = of((one) => one === USED);
+    return element("tr", { class: used ? "" : "unused", "data-sensor": run.sensors[i].name },
+      element("th", { scope: "row" }, run.sensors[i].name), cell(whole(all)), cell(share(used)), cell(share(of((one) => one === GATED))),
+      cell(share(of((one) => one === UNEXPLAINED))), cell(share(of((one) => one >= REFUSED))), element("td", {}, why),
+      cell(whole(of((one) => one === MISSING))));
+  };
+  table.querySelector("tbody").replaceChildren(...run.sensorCounts.map(row));
 }

@@ -2,7 +2,7 @@
 //! before, `null` where a value is absent or not finite. `js/decode.js` is the other end.
 
 use super::frames::Frames;
-use super::{events, floor, series};
+use super::{counts, events, floor, series};
 use crate::evaluate::score::path::nees;
 use crate::recording::{Consistency, Figures, MapScore, PathScore, Pose2, Recording, SeenWall, Step};
 use serde_json::{Value, json};
@@ -33,7 +33,8 @@ pub fn page_data(recording: &Recording) -> Value {
         "stride": stride,
         "figures": figures(&recording.figures),
         "refusals": Refusal::ALL.map(refusal_text),
-        "counts": outcome_counts(recording),
+        "counts": counts::of_all(recording),
+        "sensor_counts": counts::of_sensors(recording),
         "steps": steps(recording, &shown, &frames),
         "sensors": sensors(recording, &shown),
         "walls": walls(recording, &shown, &frames),
@@ -150,15 +151,6 @@ pub(super) fn refusal_text(reason: Refusal) -> &'static str {
         Refusal::Ambiguous => "ambiguous",
         Refusal::Degenerate => "no variance",
     }
-}
-
-/// Pairs of outcome code and number of readings, over all steps.
-fn outcome_counts(recording: &Recording) -> Vec<(usize, usize)> {
-    let mut counts = BTreeMap::new();
-    for reading in &recording.readings {
-        *counts.entry(code(&reading.outcome)).or_insert(0) += 1;
-    }
-    counts.into_iter().collect()
 }
 
 fn sensors(recording: &Recording, shown: &[usize]) -> Vec<Value> {
@@ -322,6 +314,7 @@ pub fn figures(figures: &Figures) -> Value {
     json!({
         "path_m": figures.path_m,
         "duration_s": figures.duration_s,
+        "lost": figures.lost,
         "estimator_s": figures.estimator_s,
         "walls": figures.walls,
         "updates": figures.updates,

@@ -1,8 +1,10 @@
-//! What befell the map: hand-overs of look backs, searches for the place in the kept map, and when that was not known.
+//! What befell the map: hand-overs of look backs, searches for the place in the kept map, when that was not known, and how the
+//! estimator was.
 
 use serde_json::{Value, json};
 
 use super::data::shown_index;
+use crate::recording::health::{self, Illness};
 use crate::recording::{HandOver, Recording};
 use crate::run::Searched;
 use crate::show::output::summary::refused_name;
@@ -24,6 +26,20 @@ pub fn events(recording: &Recording, shown: &[usize]) -> Value {
         "hand_overs": recording.hand_overs.iter().map(hand_over).collect::<Vec<_>>(),
         "searches": recording.searches.iter().map(search).collect::<Vec<_>>(),
         "lost": lost(recording, shown),
+        "condition": condition(recording),
+    })
+}
+
+/// How the estimator was, and what it noticed of what befell the robot.
+fn condition(recording: &Recording) -> Value {
+    let illness = |Illness { health, begin_s, end_s }| json!({ "what": health::name(health), "begin_s": begin_s, "end_s": end_s });
+    let counters = &recording.counters;
+    json!({
+        "at_end": recording.steps.last().map_or("well", |step| health::name(step.health)),
+        "unwell": recording.illnesses().into_iter().map(illness).collect::<Vec<_>>(),
+        "jolts": counters.jolts,
+        "holds": counters.holds,
+        "restarts": counters.restarts,
     })
 }
 

@@ -3,6 +3,7 @@
 //! The page is a template with a style sheet, scripts (the view modules of the crate `pages` and `js/main.js`) and the
 //! recording as compact JSON (`data.rs`). It needs no network and no other file.
 
+mod counts;
 mod data;
 mod events;
 mod floor;

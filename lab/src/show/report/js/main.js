@@ -32,6 +32,7 @@ function start() {
   showFigures(run);
   fillWallTable(shown, map);
   fillCounts(run);
+  showTimeLegend(run);
   const charts = [...allCharts(run, clock), ...showFloor(run.floor, run, clock), ...showPlace(run, clock)];
   showHandOvers(run, map, clock);
   const trace = new TraceTable(run);
