@@ -72,8 +72,20 @@ impl<'a> TomlFile<'a> {
     }
 
     fn line_of(&self, place: &str) -> usize {
-        let Ok(document) = DeTable::parse(self.text) else { return 1 };
+        self.find(place).map_or(1, |(span, _)| self.line(&span))
+    }
+
+    /// What the file has at a place, as it is written there; none where it has nothing.
+    pub fn given(&self, place: &str) -> Option<&'a str> {
+        let (span, _) = self.find(place).filter(|(_, is_whole)| *is_whole)?;
+        self.text.get(span)
+    }
+
+    /// Where the value at a place is, or of the last table on the way there; whether it is the value itself.
+    fn find(&self, place: &str) -> Option<(Range<usize>, bool)> {
+        let document = DeTable::parse(self.text).ok()?;
         let mut found: Option<&Spanned<DeValue<'_>>> = None;
+        let mut is_whole = true;
         for segment in place.split(['.', '[']) {
             let inner = match (found.map(Spanned::get_ref), segment.strip_suffix(']')) {
                 (None, None) => document.get_ref().get(segment),
@@ -81,10 +93,13 @@ impl<'a> TomlFile<'a> {
                 (Some(DeValue::Array(list)), Some(index)) => index.parse::<usize>().ok().and_then(|i| list.get(i)),
                 _ => None,
             };
-            let Some(inner) = inner else { break };
+            let Some(inner) = inner else {
+                is_whole = false;
+                break;
+            };
             found = Some(inner);
         }
-        found.map_or(1, |value| self.line(&value.span()))
+        found.map(|value| (value.span(), is_whole))
     }
 }
 
@@ -222,5 +237,7 @@ mod tests {
             (16.0, Some([1.0, 2.5]))
         );
         assert!(!matches!(home.kind, Some(Kind::Flat)));
+        let file = TomlFile::new(Path::new("home.toml"), text);
+        assert_eq!((file.given("rooms[0].area_m2"), file.given("rooms[0].roof")), (Some("0x10"), None));
     }
 }

@@ -66,7 +66,7 @@ struct RunArgs {
     #[arg(long, value_name = "M", value_parser = minutes, allow_negative_numbers = true)]
     minutes: Option<f64>,
     /// Seed of everything random: the same seed gives the same drive, bit for bit.
-    #[arg(long, value_name = "S", default_value_t = 1, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
     /// Robot: `sharp` (the default: eight analogue sensors, ticks), `time-of-flight` (four that report metres, ticks), `odometry`
     /// (the same four, a dead-reckoned pose), or a rig file.
@@ -161,7 +161,7 @@ struct HilArgs {
     #[arg(long, value_name = "M", default_value = "3", value_parser = minutes, allow_negative_numbers = true)]
     minutes: f64,
     /// Seed of everything random: the same seed gives the same drive, bit for bit.
-    #[arg(long, value_name = "S", default_value_t = 1, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
     /// Folder for the results.
     #[arg(long, value_name = "DIR", default_value = "out/hil")]
@@ -181,6 +181,10 @@ fn minutes(text: &str) -> Result<f64, String> {
         Ok(minutes) if minutes > 0.0 && minutes <= MAX_MINUTES => Ok(minutes),
         _ => Err(format!("it must be a number above 0 and up to {MAX_MINUTES}")),
     }
+}
+
+fn seed(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| format!("it must be a whole number from 0 to {}", u64::MAX))
 }
 
 fn job(name: &str) -> Result<Job, String> {

@@ -255,6 +255,12 @@ fn bad_cells_name_file_line_and_column() {
 fn headers_that_do_not_fit_the_robot_say_which_column() {
     let cases = [
         (WHEELED_RIG, "t_s,left_ticks,range_0_m,range_1_m", "log.csv:1: right_ticks: is missing from the header"),
+        (WHEELED_RIG, "t_s;left_ticks;right_ticks", "its columns are separated by ';'; they must be by commas"),
+        (
+            WHEELED_RIG,
+            "T_S,left_ticks,right_ticks",
+            "t_s: is missing from the header; it has T_S, which must be written t_s",
+        ),
         (WHEELED_RIG, "time,left_ticks,right_ticks,range_0_m,range_1_m", "log.csv:1: t_s: is missing"),
         (WHEELED_RIG, "t_s,left_ticks,right_ticks,range_0_m", "log.csv:1: range_1_m: is missing"),
         (WHEELED_RIG, "t_s,left_ticks,right_ticks,adc_0,adc_1", "log.csv:1: range_0_m: is missing"),

@@ -65,6 +65,7 @@ fn impossible_numbers_name_key_and_what_is_allowed() {
         ("track_m = 0.2", "track_m = inf", "rig.toml:2: wheels.track_m: is inf; it must be a number above 0"),
         ("track_m = 0.2", "track_m = 1e300", "rig.toml:2: wheels.track_m: is 1e300; it must be a number above 0"),
         ("track_m = 0.2", "track_m = 1e-60", "rig.toml:2: wheels.track_m: is 1e-60; it must be a number above 0"),
+        ("track_m = 0.2", "track_m = 235", "rig.toml:2: wheels.track_m: is 235; it must be"),
         ("track_m = 0.2", "track_m = \"wide\"", "rig.toml:2: wheels.track_m: is a text; it must be a number above 0"),
         ("track_m = 0.2", "track_m = true", "rig.toml:2: wheels.track_m: is a true-or-false value"),
         (
@@ -79,6 +80,7 @@ fn impossible_numbers_name_key_and_what_is_allowed() {
         ),
         ("scale_sigma = 0.005", "scale_sigma = 0.5", "wheels.scale_sigma: is 0.5; it must be a ratio"),
         ("x_m = 0.0", "x_m = nan", "range_sensor[0].x_m: is nan; it must be a finite number"),
+        ("x_m = 0.0", "x_m = 60", "range_sensor[0].x_m: is 60; it must be"),
         ("bearing_deg = 90.0", "bearing_deg = 900", "range_sensor[0].bearing_deg: is 900; it must be an angle"),
         ("min_m = 0.05", "min_m = -1", "range_sensor[0].min_m: is -1; it must be a number, 0 or more"),
         ("max_m = 2.0", "max_m = 0.04", "range_sensor[0].max_m: is 0.04; it must be above min_m"),

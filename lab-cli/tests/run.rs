@@ -94,13 +94,15 @@ fn a_plan_file_is_a_plan_and_its_text_is_kept() {
 fn wrong_requests_get_one_clear_error() {
     let place = Place::new();
     place.put("bad-plan.toml", "[start]\nx_m = 1\n");
-    let cases: [(&[&str], &str); 7] = [
+    let cases: [(&[&str], &str); 9] = [
         (&["--plan", "castle"], "castle"),
         (&["--plan", "bad-plan.toml"], "bad-plan.toml"),
         (&["--minutes", "0"], "above 0"),
         (&["--minutes", "nan"], "above 0"),
         (&["--seed", "-1"], "seed"),
         (&["--rig", "none.toml"], "none.toml: cannot read"),
+        (&["--rig", "nope"], "no such built-in robot; built in are sharp, time-of-flight and odometry"),
+        (&["--seed", "-1"], "it must be a whole number from 0 to 18446744073709551615"),
         (&["fly"], "fly"),
     ];
     for (arguments, expected) in cases {

@@ -45,6 +45,13 @@ pub fn robot(rig: &Path) -> Result<(Robot, String), FileError> {
     if rig == Path::new(ODOMETRY) {
         return named(ODOMETRY, hal_sim::odometry_rig());
     }
+    if !rig.exists() {
+        let names = BuiltIn::ALL.map(BuiltIn::name).join(", ");
+        let what = format!(
+            "cannot read: there is no such file, and no such built-in robot; built in are {names} and {ODOMETRY}"
+        );
+        return Err(FileError::new(rig, what));
+    }
     let text = input_file::read(rig)?;
     Ok((Robot::parse(rig, &text)?, text))
 }

@@ -65,7 +65,9 @@ impl Robot {
         }
         rig.validate().map_err(|RigError { sensor, key, allowed }| {
             let table = sensor.map_or_else(|| drive_key.to_owned(), |index| format!("range_sensor[{index}]"));
-            toml.error(&format!("{table}.{key}"), format!("must be {allowed}"))
+            let place = format!("{table}.{key}");
+            let is = toml.given(&place).map_or(String::new(), |given| format!("is {given}; it "));
+            toml.error(&place, format!("{is}must be {allowed}"))
         })?;
         Ok(Self { rig, names })
     }

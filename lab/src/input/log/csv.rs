@@ -139,7 +139,10 @@ impl Columns {
                 unused.retain(|left| *left != name);
                 Ok(Column { name: name.to_owned(), index })
             }
-            None => Err((name.to_owned(), format!("is missing from the header; {why}"))),
+            None => Err((
+                name.to_owned(),
+                format!("is missing from the header; {}", spelling(&names, name).unwrap_or(why.to_owned())),
+            )),
         };
         let time = find("t_s", "every log has it")?;
         let motion = match robot.rig.drive {
@@ -171,13 +174,25 @@ impl Columns {
         };
         let lifted = names.contains(&LIFTED).then(|| find(LIFTED, "it was there")).transpose()?;
         if let Some(extra) = unused.iter().find(|name| is_range_column(name)) {
-            let what = format!("has no place; the rig file has {} range sensors", ranges.len());
+            let plural = if ranges.len() == 1 { "" } else { "s" };
+            let what = format!("has no place; the rig file has {} range sensor{plural}", ranges.len());
             return Err(((*extra).to_owned(), what));
         }
         unused.retain(|name| !TICKS.contains(name) && !POSE.contains(name));
         let ignored = unused.into_iter().map(str::to_owned).collect();
         Ok(Self { count: names.len(), time, motion, ranges, truth, lifted, ignored })
     }
+}
+
+/// What is there in place of a column that is missing.
+fn spelling(names: &[&str], wanted: &str) -> Option<String> {
+    if let [one] = names
+        && let Some(separator) = [';', '\t'].into_iter().find(|separator| one.contains(*separator))
+    {
+        return Some(format!("its columns are separated by {separator:?}; they must be by commas"));
+    }
+    let other = names.iter().find(|name| name.eq_ignore_ascii_case(wanted))?;
+    Some(format!("it has {other}, which must be written {wanted}"))
 }
 
 fn is_range_column(name: &str) -> bool {
