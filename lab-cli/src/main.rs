@@ -238,6 +238,7 @@ fn run(args: RunArgs) -> Result<(), Box<dyn Error>> {
     let recording = run.run(|progress| show(&bar, progress));
     bar.finish_and_clear();
     let recording = recording?;
+    recording.notes.iter().for_each(|note| eprintln!("note: {}: {note}", run.plan));
     film(mcap.as_deref(), &recording)?;
     say(&recording, &run.out)
 }
@@ -256,7 +257,8 @@ fn replay(args: ReplayArgs) -> Result<(), Box<dyn Error>> {
     };
     bar.finish_and_clear();
     let Replayed { recording, notes, error } = replayed?;
-    for note in notes {
+    // Another system's record has none of its own.
+    for note in if recording.notes.is_empty() { &notes } else { &recording.notes } {
         eprintln!("note: {}: {note}", replay.log.display());
     }
     film(mcap.as_deref(), &recording)?;

@@ -6,6 +6,7 @@
 mod figures;
 pub mod health;
 mod job;
+mod notes;
 
 use hal_sim::floor::FloorScore;
 use slam_core::{Counters, Health, NotTaken, Outcome, ReadingReport, WallView};
@@ -53,6 +54,8 @@ pub struct Recording {
     pub searches: Vec<Searched>,
     /// How often a place was given up: lifted, or the claim revoked.
     pub lost: usize,
+    /// What a user should know of the run though it is no error.
+    pub notes: Vec<String>,
     /// The run's figures, filled in when it is over.
     pub figures: Figures,
 }

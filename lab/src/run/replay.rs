@@ -43,7 +43,7 @@ pub struct Replay {
 pub struct Replayed {
     /// Everything that was processed.
     pub recording: Recording,
-    /// What a user should know about the log though it is no error.
+    /// What a user should know about the log and its truth though it is no error; the record has more, which the run found out.
     pub notes: Vec<String>,
     /// The bad line that the log ended with, where it did not end well. Everything before it is processed and written.
     pub error: Option<FileError>,
@@ -73,6 +73,9 @@ impl Replay {
         let mut recording = session.finish();
         recording.truth_frame = if self.map.is_some() { TruthFrame::Unknown } else { TruthFrame::FirstPose };
         score::score(&mut recording, &times_s, truth.as_ref());
+        let notes: Vec<String> =
+            rows.notes().into_iter().chain(truth.and_then(|truth| truth::without_pairs(&times_s, &truth))).collect();
+        recording.notes = notes.iter().cloned().chain(recording.findings()).collect();
         let origin = Origin {
             arguments: vec![
                 ("command", json!("replay")),
@@ -89,7 +92,7 @@ impl Replay {
         let looking_back =
             smoother::add(&mut recording, &robot.rig, &mut |rounds| progress(Progress::LookingBack(rounds)));
         output::finish(&mut folder, &recording, looking_back.as_ref(), &origin)?;
-        Ok(Replayed { recording, notes: rows.notes(), error })
+        Ok(Replayed { recording, notes, error })
     }
 }
 

@@ -104,6 +104,7 @@ impl Run {
         }
         let mut recording = drive.finish(session);
         recording.seed = Some(self.seed);
+        recording.notes = recording.findings();
         let looking_back =
             smoother::add(&mut recording, &robot.rig, &mut |rounds| progress(Progress::LookingBack(rounds)));
         let origin = Origin { error: recording.fault(), ..self.origin(rig_toml, config) };

@@ -67,6 +67,21 @@ fn parse(mut lines: Lines, file: &Path) -> Result<Truth, FileError> {
     Ok(truth)
 }
 
+/// Why no row got a true pose, if none did.
+pub fn without_pairs(times_s: &[f64], truth: &Truth) -> Option<String> {
+    let (Some((from_s, _)), Some((to_s, _))) = (truth.first(), truth.last()) else {
+        return Some("there is no truth to score against: the truth file has a header but no poses".to_owned());
+    };
+    let (first_s, last_s) = (times_s.first()?, times_s.last()?);
+    pair(times_s, truth).iter().all(Option::is_none).then(|| {
+        format!(
+            "there is no truth to score against: none of the {} true poses, from {from_s} s to {to_s} s, is within half a second of a \
+             row of the log, from {first_s} s to {last_s} s; both must have one clock, in seconds",
+            truth.len()
+        )
+    })
+}
+
 /// Gives each row's time the true pose nearest to it, where that row is in turn the one nearest to the pose.
 ///
 /// Nearest both ways: a slow truth must not lend one pose to many rows that the robot passed in between.

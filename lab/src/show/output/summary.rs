@@ -37,6 +37,7 @@ pub fn summary(recording: &Recording, origin: &Origin) -> Value {
     put("path_m", json!(figures.path_m));
     put("duration_s", json!(figures.duration_s));
     put("lost", json!(figures.lost));
+    put("notes", json!(recording.notes));
     put("estimator_s", json!(figures.estimator_s));
     put("walls", json!(figures.walls));
     let start = recording.start();
