@@ -210,7 +210,7 @@ mod tests {
         recording.sensors =
             ["front", "left"].map(|name| SensorInfo { name: name.into(), ..SensorInfo::default() }).into();
         let reading = |outcome| ReadingReport { outcome, ..ReadingReport::default() };
-        let used = reading(Outcome::Updated { wall: 1, innovation_m: 0.0, variance_m2: 1.0 });
+        let used = reading(Outcome::Updated { wall: 1, innovation_m: 0.0, variance_m2: 1.0, noise_m2: 1.0 });
         let floor = reading(Outcome::Refused(Refusal::Floor));
         recording.readings = [used, floor].repeat(MANY);
         only(&recording, "none of the 500 readings of sensor left was used: 100 % were refused as floor");
