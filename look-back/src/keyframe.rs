@@ -36,7 +36,7 @@ pub struct Keyframe {
     /// Groups seen from it; they follow each other in the diary.
     pub groups: u16,
     /// 1-sigma of where the motion ends by the errors of headings on the way, tenths of a millimetre. Two bytes, for which there
-    /// was room; saturates, and nothing is known of the motion then.
+    /// was room; saturates one below `UNKNOWN`, which says that the odometry did not sense the motion.
     pub swing: u16,
 }
 

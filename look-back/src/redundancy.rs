@@ -28,12 +28,8 @@ pub fn lessen(own: &[Group], others: &mut [Group], (here, there): (&Pose, &Pose)
         Some([nx, ny, dot([ny, -nx], apart.turn(group.mean_m))])
     };
     let is_shared = |group: &Group| own.iter().any(|other| other.wall() == group.wall());
-    let mut covariance = [[0.0; 3]; 3];
-    for (i, (line, noise)) in covariance.iter_mut().zip(noise).enumerate() {
-        if let Some(entry) = line.get_mut(i) {
-            *entry = noise;
-        }
-    }
+    let [x, y, theta] = noise;
+    let mut covariance = [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, theta]];
     for group in others.iter().filter(|group| is_shared(group)) {
         let Some(row) = row(group) else { continue };
         let (column, known) = product(&covariance, &row);
