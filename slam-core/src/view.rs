@@ -85,11 +85,6 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         &self.rig
     }
 
-    /// Whether walls on the grid are taken to stand on it exactly, as far as its walls tell by now.
-    pub fn has_exact_grid(&self) -> bool {
-        self.config.walls.policy == WallPolicy::Grid && self.map.exactness.is_likely()
-    }
-
     /// Identifier of the wall with this number, and how it stands to the grid, where the filter decides that wall by wall
     /// ([`WallPolicy::Grid`]). None past the last.
     pub fn standing(&self, number: usize) -> Option<(u16, Standing)> {

@@ -84,8 +84,7 @@ impl Hypothesis {
     }
 
     fn updated(&self, noise_m2: f32) -> Outcome {
-        let Self { wall, innovation_m, variance_m2, .. } = *self;
-        Outcome::Updated { wall, innovation_m, variance_m2, noise_m2 }
+        Outcome::Updated { wall: self.wall, innovation_m: self.innovation_m, variance_m2: self.variance_m2, noise_m2 }
     }
 
     fn gated(&self) -> Outcome {
@@ -215,8 +214,7 @@ impl Observer<'_> {
             return self.correct(met, noise_m2);
         }
         let [before_rad, before_rad2] = [self.ekf.mean(THETA), self.ekf.covariance(THETA, THETA)];
-        let noise_m2 = noise_m2 * self.correlation.bends.excess(met.wall);
-        self.correct(met, noise_m2)?;
+        let noise_m2 = self.correct(met, noise_m2 * self.correlation.bends.excess(met.wall))?;
         let turned_rad = self.ekf.mean(THETA) - before_rad;
         let taken_rad2 = before_rad2 - self.ekf.covariance(THETA, THETA);
         self.correlation.bends.note(met.wall, self.path_m, turned_rad, taken_rad2);
@@ -224,8 +222,7 @@ impl Observer<'_> {
     }
 
     fn correct(&mut self, met: &Hypothesis, noise_m2: f32) -> Result<f32, Refusal> {
-        self.ekf.update(met.innovation_m, &met.jacobian, noise_m2).map_err(|_| Refusal::Degenerate)?;
-        Ok(noise_m2)
+        self.ekf.update(met.innovation_m, &met.jacobian, noise_m2).map(|()| noise_m2).or(Err(Refusal::Degenerate))
     }
 
     /// A beam that found nothing within its range, where it should have met a wall well within it, went through the wall: its identifier.

@@ -49,11 +49,6 @@ impl Exactness {
         Self { decided: self.decided + told, ..self }
     }
 
-    /// Whether it is likelier exact than not.
-    pub fn is_likely(self) -> bool {
-        EXACT_HOMES + self.told > 0.0
-    }
-
     /// Log of the odds that a wall along the grid stands on it exactly, before its own direction is known.
     fn prior(self) -> f32 {
         let [exact, other] = SHARES;
