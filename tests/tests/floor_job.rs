@@ -140,6 +140,35 @@ fn a_carried_robot_goes_on_when_it_is_located() {
     assert!(progress.share() > 0.95, "{progress:?}");
 }
 
+/// Round a box in the middle of a hall a robot would look for itself for ever.
+#[test]
+fn a_lost_robot_goes_along_other_walls_after_a_lap() {
+    let hall = "[start]\nx_m = 2.5\ny_m = 1.0\n[[outline]]\npoints_m = [[0.0, 0.0], [5.0, 0.0], [5.0, 5.0], [0.0, 5.0]]\n\
+                [[box]]\nmin_m = [2.3, 2.3]\nmax_m = [2.7, 2.7]\n";
+    let plan = plan_file::parse("hall", "hall", hall).expect("a good plan");
+    let rig = default_rig();
+    let simulation = Simulation::new(&plan, &rig, SimOptions::default(), 1).expect("the robot fits");
+    let mut robot = ClosedLoop::cleaning(simulation, &rig, FloorConfig::default());
+    let (mut is_at_box, mut is_at_wall) = (false, false);
+    let beside_box = Pose2::new(2.5, 2.05, core::f64::consts::PI);
+    while robot.simulation.time_s() < 120.0 && !is_at_wall {
+        let is_located = robot.simulation.time_s() < 1.0;
+        if !is_located && !is_at_box {
+            robot.simulation.carry(Some(beside_box), 0.0).expect("a free place");
+            is_at_box = true;
+        }
+        let truth = robot.simulation.pose();
+        robot.step_in(&mut |sample| {
+            let pose = Pose::new(truth.x_m as f32, truth.y_m as f32, truth.theta_rad as f32);
+            let estimate = Estimate { pose, ranges_m: nominal_ranges(&rig, sample) };
+            (estimate, Whereabouts { is_located, grid_rad: Some(0.0), ..Whereabouts::START })
+        });
+        let pose = robot.simulation.pose_in_plan();
+        is_at_wall = is_at_box && (pose.x_m - 2.5).abs().max((pose.y_m - 2.5).abs()) > 2.1;
+    }
+    assert!(is_at_box && is_at_wall, "it is at {:?}", robot.simulation.pose_in_plan());
+}
+
 #[test]
 fn a_robot_that_does_not_know_where_it_is_stands() {
     let rig = default_rig();

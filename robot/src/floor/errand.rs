@@ -3,6 +3,8 @@
 use slam_core::Pose;
 use slam_core::angle::wrap;
 
+use super::astray::{Astray, towards};
+use super::near::free_ahead_m;
 use super::wave::Aim;
 use super::{FloorJob, Phase};
 use crate::pilot::Senses;
@@ -84,6 +86,7 @@ impl<const S: usize> FloorJob<S> {
                 self.near.clear();
                 self.last = None;
                 self.struck_m = [f32::INFINITY; 2];
+                self.astray = Astray::NEW;
                 self.begin(Phase::Lost, senses.time_us);
             }
             _ => {}
@@ -91,7 +94,7 @@ impl<const S: usize> FloorJob<S> {
         is_located
     }
 
-    /// Off the floor the robot stands; on it, it goes along walls until it is located.
+    /// Off the floor the robot stands; on it, it goes along walls until it is located, after a lap along others.
     pub(super) fn find_oneself(&mut self, senses: &Senses<S>) -> WheelSpeeds {
         if senses.contacts.lifted || self.phase != Phase::Lost {
             return WheelSpeeds::STOP;
@@ -99,11 +102,13 @@ impl<const S: usize> FloorJob<S> {
         let pose = senses.pose;
         let now_us = senses.time_us;
         self.feel(senses, &pose, None);
-        self.last = Some(pose);
+        let turned_rad = self.last.replace(pose).map_or(0.0, |last| wrap(pose.theta_rad - last.theta_rad));
         let along = self.hug().along(self.near.seen_from(&pose, now_us), 1.0);
         let shy = self.shy(&senses.contacts, &pose, now_us);
         let drive = &self.config.drive;
-        let (forward_mps, turn_radps) = match shy {
+        let free_m = free_ahead_m(self.near.seen_from(&pose, now_us), drive.radius_m);
+        let across = self.astray.heading_rad(turned_rad, &pose, free_m);
+        let (forward_mps, turn_radps) = match shy.or(across.map(|heading_rad| towards(heading_rad, &pose, drive))) {
             Some(command) => command,
             None if along.is_beside => (along.forward_mps, along.turn_radps),
             None => (drive.speed_mps, 0.0),

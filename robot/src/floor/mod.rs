@@ -4,6 +4,7 @@
 //! it sweeps the rest in lanes along the walls' grid, the nearest floor first; then it returns. What it remembers is a picture
 //! of the home in cells of 16 cm, which quarters of these were swept, and the points near it of the last seconds.
 
+mod astray;
 mod bounds;
 mod config;
 mod contact;
@@ -31,6 +32,7 @@ use slam_core::{Pose, Rig};
 use crate::pilot::beam::{Beam, Passed, draw_beam};
 use crate::pilot::{PilotConfig, Senses};
 use crate::traits::WheelSpeeds;
+use astray::Astray;
 pub use bounds::{AREAS, AreaKind, BadArea, Bounds, CORNERS};
 pub use config::FloorConfig;
 use dock::Stage;
@@ -84,6 +86,7 @@ pub struct FloorJob<const S: usize> {
     home: Option<Pose>,
     has_dock: bool,
     errand: Errand,
+    astray: Astray,
     /// The battery's mean voltage of late, volts; not a number where it is not measured.
     battery_v: f32,
     traction: Traction<S>,
@@ -145,6 +148,7 @@ impl<const S: usize> FloorJob<S> {
         home: None,
         has_dock: false,
         errand: Errand::Sweep,
+        astray: Astray::NEW,
         battery_v: f32::NAN,
         traction: Traction::new(),
         holds: 0,
