@@ -65,6 +65,19 @@ fn only_what_is_to_be_cleaned_is_cleaned() {
 }
 
 #[test]
+fn an_area_that_is_walled_in_is_said_not_to_be_reached() {
+    let place = Place::new();
+    let wall = "[[box]]\nmin_m = [2.9, 0.0]\nmax_m = [3.0, 3.0]\n";
+    let areas = [[[0.5, 0.5], [1.5, 1.5]], [[3.2, 0.5], [3.8, 2.5]]].map(|area| rectangle("clean", area)).concat();
+    place.put("home.toml", format!("{ROOM}{wall}{areas}"));
+    let said = place.lab().args(["run", "--job", "clean", "--plan", "home.toml", "--out", "swept"]).assert().success();
+    let note = "nothing of clean[1] was swept: the robot found no way there";
+    said.stderr(contains(format!("note: home.toml: {note}\n")));
+    assert_eq!(place.summary("swept")["notes"], serde_json::json!([note]));
+    assert!(place.summary("swept")["floor"]["swept"].as_f64().unwrap() > 0.9);
+}
+
+#[test]
 fn a_robot_that_begins_in_its_kept_map_finds_itself_sweeps_and_comes_back() {
     let place = Place::new();
     let run = |out: &str, more: &[&str]| {

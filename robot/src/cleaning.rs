@@ -187,7 +187,7 @@ impl<const S: usize> Cleaning<S> {
 
     fn begin_anew(&mut self) {
         match self.job.state() {
-            FloorState::Done | FloorState::Flat | FloorState::Away => {}
+            FloorState::Done | FloorState::Unreached | FloorState::Flat | FloorState::Away => {}
             FloorState::Paused => {
                 self.job.begin_anew();
                 self.job.pause();

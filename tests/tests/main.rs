@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod capacities;
+mod clean_areas;
 mod contradictions;
 mod covariance;
 mod documents;

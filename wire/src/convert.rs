@@ -71,7 +71,7 @@ impl Estimate {
 
 impl From<FloorProgress> for Floor {
     fn from(progress: FloorProgress) -> Self {
-        let FloorProgress { state, swept_m2, left_m2, seconds_in } = progress;
+        let FloorProgress { state, swept_m2, left_m2, seconds_in, .. } = progress;
         Self { state: state as u8, swept_m2, left_m2, seconds: seconds_in.into_iter().map(u32::from).sum() }
     }
 }

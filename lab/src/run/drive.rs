@@ -202,6 +202,13 @@ impl Drive {
         self.robot.job.floor()
     }
 
+    /// What a user should know of how the job ended though it is no error.
+    pub fn findings(&self) -> Vec<String> {
+        let missed = self.progress().filter(|_| self.is_over()).map_or(0, |progress| progress.missed);
+        let areas = (0..8).filter(|index| missed & (1 << index) != 0);
+        areas.map(|index| format!("nothing of clean[{index}] was swept: the robot found no way there")).collect()
+    }
+
     /// The floor as it was swept so far.
     pub fn floor(&self) -> &FloorRaster {
         &self.floor

@@ -104,7 +104,7 @@ impl Run {
         }
         let mut recording = drive.finish(session);
         recording.seed = Some(self.seed);
-        recording.notes = recording.findings();
+        recording.notes = recording.findings().into_iter().chain(drive.findings()).collect();
         let looking_back =
             smoother::add(&mut recording, &robot.rig, &mut |rounds| progress(Progress::LookingBack(rounds)));
         let origin = Origin { error: recording.fault(), ..self.origin(rig_toml, config) };

@@ -48,7 +48,7 @@ impl Sweeping {
 
     /// Whether the firmware said that it has nothing left to do.
     pub fn is_over(&self) -> bool {
-        matches!(self.state(), Some(FloorState::Done | FloorState::Flat | FloorState::Away))
+        matches!(self.state(), Some(FloorState::Done | FloorState::Flat | FloorState::Away | FloorState::Unreached))
     }
 
     /// How it ended.

@@ -7,9 +7,7 @@ use heapless::Vec;
 use slam_core::Pose;
 
 use super::FloorJob;
-use super::swept::{CELLS, Quarter};
 use crate::pilot::Senses;
-use crate::pilot::memory::Cell;
 use crate::traits::WheelSpeeds;
 
 /// Most areas.
@@ -150,15 +148,13 @@ fn edges(corners: &[[f32; 2]]) -> impl Iterator<Item = ([f32; 2], [f32; 2])> + '
 }
 
 /// Whether a ray from the point along x crosses the closed line an odd number of times.
-fn encloses(corners: &[[f32; 2]], [x_m, y_m]: [f32; 2]) -> bool {
+pub(super) fn encloses(corners: &[[f32; 2]], [x_m, y_m]: [f32; 2]) -> bool {
     let crossed = |&([ax, ay], [bx, by]): &([f32; 2], [f32; 2])| {
         (ay > y_m) != (by > y_m) && x_m < ax + (y_m - ay) / (by - ay) * (bx - ax)
     };
     edges(corners).filter(crossed).count() % 2 == 1
 }
 
-/// Cells of the picture that areas are drawn into in one step: all of them every thirteen seconds.
-const MARKED: u16 = 20;
 /// One in so many of the points along an edge is put up in a step.
 const TURNS: usize = 4;
 /// A point of an edge stands for so long, microseconds: some rounds of those turns.
@@ -169,11 +165,10 @@ impl<const S: usize> FloorJob<S> {
     /// where it is.
     pub fn step_within(&mut self, senses: &Senses<S>, bounds: &Bounds) -> WheelSpeeds {
         let Pose { x_m, y_m, theta_rad } = senses.pose;
-        self.is_elsewhere = !bounds.is_to_clean([x_m, y_m]);
         if !bounds.is_empty() && x_m.is_finite() && y_m.is_finite() && theta_rad.is_finite() {
             self.put_up_fences(senses, bounds);
-            self.mark_areas(bounds);
         }
+        self.mind_areas(&senses.pose, bounds);
         self.step(senses)
     }
 
@@ -184,25 +179,6 @@ impl<const S: usize> FloorJob<S> {
         for (index, at_m) in bounds.points_from(&senses.pose).enumerate() {
             if index % TURNS == usize::from(self.steps) % TURNS {
                 self.near.add(pose.transform(at_m), until_us, &pose, senses.time_us);
-            }
-        }
-    }
-
-    /// Draws the areas into the next cells of the picture: blocked where it must not go, swept where it need not clean.
-    fn mark_areas(&mut self, bounds: &Bounds) {
-        let origin = self.frame.origin();
-        let (s, c) = slam_core::angle::sin_cos(origin.theta_rad);
-        let on_map = |[x_m, y_m]: [f32; 2]| [origin.x_m + c * x_m - s * y_m, origin.y_m + s * x_m + c * y_m];
-        let cells = CELLS as u16;
-        for _ in 0..MARKED {
-            let cell = Cell { col: (self.marked % cells) as i16, row: (self.marked / cells) as i16 };
-            self.marked = (self.marked + 1) % (cells * cells);
-            let quarter = |index: i16| Quarter { col: 2 * cell.col + index % 2, row: 2 * cell.row + index / 2 };
-            if (0..4).any(|index| bounds.is_out(on_map(self.sheet.centre_m(quarter(index))))) {
-                self.sheet.picture.block(cell);
-            }
-            if !bounds.is_to_clean(on_map(self.sheet.picture.centre_m(cell))) {
-                self.sheet.swept.set(cell, true);
             }
         }
     }

@@ -4,6 +4,7 @@
 //! it sweeps the rest in lanes along the walls' grid, the nearest floor first; then it returns. What it remembers is a picture
 //! of the home in cells of 16 cm, which quarters of these were swept, and the points near it of the last seconds.
 
+mod areas;
 mod astray;
 mod bounds;
 mod config;
@@ -32,6 +33,7 @@ use slam_core::{Pose, Rig};
 use crate::pilot::beam::{Beam, Passed, draw_beam};
 use crate::pilot::{PilotConfig, Senses};
 use crate::traits::WheelSpeeds;
+use areas::Areas;
 use astray::Astray;
 pub use bounds::{AREAS, AreaKind, BadArea, Bounds, CORNERS};
 pub use config::FloorConfig;
@@ -122,10 +124,7 @@ pub struct FloorJob<const S: usize> {
     blocked: u8,
     steps: u8,
     tally: Tally,
-    /// The cell of the picture that the areas are drawn into next, row by row.
-    marked: u16,
-    /// The robot is where it need not clean.
-    is_elsewhere: bool,
+    areas: Areas,
     /// What was written down of it for after a reset is of these cells.
     is_noted: bool,
 }
@@ -171,8 +170,7 @@ impl<const S: usize> FloorJob<S> {
         blocked: 0,
         steps: 0,
         tally: Tally::new(),
-        marked: 0,
-        is_elsewhere: false,
+        areas: Areas::NONE,
         is_noted: false,
     };
 
@@ -205,6 +203,7 @@ impl<const S: usize> FloorJob<S> {
             self.last = None;
             self.route.clear();
             self.is_noted = false;
+            self.areas.draw_anew();
         }
     }
 
@@ -233,6 +232,7 @@ impl<const S: usize> FloorJob<S> {
             Phase::Lost => FloorState::Lost,
             Phase::Held => FloorState::Held,
             Phase::Over { is_home: true } if self.errand == Errand::Recharge => FloorState::Flat,
+            Phase::Over { is_home: true } if self.areas.missed != 0 => FloorState::Unreached,
             Phase::Over { is_home: true } => FloorState::Done,
             Phase::Over { is_home: false } => FloorState::Away,
         }
@@ -240,7 +240,7 @@ impl<const S: usize> FloorJob<S> {
 
     /// How far it is.
     pub fn progress(&self) -> FloorProgress {
-        self.tally.progress(self.state())
+        FloorProgress { missed: self.areas.missed, ..self.tally.progress(self.state()) }
     }
 
     /// Whether it is over.
@@ -279,6 +279,7 @@ impl<const S: usize> FloorJob<S> {
         if self.sheet.keep_around(pose) {
             self.is_noted = false;
             self.route.clear();
+            self.areas.draw_anew();
             if let Phase::Transit { aim, .. } | Phase::Trace { aim, .. } | Phase::Plan { aim, .. } = self.phase {
                 let aim = if let Aim::Place(_) = aim { self.aim_home() } else { aim };
                 self.plan(aim, senses.time_us);
@@ -330,6 +331,7 @@ impl<const S: usize> FloorJob<S> {
         let last = self.last.unwrap_or(*pose);
         let step_m = libm::hypotf(pose.x_m - last.x_m, pose.y_m - last.y_m);
         self.path_m += step_m;
+        self.areas.drive(step_m);
         let new = self.sheet.sweep(pose);
         self.gained = self.gained.saturating_add(new);
         self.tally.add(new);
@@ -342,7 +344,7 @@ impl<const S: usize> FloorJob<S> {
         if self.traction.step(&self.beams, step_m) {
             self.holds = 0;
         }
-        let spent_m = if self.is_elsewhere { ELSEWHERE * step_m } else { step_m };
+        let spent_m = if self.areas.is_elsewhere { ELSEWHERE * step_m } else { step_m };
         self.credit_m = (self.credit_m - spent_m + WORTH_M * f32::from(new)).min(self.credit_m.max(self.barren_m()));
         let ([x_m, y_m], _) = self.moved;
         if libm::hypotf(pose.x_m - x_m, pose.y_m - y_m) > 0.05 {

@@ -49,11 +49,13 @@ pub enum FloorState {
     Done,
     /// Done, and not back: the way is blocked, or the dock gave no contact.
     Away,
+    /// Done and back, but for an area to clean that it did not come to.
+    Unreached,
 }
 
 impl FloorState {
     /// Every one, in the order of [`FloorProgress::seconds_in`].
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::Edge,
         Self::Lane,
         Self::Transit,
@@ -73,6 +75,7 @@ impl FloorState {
         Self::Flat,
         Self::Done,
         Self::Away,
+        Self::Unreached,
     ];
 
     /// What it is called.
@@ -97,6 +100,7 @@ impl FloorState {
             Self::Flat => "flat",
             Self::Done => "done",
             Self::Away => "away",
+            Self::Unreached => "area not reached",
         }
     }
 }
@@ -110,6 +114,8 @@ pub struct FloorProgress {
     pub swept_m2: f32,
     /// Floor that was seen, has room for the body and is not swept, m^2; counted anew every thirteen seconds.
     pub left_m2: f32,
+    /// Areas to clean that it did not come to so far, a bit each in their order.
+    pub missed: u8,
     /// Seconds spent in each state, in the order of [`FloorState::ALL`].
     pub seconds_in: [u16; FloorState::ALL.len()],
 }
@@ -203,6 +209,7 @@ impl Tally {
             state,
             swept_m2: area_m2(self.swept),
             left_m2: area_m2(self.left.into()),
+            missed: 0,
             seconds_in: self.seconds_in,
         }
     }

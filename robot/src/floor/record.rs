@@ -23,7 +23,7 @@ use crate::pilot::memory::Cell;
 use crate::traits::LastingMemory;
 
 /// What a head begins with; the last one is the format's version.
-const MAGIC: [u8; 4] = *b"FLJ\x03";
+const MAGIC: [u8; 4] = *b"FLJ\x04";
 const STATES: usize = FloorState::ALL.len();
 const HEAD: usize = 56 + 2 * STATES + 4;
 const SERIAL: usize = 2;

@@ -3,6 +3,7 @@
 use slam_core::Pose;
 use slam_core::angle::wrap;
 
+use super::areas::within_picture;
 use super::dock::Stage;
 use super::errand::Errand;
 use super::near::free_ahead_m;
@@ -45,7 +46,9 @@ impl<const S: usize> FloorJob<S> {
 
     pub(super) fn aim_home(&self) -> Aim {
         let [x_m, y_m] = self.home_m();
-        Aim::Place(self.sheet.picture.cell_at(x_m, y_m))
+        let cell = self.sheet.picture.cell_at(x_m, y_m);
+        // As far as the picture reaches: it moves on before the robot is there.
+        Aim::Place(if self.areas.dares { within_picture(cell) } else { cell })
     }
 
     /// Whether nothing came of what it was after.
@@ -68,9 +71,13 @@ impl<const S: usize> FloorJob<S> {
     }
 
     pub(super) fn search(&mut self, aim: Aim, escape: i16, begun: bool, pose: &Pose, now_us: u64) -> (f32, f32) {
+        if self.waits_for_areas(aim, now_us) {
+            return (0.0, 0.0);
+        }
         if !begun {
             let here = self.sheet.picture.cell_at(pose.x_m, pose.y_m);
-            self.wave.begin(here, escape);
+            let dares = self.areas.begin_search();
+            self.wave.begin(here, escape, dares);
             self.phase = Phase::Plan { aim, escape, begun: true };
         }
         match self.wave.search(&mut self.sheet, aim) {
@@ -127,14 +134,17 @@ impl<const S: usize> FloorJob<S> {
     }
 
     pub(super) fn find_nothing(&mut self, aim: Aim, now_us: u64) {
-        if self.wave.reached < POCKET && self.pockets < MAX_POCKETS {
+        if self.areas.may_dare() {
+            self.areas.dares = true;
+            self.go_about(now_us);
+        } else if self.wave.reached < POCKET && self.pockets < MAX_POCKETS {
             // It came into a pocket along its walls, and so it gets out.
             self.pockets += 1;
             self.begin_edge(1.0, now_us);
             self.credit_m = POCKET_M;
         } else if aim != Aim::Floor {
             self.return_again(now_us);
-        } else if self.retries == 0 && (self.is_much_left() || !self.given_up.is_empty()) {
+        } else if self.retries == 0 && (self.is_much_left() || !self.given_up.is_empty() || self.areas.missed != 0) {
             self.retries = 1;
             self.sheet.picture.forget_visits();
             while let Some(place) = self.given_up.pop() {
@@ -144,6 +154,7 @@ impl<const S: usize> FloorJob<S> {
             self.plan(Aim::Floor, now_us);
         } else {
             self.errand = Errand::Finish;
+            self.areas.turn_home();
             self.go_about(now_us);
         }
     }
@@ -160,6 +171,10 @@ impl<const S: usize> FloorJob<S> {
             return (0.0, 0.0);
         };
         let to_m = self.sheet.picture.centre_m(Cell::unpacked(*next));
+        if self.sees_obstacle_on_way() {
+            self.plan(aim, now_us);
+            return (0.0, 0.0);
+        }
         if libm::hypotf(to_m[0] - here_m[0], to_m[1] - here_m[1]) < 0.06 {
             self.route.pop();
         }
@@ -197,11 +212,14 @@ impl<const S: usize> FloorJob<S> {
     }
 
     pub(super) fn arrive(&mut self, target: Target, pose: &Pose, now_us: u64) {
+        let dared = self.areas.settle();
         match target {
             Target::Place(_) if self.has_dock => {
                 self.begin(Phase::Dock { stage: Stage::Staging, tries: 0 }, now_us);
             }
             Target::Place(_) => self.begin(Phase::Home, now_us),
+            // What it sees from there tells where to begin.
+            _ if dared => self.finish_target(now_us),
             Target::Edge { at, .. } => {
                 self.begin(Phase::Seek { to_m: Some(self.sheet.picture.centre_m(at)) }, now_us);
             }

@@ -80,6 +80,8 @@ pub(super) struct Wave {
     open: Option<(Cell, u8)>,
     /// Cells from the start within which the way may be narrow.
     escape: i16,
+    /// What was not seen is taken for floor.
+    dares: bool,
     /// The row of the picture that is made ready next.
     row: i16,
     /// Cells that the search went through.
@@ -88,17 +90,26 @@ pub(super) struct Wave {
 
 impl Wave {
     pub(super) const fn new() -> Self {
-        Self { front: Deque::new(), start: Cell { col: 0, row: 0 }, open: None, escape: 0, row: 0, reached: 0 }
+        Self {
+            front: Deque::new(),
+            start: Cell { col: 0, row: 0 },
+            open: None,
+            escape: 0,
+            dares: false,
+            row: 0,
+            reached: 0,
+        }
     }
 
-    /// Begins a search where the robot is; `escape` cells from there the way may be narrow.
-    pub(super) fn begin(&mut self, start: Cell, escape: i16) {
+    /// Begins a search where the robot is; `escape` cells from there the way may be narrow. One that dares takes what was not seen
+    /// for floor.
+    pub(super) fn begin(&mut self, start: Cell, escape: i16, dares: bool) {
         self.front.clear();
         self.open = None;
         self.reached = 0;
         self.row = 0;
         self.start = start;
-        self.escape = escape;
+        (self.escape, self.dares) = (escape, dares);
     }
 
     /// Makes some rows of the picture ready; whether all are.
@@ -107,7 +118,7 @@ impl Wave {
             return true;
         }
         for _ in 0..ROWS {
-            sheet.picture.begin_row(self.row);
+            sheet.picture.begin_row(self.row, self.dares);
             self.row += 1;
         }
         if self.row == CELLS as i16 && sheet.picture.is_inside(self.start) {

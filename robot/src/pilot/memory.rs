@@ -215,8 +215,8 @@ impl<const N: usize> Memory<N> {
         self.cells.as_flattened_mut().iter_mut().for_each(|value| *value &= !STEP);
     }
 
-    /// Makes a row ready for a search: no steps yet, and known where the body has room.
-    pub(crate) fn begin_row(&mut self, row: i16) {
+    /// Makes a row ready for a search: no steps yet, and known where the body has room. One that dares has room where nothing was seen.
+    pub(crate) fn begin_row(&mut self, row: i16, dares: bool) {
         // In the order of storage, in which the last column is beside the first: the body is never near there.
         let mut is_tight = [false; N];
         for row in [row - 1, row, row + 1] {
@@ -231,7 +231,7 @@ impl<const N: usize> Memory<N> {
         for (col, value) in row.iter_mut().enumerate() {
             let here = is_tight.get(col).copied().unwrap_or(false);
             let after = is_tight.get(col + 1).copied().unwrap_or(false);
-            let is_free = *value & EVIDENCE != 0;
+            let is_free = dares || *value & EVIDENCE != 0;
             *value &= !(STEP | ROOM);
             if is_free && !(before || here || after) {
                 *value |= ROOM;
