@@ -221,6 +221,7 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
         self.begun_at = 0;
         let gains = if slam.config().sensing.calibrate_gains { Gains::of_rig(slam.rig()) } else { Gains::KNOWN };
         self.diary.begin(&slam.rig().drive, gains, slam.filter_pose());
+        self.diary.begin_in(slam, &slam.filter_pose());
     }
 
     /// What follows when a look back has ended.

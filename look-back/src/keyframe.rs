@@ -16,6 +16,9 @@ const SWING_M: f32 = 1e-4;
 /// Of a motion that the odometry did not sense: the robot was kicked, or held while its wheels turned.
 const UNKNOWN: u16 = u16::MAX;
 
+/// Of no motion: from where a kept map's frame is to where the map as a whole is in it.
+const HOLDS_MAP: u16 = u16::MAX - 1;
+
 /// Variance of where it ends, m^2, and of its turn, rad^2, about what the filter found: half a metre and half a radian, twice the size of
 /// what is looked for (`slam_core::JOLT`). Left open altogether, all that comes later could slide along the walls of before.
 const UNKNOWN_VARIANCES: [f32; 2] = [0.25, 0.25];
@@ -36,7 +39,7 @@ pub struct Keyframe {
     /// Groups seen from it; they follow each other in the diary.
     pub groups: u16,
     /// 1-sigma of where the motion ends by the errors of headings on the way, tenths of a millimetre. Two bytes, for which there
-    /// was room; saturates one below `UNKNOWN`, which says that the odometry did not sense the motion.
+    /// was room; saturates below the two that say that the odometry did not sense the motion.
     pub swing: u16,
 }
 
@@ -49,6 +52,16 @@ impl Keyframe {
     /// Whether the robot is past so much of the way to the next one.
     pub fn is_past(&self, share: f32) -> bool {
         self.path_m >= share * SPACING_M || self.turning_rad >= share * SPACING_RAD
+    }
+
+    /// The map as a whole is seen from the next one.
+    pub fn hold_map(&mut self) {
+        self.swing = HOLDS_MAP;
+    }
+
+    /// Whether the map as a whole is seen from the next one.
+    pub fn holds_map(&self) -> bool {
+        self.swing == HOLDS_MAP
     }
 
     /// Variance of where the motion ends by the errors of headings on the way, m^2.
@@ -67,6 +80,9 @@ impl Keyframe {
 
     /// The odometry did not sense how the robot came from here to where it is next.
     pub fn part_from(&mut self, next: &Pose, calibration: &Calibration) {
+        if self.holds_map() {
+            return;
+        }
         let Calibration { distance, turn, veer_rad_per_m } = *calibration;
         let Pose { x_m, y_m, theta_rad } = relative(&self.pose, next);
         self.motion = Pose::new(x_m / distance, y_m / distance, theta_rad / turn - veer_rad_per_m * self.path_m);
@@ -91,7 +107,7 @@ impl Keyframe {
             motion: Pose { x_m, y_m, theta_rad: self.motion.theta_rad + next.motion.theta_rad },
             path_m: self.path_m + next.path_m,
             turning_rad: self.turning_rad + next.turning_rad,
-            swing: if is_unknown { UNKNOWN } else { ((libm::sqrtf(swing_m2) / SWING_M) as u16).min(UNKNOWN - 1) },
+            swing: if is_unknown { UNKNOWN } else { ((libm::sqrtf(swing_m2) / SWING_M) as u16).min(HOLDS_MAP - 1) },
             ..*self
         }
     }

@@ -9,6 +9,7 @@
 //! | layer | what it makes |
 //! |---|---|
 //! | [`diary`], keyframe, group, thin, redundancy | keyframes, the odometry between them, and what was seen from each: the hits on one surface as sums |
+//! | kept | what a map that was there before knows, as if its walls had been seen |
 //! | gains, rows | residuals of odometry, groups and priors with their derivatives |
 //! | system, packed | one Gauss-Newton step: poses eliminated along the path, the border solved, the poses found on the way back |
 //! | solve | the step in slices |
@@ -39,6 +40,7 @@ pub mod diary;
 mod frame;
 mod gains;
 mod group;
+mod kept;
 mod keyframe;
 mod labels;
 pub mod look_back;

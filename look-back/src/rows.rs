@@ -48,6 +48,8 @@ pub struct Odometry {
     pub position_level: f32,
     /// The same of how far counted wheels went.
     pub wheel_level: f32,
+    /// Variance of each axis of where a kept map as a whole is, m^2, and of how it is turned, rad^2.
+    pub map_variances: [f32; 2],
 }
 
 impl Odometry {
@@ -62,15 +64,19 @@ impl Odometry {
         },
         position_level: 0.0,
         wheel_level: 0.0,
+        map_variances: [0.0; 2],
     };
 
     /// Of a drive, as stated.
     pub fn of(drive: &DriveModel) -> Self {
-        Self { drive: *drive, position_level: 1.0, wheel_level: 1.0 }
+        Self { drive: *drive, position_level: 1.0, wheel_level: 1.0, map_variances: [0.0; 2] }
     }
 
     /// Variance of each axis of the position, m^2, and of the heading, rad^2, after a keyframe's motion.
     pub fn variances(&self, key: &Keyframe) -> [f32; 2] {
+        if key.holds_map() {
+            return self.map_variances.map(|variance| variance + 1e-8);
+        }
         let Keyframe { path_m, turning_rad, .. } = *key;
         let [position_m2, heading_rad2] = match self.drive {
             DriveModel::Wheels { track_m, noise_m2_per_m, .. } => {

@@ -26,10 +26,11 @@ pub fn thin<const K: usize, const G: usize>(
     placed: u32,
 ) -> bool {
     let span = |key: &Keyframe| key.path_m + key.turning_rad / RAD_PER_M;
+    let first = if keyframes.first().is_some_and(Keyframe::holds_map) { 2 } else { 1 };
     let inner = keyframes.len().saturating_sub(1);
     let settled = keyframes.iter().take(inner).take_while(|key| key.serial <= placed).count();
     let pairs_of = if settled >= 3 { settled } else { inner };
-    let pairs = keyframes.iter().zip(keyframes.iter().skip(1)).take(pairs_of.saturating_sub(1)).enumerate().skip(1);
+    let pairs = keyframes.iter().zip(keyframes.iter().skip(1)).take(pairs_of.saturating_sub(1)).enumerate().skip(first);
     let shortest = pairs.min_by(|(_, a), (_, b)| (span(a.0) + span(a.1)).total_cmp(&(span(b.0) + span(b.1))));
     let Some((at, (first, second))) = shortest else { return false };
     let (first, second) = (*first, *second);

@@ -1,6 +1,7 @@
 mod drive;
 mod drives;
 mod groups;
+mod kepts;
 mod motions;
 mod presents;
 mod random;
