@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{ArgAction, Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use lab::evaluate::compare::Compare;
@@ -135,9 +135,9 @@ struct HilArgs {
     /// With --qemu: on the processor's own clock, 16 ns an instruction; says how late steps began.
     #[arg(long, requires = "qemu", conflicts_with = "serial")]
     timed: bool,
-    /// Whether the firmware takes look backs over; when not given, as suits the robot. A board decides itself.
-    #[arg(long, requires = "qemu", conflicts_with = "serial", value_name = "BOOL")]
-    hand_overs: Option<bool>,
+    /// With --qemu: whether the firmware takes look backs over. A board does.
+    #[arg(long, requires = "qemu", conflicts_with = "serial", value_name = "BOOL", default_value_t = true, action = ArgAction::Set)]
+    hand_overs: bool,
     /// With --qemu: a kept map that the robot begins with in its flash, a file `map.bin`.
     #[arg(long, requires = "qemu", conflicts_with = "serial", value_name = "FILE")]
     map: Option<PathBuf>,

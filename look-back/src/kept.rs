@@ -30,10 +30,7 @@ const BEFORE_M: f32 = 0.1;
 const NO_SENSOR: u8 = u8::MAX;
 
 /// What a number is the sum of: states of the filter, and its derivatives by them.
-type Terms = [(usize, f32); 5];
-
-/// No state.
-const NONE: (usize, f32) = (ALPHA, 0.0);
+type Terms = [(usize, f32)];
 
 /// Where the map as a whole is: two of its walls are where they are in it, and its grid has the direction that it has.
 ///
@@ -68,7 +65,7 @@ impl Gauge {
     fn variances(&self, map: &dyn Kept) -> [f32; 2] {
         let along = |axis| {
             let [a, b] = self.moved(axis, 1.0);
-            variance(map, &[a, b, NONE, NONE, NONE])
+            variance(map, &[a, b])
         };
         [0.5 * (along([1.0, 0.0]) + along([0.0, 1.0])), map.covariance(ALPHA, ALPHA)]
     }
@@ -84,7 +81,7 @@ impl Gauge {
         let [a, b] = self.moved(line.normal, -1.0);
         let at = wall.anchor_m;
         let offset_m2 = variance(map, &[(kept.rho.into(), 1.0), (direction, -at), a, b, (ALPHA, at)]);
-        let turn_rad2 = variance(map, &[(direction, 1.0), (ALPHA, -1.0), NONE, NONE, NONE]);
+        let turn_rad2 = variance(map, &[(direction, 1.0), (ALPHA, -1.0)]);
         // Where its direction is less known than hits spread evenly along it would tell, it counts as those that tell that.
         let known_m2 = offset_m2.max(turn_rad2 * half_m * half_m / 3.0) + SURFACE_M * SURFACE_M;
         let (mean_m, weight) = (line.at(at), 1.0 / known_m2);
@@ -151,6 +148,7 @@ fn cross([a, b]: [f32; 2], [c, d]: [f32; 2]) -> f32 {
 }
 
 /// Variance of a sum of states.
+#[inline(never)]
 fn variance(map: &dyn Kept, terms: &Terms) -> f32 {
     let mut sum = 0.0;
     for &(i, u) in terms {

@@ -22,7 +22,7 @@
 //! One rule: work is asked for. The crate knows nothing of tasks, files or clocks; [`LookBack::work`] does about as many
 //! multiply-adds as it is allowed and returns.
 //!
-//! What is wired up: `lab run --hand-overs` and `lab replay --hand-overs` run a [`BackEnd`] beside the filter as a robot would; a
+//! What is wired up: `lab run` and `lab replay` run a [`BackEnd`] beside the filter as a robot would (`--hand-overs`); a
 //! measurement sets it beside the workbench's look back, which has no bounds on memory (`cargo run --release --package tests
 //! --example robot_look_back`). The firmware runs it in a task below all others.
 //!

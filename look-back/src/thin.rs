@@ -1,6 +1,6 @@
 //! Two neighbouring keyframes made one.
 
-use heapless::Vec;
+use heapless::VecView;
 use slam_core::Calibration;
 
 use crate::frame::{Frame, relative};
@@ -17,9 +17,10 @@ const RAD_PER_M: f32 = 0.8;
 /// Makes those two neighbours one that are nearest to each other along the path, of those that a look back has placed: of the
 /// others only where there are no two such. The last keyframe stays as it is: the robot is about it. So does the first: its frame is the
 /// map's, and what is seen from elsewhere later on does not tell where the start was. False where there are not enough.
-pub fn thin<const K: usize, const G: usize>(
-    keyframes: &mut Vec<Keyframe, K>,
-    groups: &mut Vec<Group, G>,
+#[inline(never)]
+pub fn thin(
+    keyframes: &mut VecView<Keyframe>,
+    groups: &mut VecView<Group>,
     gains: &Gains,
     (calibration, odometry): (&Calibration, &Odometry),
     walls: &[Option<Wall>],

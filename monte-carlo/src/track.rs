@@ -127,7 +127,7 @@ pub fn replay<const B: usize>(robot: &Robot, config: Config, frames: &[Frame]) -
 /// # Errors
 /// A value of the rig that the estimator refuses.
 pub fn whole_robot(robot: &Robot, frames: &[Frame]) -> Result<Track, RigError> {
-    let config = Config { hand_overs: true, ..Config::default() };
+    let config = Config::default().with_hand_overs();
     let mut session = Session::new(robot, config, "")?;
     let mut track = Track::default();
     for frame in frames {

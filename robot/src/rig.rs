@@ -29,12 +29,6 @@ impl BuiltIn {
         }
     }
 
-    /// Whether its estimator takes over what look backs find while it drives: with sensors that report metres paths and walls
-    /// gain by it, with analogue ones paths are as good without (docs/results/hand-overs.md).
-    pub fn hands_over(self) -> bool {
-        self == Self::TimeOfFlight
-    }
-
     /// What its estimator knows of it.
     pub fn rig<const S: usize>(self) -> Rig<S> {
         match self {

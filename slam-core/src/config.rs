@@ -64,6 +64,12 @@ impl Config {
         Ok(())
     }
 
+    /// The same beside a back end: what that finds is taken over.
+    #[must_use]
+    pub fn with_hand_overs(self) -> Self {
+        Self { hand_overs: true, ..self }
+    }
+
     /// What suits the sensors: those that report metres see how walls stand off the grid, which the noise of an analogue
     /// one hides.
     pub fn for_rig<const S: usize>(rig: &Rig<S>) -> Self {

@@ -41,7 +41,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.stand(&pose);
         self.map.forget_some(&mut self.ekf, |wall| copy.has(wall.id));
         self.jolts = Jolts::NONE;
-        self.map.begin_epoch_elsewhere();
+        self.map.begin_epoch();
         self.counters.add_second_copy();
         Ok(())
     }

@@ -7,13 +7,13 @@ use lab::evaluate::score;
 use lab::input::log::truth::{self, Truth};
 use lab::input::log::{self, Rows};
 use lab::input::rig_file::{Robot, rig_error};
+use lab::input::settings::by_default;
 use lab::recording::{Recording, TruthFrame};
 use lab::run::Session;
 use lab::show::output::streams::{ESTIMATE_HEADER, estimate_line};
 use lab::show::report::growing::Growing;
 use lab::show::report::{self};
 use serde_json::{Value, json};
-use slam_core::Config;
 
 use crate::looking_back::LookingBack;
 
@@ -63,7 +63,7 @@ impl Replayed {
         let log_file = Path::new(&files.log.0);
         let rows = log::of_bytes(log_file, files.log.1, &mut robot)?;
         let truth = files.truth.map(|(name, content)| truth::of_bytes(Path::new(&name), content)).transpose()?;
-        let config = Config::for_rig(&robot.rig);
+        let config = by_default(&robot.rig);
         let mut session =
             Session::new(&robot, config, files.log.0.clone()).map_err(|error| rig_error(rig_file, &error))?;
         let begins_in_map = files.map.is_some();

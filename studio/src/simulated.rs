@@ -6,13 +6,13 @@ use hal_sim::floor::CELL_M;
 use hal_sim::{Plan, Pose2, SimOptions, plan_file};
 use lab::input::log::writer;
 use lab::input::rig_file::{Robot, rig_error};
+use lab::input::settings::by_default;
 use lab::recording::{Recording, health};
 use lab::run::{Drive, Job, MapId, Session};
 use lab::show::report::growing::Growing;
 use lab::show::report::{self};
 use robot::AreaKind;
 use serde_json::{Value, json};
-use slam_core::Config;
 
 use crate::looking_back::LookingBack;
 use crate::rig::robot_of;
@@ -67,7 +67,7 @@ impl Simulated {
             Job::Clean => Drive::cleaning,
         };
         let drive = begin(&plan, &robot, SimOptions::default(), scene.seed).map_err(|error| error.to_string())?;
-        let config = Config::for_rig(&robot.rig);
+        let config = by_default(&robot.rig);
         let session = Session::new(&robot, config, plan.name.clone())
             .map_err(|error| rig_error(Path::new("rig"), &error).to_string())?;
         let log = writer::header(&robot) + "\n";
@@ -198,7 +198,7 @@ impl Simulated {
     /// # Errors
     /// What is wrong with the map; the robot drives on then.
     pub fn begin_in(&mut self, map: Vec<u8>) -> Result<(), String> {
-        let mut session = Session::new(&self.robot, Config::for_rig(&self.robot.rig), self.plan.name.clone())
+        let mut session = Session::new(&self.robot, by_default(&self.robot.rig), self.plan.name.clone())
             .map_err(|error| rig_error(Path::new("rig"), &error).to_string())?;
         session.begin_in(map)?;
         (self.session, self.growing, self.back) = (session, Growing::default(), LookingBack::default());

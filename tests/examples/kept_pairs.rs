@@ -190,7 +190,7 @@ impl<'m> Stranger<'m> {
 }
 
 fn trial(noise: f32) -> Trial {
-    Trial { noise, config: Config { hand_overs: true, ..Config::real_rooms() }, ..Trial::default() }
+    Trial { noise, config: Config::real_rooms().with_hand_overs(), ..Trial::default() }
 }
 
 fn pair(kept: &LoadedLog, begun: &LoadedLog, noise: f32) -> Later {

@@ -71,7 +71,7 @@ const CCRAM_START: u64 = 0x1000_0000;
 fn build() -> Result<Elf> {
     let thumb = Thumb::require()?;
     let mut build = thumb.cargo("firmware", "build");
-    run(build.args(["--release", "--package", "firmware", "--bin", "robot", "--features", "board,hand-overs"]))?;
+    run(build.args(["--release", "--package", "firmware", "--bin", "robot", "--features", "board"]))?;
     Elf::read(&thumb.target_dir().join(TARGET).join("release/robot"))
 }
 

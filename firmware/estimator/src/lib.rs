@@ -6,7 +6,7 @@
 #![forbid(unsafe_code)]
 
 use look_back::RobotBackEnd;
-use slam_core::{NotTaken, RobotSlam, Sample, StepReport};
+use slam_core::{RobotSlam, Sample, StepReport};
 
 /// [`RobotSlam::step`].
 #[inline(never)]
@@ -18,10 +18,4 @@ pub fn step(slam: &mut RobotSlam, sample: &Sample<8>) -> StepReport<8> {
 #[inline(never)]
 pub fn record(back_end: &mut RobotBackEnd, slam: &RobotSlam, report: &StepReport<8>) {
     back_end.record(slam, report);
-}
-
-/// Hands over what a look back found, if one has caught up with the estimator.
-#[inline(never)]
-pub fn hand_over(back_end: &mut RobotBackEnd, slam: &mut RobotSlam) -> Option<Result<(), NotTaken>> {
-    back_end.hand_over(slam)
 }

@@ -76,7 +76,7 @@ pub async fn estimate<F: MapFlash>(
         }
         if hands_over {
             let back_end = look_backs.found().await;
-            estimator::hand_over(back_end, slam);
+            back_end::hand_over(back_end, slam);
             found = Some(back_end);
         }
     }

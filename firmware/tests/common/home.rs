@@ -171,7 +171,7 @@ impl Home {
     /// Runs every task with these range sensors while `story` tells what happens.
     pub fn run(&self, robot: BuiltIn, mut bank: impl RangeSensorBank<SENSORS>, story: impl FnOnce(&mut Tasks<'_>)) {
         let shared = &self.shared;
-        let config = Config { hand_overs: robot.hands_over(), ..Config::for_rig::<SENSORS>(&robot.rig()) };
+        let config = Config::for_rig::<SENSORS>(&robot.rig()).with_hand_overs();
         self.look_backs.give_back(Box::leak(Box::new(RobotBackEnd::IDLE)));
         let mut slam = RobotSlam::with_config(robot.rig(), config).unwrap();
         let mut flash = self.flash.borrow_mut();

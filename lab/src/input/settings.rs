@@ -2,7 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use serde::Deserialize;
-use slam_core::{Clustering, Config, Linearisation, Rig, WallPolicy};
+use slam_core::{Clustering, Config, Linearisation, RangeModel, RangeSensor, Rig, WallPolicy};
 
 use crate::input::part::{self, Part};
 
@@ -22,9 +22,10 @@ pub struct VariantArgs {
     /// At which estimates the models are differentiated.
     #[arg(long, value_enum, default_value_t = Jacobians::First)]
     jacobians: Jacobians,
-    /// Look back while the robot drives, as a robot would, and let the estimator take over what is found.
-    #[arg(long)]
-    hand_overs: bool,
+    /// Whether the estimator takes over what is found by looking back while the robot drives, as on a robot [default: true with
+    /// analogue sensors, false where one reports metres].
+    #[arg(long, value_name = "BOOL")]
+    hand_overs: Option<bool>,
     /// Take the rig file's gains, scales and track for exact.
     #[arg(long)]
     no_calibration: bool,
@@ -130,16 +131,25 @@ impl Settings {
     }
 }
 
+/// What the workbench does with a robot unless it is told otherwise. With analogue sensors what look backs find is taken over, as on the
+/// robot; with sensors that report metres it is asked for, for on logs of real rooms some live paths are worse with it
+/// (docs/results/hand-overs.md), and there is the look back over the whole log.
+pub fn by_default<const S: usize>(rig: &Rig<S>) -> Config {
+    let config = Config::for_rig(rig);
+    let reports_metres = |sensor: &RangeSensor| matches!(sensor.model, RangeModel::Metric { .. });
+    if rig.sensors.iter().any(reports_metres) { config } else { config.with_hand_overs() }
+}
+
 impl VariantArgs {
     /// The settings for a rig.
     fn config<const S: usize>(&self, rig: &Rig<S>) -> Config {
-        let base = Config::for_rig(rig);
+        let base = by_default(rig);
         let calibrate = !self.no_calibration;
         let mut config = base;
         config.walls.policy = self.walls.map_or(base.walls.policy, Walls::policy);
         config.births.clustering = self.clusters.clustering();
         config.measurement.linearisation = self.jacobians.linearisation();
-        config.hand_overs = base.hand_overs || self.hand_overs;
+        config.hand_overs = self.hand_overs.unwrap_or(base.hand_overs);
         config.sensing.calibrate_gains = calibrate;
         config.motion.calibrate_scales = calibrate;
         config.motion.calibrate_track = calibrate;

@@ -3,11 +3,11 @@
 use hal_sim::floor::FloorScore;
 use hal_sim::{Plan, SimOptions};
 use robot::FloorProgress;
-use slam_core::Config;
 
 use super::drive::Drive;
 use super::session::Session;
 use crate::input::built_in_robot;
+use crate::input::settings::by_default;
 use crate::recording::Step;
 
 /// A job that takes longer than this is ended, minutes.
@@ -52,7 +52,7 @@ pub fn clean_with(
     mut meddle: impl FnMut(&mut Drive, &Step),
 ) -> Result<FloorDrive, String> {
     let (robot, _) = built_in_robot().map_err(|error| error.to_string())?;
-    let config = Config::for_rig(&robot.rig);
+    let config = by_default(&robot.rig);
     let mut session = Session::new(&robot, config, plan.name.clone()).map_err(|error| format!("{error:?}"))?;
     if let Some(map) = map {
         session.begin_in(map)?;

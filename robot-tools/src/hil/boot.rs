@@ -49,7 +49,7 @@ impl<'h> Boot<'h> {
         flash: Vec<u8>,
         power_words: Option<u32>,
     ) -> Result<Self, String> {
-        let hand_overs = hil.hand_overs.unwrap_or_else(|| hil.robot.hands_over());
+        let hand_overs = hil.hand_overs;
         let is_timed = matches!(hil.target, Target::EmulatorTimed { .. });
         let shadow = Shadow::new(hil.robot, hand_overs, is_timed, flash.clone())?;
         let link = Link::new(hil.target.start(&Beginning { hand_overs, flash, power_words })?)?;

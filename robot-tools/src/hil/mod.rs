@@ -57,8 +57,8 @@ pub struct Hil {
     pub out: PathBuf,
     /// The robot that the firmware is built for.
     pub robot: BuiltIn,
-    /// Whether look backs are handed over; none: as suits the robot.
-    pub hand_overs: Option<bool>,
+    /// Whether look backs are handed over.
+    pub hand_overs: bool,
     /// A `map.bin` that the robot begins with in its flash.
     pub map: Option<PathBuf>,
     /// Where the firmware runs.

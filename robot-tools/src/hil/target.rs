@@ -54,7 +54,7 @@ pub struct Beginning {
 impl Beginning {
     /// What the firmware reads on the emulator's command line.
     fn words(&self) -> String {
-        let hand_overs = if self.hand_overs { "hand-overs" } else { "no-hand-overs" };
+        let hand_overs = if self.hand_overs { "" } else { "no-hand-overs" };
         let power = self.power_words.map(|words| format!("power={words} ")).unwrap_or_default();
         format!("{power}{hand_overs}")
     }

@@ -35,7 +35,7 @@ const HEAD: &str = "\
 # Hand-overs
 
 Printed by `cargo run --release --package tests --example hand_overs -- FOLDER...` for folders of [real logs](real-logs.md): the same
-drives and logs without and with `--hand-overs`. [How it works](../explanation/look-back.md#handing-over).
+drives and logs without and with hand-overs (`--hand-overs true`). [How it works](../explanation/look-back.md#handing-over).
 
 ## Simulated drives
 

@@ -62,13 +62,10 @@ fn keeper(slam: &RobotSlam) -> &'static mut Keeper<Flash> {
     KEEPER.init_with(|| Keeper::start(Flash::open(), slam))
 }
 
-/// Whether hand-overs are taken: as suits the robot, unless the emulator's command line has the word `hand-overs` or
-/// `no-hand-overs`.
+/// Whether hand-overs are taken: unless the emulator's command line has the word `no-hand-overs`.
 fn hand_overs() -> bool {
     let mut text = [0; 256];
-    let has = |wanted: &[u8]| transport::command_line(&mut text).split(|byte| *byte == b' ').any(|word| word == wanted);
-    let [is_on, is_off] = [b"hand-overs".as_slice(), b"no-hand-overs"].map(has);
-    is_on || !is_off && ROBOT.hands_over()
+    transport::command_line(&mut text).split(|byte| *byte == b' ').all(|word| word != b"no-hand-overs")
 }
 
 /// Where tasks are spawned: each level goes before the next one.

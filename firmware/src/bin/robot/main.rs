@@ -66,8 +66,7 @@ async fn main(below: Spawner) {
 }
 
 fn config() -> Config {
-    let hand_overs = ROBOT.hands_over() || cfg!(feature = "hand-overs");
-    Config { hand_overs, ..Config::for_rig::<SENSORS>(&ROBOT.rig()) }
+    Config::for_rig::<SENSORS>(&ROBOT.rig()).with_hand_overs()
 }
 
 /// What is in this flash. What start-up needs of the stack is free again when this returns.
