@@ -94,7 +94,7 @@ impl<F: MapFlash> Keeper<F> {
     #[inline(never)]
     pub fn step(&mut self, slam: &mut RobotSlam, report: &StepReport<SENSORS>, now: Circumstances) -> bool {
         let reckoned = slam.dead_reckoning();
-        let travelled_m = libm::hypotf(reckoned.x_m - self.last.x_m, reckoned.y_m - self.last.y_m);
+        let travelled_m = slam_core::pose::length(reckoned.x_m - self.last.x_m, reckoned.y_m - self.last.y_m);
         self.last = reckoned;
         self.unsaved_m += travelled_m;
         let receives = self.receives(now);

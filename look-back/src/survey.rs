@@ -73,7 +73,7 @@ impl Wall {
 /// Whether a group's beams ran towards the side of a line that is seen, on average.
 pub fn faces(from_m: [f32; 2], mean_m: [f32; 2], line: &Line) -> bool {
     let way = [mean_m[0] - from_m[0], mean_m[1] - from_m[1]];
-    dot(line.normal, way) > LEAST_COS * libm::hypotf(way[0], way[1])
+    dot(line.normal, way) > LEAST_COS * slam_core::pose::length(way[0], way[1])
 }
 
 /// Where along a line a group's mean beam went through it, metres; none where it ended before it or began behind it.

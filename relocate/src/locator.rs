@@ -259,7 +259,7 @@ impl Locator {
 
     /// Keeps a point of the path, every other one where there is no room.
     fn remember(&mut self, [x, y]: [f32; 2]) {
-        let is_far = |last: &[f32; 2]| libm::hypotf(last[0] - x, last[1] - y) > self.spacing_m;
+        let is_far = |last: &[f32; 2]| slam_core::pose::length(last[0] - x, last[1] - y) > self.spacing_m;
         if !self.trail.last().is_none_or(is_far) {
             return;
         }

@@ -87,7 +87,7 @@ impl Near {
     fn of(&self, quarters: u8, shift_m: [f32; 2]) -> f32 {
         let [fresh, kept] = self.at_m;
         let [x, y] = turned_point(fresh, quarters);
-        let moved_m = libm::hypotf(x + shift_m[0] - kept[0], y + shift_m[1] - kept[1]);
+        let moved_m = slam_core::pose::length(x + shift_m[0] - kept[0], y + shift_m[1] - kept[1]);
         self.by.of(moved_m, wrap(self.turned_rad + f32::from(quarters) * FRAC_PI_2))
     }
 }

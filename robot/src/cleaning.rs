@@ -136,7 +136,7 @@ impl<const S: usize> Cleaning<S> {
     fn search(&mut self, senses: &Senses<S>, whereabouts: &Whereabouts) {
         let reckoned = whereabouts.reckoned;
         let [_, last] = self.last.unwrap_or([reckoned; 2]);
-        let moved_m = libm::hypotf(reckoned.x_m - last.x_m, reckoned.y_m - last.y_m);
+        let moved_m = slam_core::pose::length(reckoned.x_m - last.x_m, reckoned.y_m - last.y_m);
         self.is_carried = senses.contacts.lifted || self.is_carried && !whereabouts.is_located;
         if whereabouts.is_located {
             self.searched_m = 0.0;

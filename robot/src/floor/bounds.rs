@@ -130,7 +130,7 @@ impl Bounds {
 /// The points of an edge (ends in the robot's frame, metres) that are within reach of its origin.
 fn points_of(a: [f32; 2], b: [f32; 2]) -> impl Iterator<Item = [f32; 2]> {
     let [dx, dy] = [b[0] - a[0], b[1] - a[1]];
-    let length_m = libm::hypotf(dx, dy).max(1e-6);
+    let length_m = slam_core::pose::length(dx, dy).max(1e-6);
     let [ux, uy] = [dx / length_m, dy / length_m];
     let (foot_m, off_m) = (-(a[0] * ux + a[1] * uy), a[1] * ux - a[0] * uy);
     let half_m = libm::sqrtf((REACH_M * REACH_M - off_m * off_m).max(0.0));
@@ -222,7 +222,9 @@ mod tests {
         let beside = Pose::new(1.5, 0.8, 0.0);
         let points: Vec<[f32; 2], 64> = bounds.points_from(&beside).collect();
         assert!(points.len() > 20, "{points:?}");
-        assert!(points.iter().all(|[x, y]| (y - 0.18).abs() < 1e-5 && libm::hypotf(*x, *y) < REACH_M + 0.01));
+        assert!(
+            points.iter().all(|[x, y]| (y - 0.18).abs() < 1e-5 && slam_core::pose::length(*x, *y) < REACH_M + 0.01)
+        );
         assert!(points.windows(2).all(|pair| (pair[1][0] - pair[0][0] - SPACING_M).abs() < 1e-5));
         assert_eq!(bounds.points_from(&Pose::new(1.5, 0.5, 0.0)).count(), 0);
         assert_eq!(bounds.points_from(&Pose::new(1.5, 1.2, 0.0)).count(), 0);

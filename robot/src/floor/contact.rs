@@ -111,7 +111,7 @@ impl<const S: usize> FloorJob<S> {
             return (0.0, 0.0);
         };
         let [dx, dy] = [x_m - pose.x_m, y_m - pose.y_m];
-        let is_there = libm::hypotf(dx, dy) < PASSED_M;
+        let is_there = slam_core::pose::length(dx, dy) < PASSED_M;
         if is_there || now_us.saturating_sub(self.since_us) > RETREAT_US {
             self.trail.drop_last();
             self.begin(Phase::Retreat { left_m: left_m - APART_M }, now_us);

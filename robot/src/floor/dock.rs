@@ -97,7 +97,7 @@ impl<const S: usize> FloorJob<S> {
         match stage {
             Stage::Staging => {
                 let to_m = self.dock().transform([-STAGING_M, aside_m]);
-                if libm::hypotf(to_m[0] - pose.x_m, to_m[1] - pose.y_m) < THERE_M {
+                if slam_core::pose::length(to_m[0] - pose.x_m, to_m[1] - pose.y_m) < THERE_M {
                     self.begin(next(Stage::Aligning), now_us);
                 }
                 self.towards(to_m, pose, now_us)

@@ -21,7 +21,7 @@ impl<const S: usize> FloorJob<S> {
 
     pub(super) fn seek(&mut self, to_m: Option<[f32; 2]>, pose: &Pose, now_us: u64) -> (f32, f32) {
         let along = self.hug().along(self.near.seen_from(pose, now_us), 1.0);
-        let is_there = |to_m: [f32; 2]| libm::hypotf(to_m[0] - pose.x_m, to_m[1] - pose.y_m) < 0.05;
+        let is_there = |to_m: [f32; 2]| slam_core::pose::length(to_m[0] - pose.x_m, to_m[1] - pose.y_m) < 0.05;
         if along.nearest_m < MEET_M {
             self.begin_edge(self.better_side(pose, now_us), now_us);
         } else if to_m.is_some_and(is_there) {

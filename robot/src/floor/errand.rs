@@ -119,7 +119,7 @@ impl<const S: usize> FloorJob<S> {
     /// Where the pose jumps, the floor of the last metres is not sure to be swept, and what was near is elsewhere.
     pub(super) fn watch_jumps(&mut self, pose: &Pose, now_us: u64) {
         let Some(last) = self.last else { return };
-        let moved_m = libm::hypotf(pose.x_m - last.x_m, pose.y_m - last.y_m);
+        let moved_m = slam_core::pose::length(pose.x_m - last.x_m, pose.y_m - last.y_m);
         if moved_m < JUMP_M && wrap(pose.theta_rad - last.theta_rad).abs() < JUMP_RAD {
             return;
         }

@@ -80,7 +80,7 @@ impl<const S: usize> FloorJob<S> {
 
     pub(super) fn enter(&mut self, lane: Lane, at_m: [f32; 2], pose: &Pose, now_us: u64) -> (f32, f32) {
         let [dx, dy] = [at_m[0] - pose.x_m, at_m[1] - pose.y_m];
-        let left_m = libm::hypotf(dx, dy);
+        let left_m = slam_core::pose::length(dx, dy);
         let (forward_mps, turn_radps) = self.towards(at_m, pose, now_us);
         let is_blocked = forward_mps <= 0.01 && turn_radps.abs() < 0.1;
         if left_m < BEGUN_M {

@@ -329,7 +329,7 @@ impl<const S: usize> FloorJob<S> {
 
     fn sweep(&mut self, pose: &Pose, time_us: u64) {
         let last = self.last.unwrap_or(*pose);
-        let step_m = libm::hypotf(pose.x_m - last.x_m, pose.y_m - last.y_m);
+        let step_m = slam_core::pose::length(pose.x_m - last.x_m, pose.y_m - last.y_m);
         self.path_m += step_m;
         self.areas.drive(step_m);
         let new = self.sheet.sweep(pose);
@@ -347,7 +347,7 @@ impl<const S: usize> FloorJob<S> {
         let spent_m = if self.areas.is_elsewhere { ELSEWHERE * step_m } else { step_m };
         self.credit_m = (self.credit_m - spent_m + WORTH_M * f32::from(new)).min(self.credit_m.max(self.barren_m()));
         let ([x_m, y_m], _) = self.moved;
-        if libm::hypotf(pose.x_m - x_m, pose.y_m - y_m) > 0.05 {
+        if slam_core::pose::length(pose.x_m - x_m, pose.y_m - y_m) > 0.05 {
             self.moved = ([pose.x_m, pose.y_m], time_us);
         }
     }

@@ -98,7 +98,7 @@ impl Near {
         let mut is_known = false;
         for point in self.points.iter_mut().filter(|point| point.until > now) {
             let [x_m, y_m] = back.transform(point.at_m);
-            let distance_m = libm::hypotf(x_m, y_m);
+            let distance_m = slam_core::pose::length(x_m, y_m);
             let bearing_rad = libm::atan2f(y_m, x_m);
             if distance_m < radius_m + SLACK_M && (sector_rad[0]..=sector_rad[1]).contains(&bearing_rad) {
                 let share = (radius_m / distance_m.max(0.01)).min(1.0);

@@ -175,7 +175,7 @@ impl<const S: usize> FloorJob<S> {
             self.plan(aim, now_us);
             return (0.0, 0.0);
         }
-        if libm::hypotf(to_m[0] - here_m[0], to_m[1] - here_m[1]) < 0.06 {
+        if slam_core::pose::length(to_m[0] - here_m[0], to_m[1] - here_m[1]) < 0.06 {
             self.route.pop();
         }
         let command = self.towards(to_m, pose, now_us);
@@ -235,7 +235,7 @@ impl<const S: usize> FloorJob<S> {
 
     pub(super) fn go_home(&mut self, pose: &Pose, now_us: u64) -> (f32, f32) {
         let [x_m, y_m] = self.home_m();
-        if libm::hypotf(x_m - pose.x_m, y_m - pose.y_m) < HOME_M {
+        if slam_core::pose::length(x_m - pose.x_m, y_m - pose.y_m) < HOME_M {
             self.begin(Phase::Over { is_home: true }, now_us);
         }
         self.towards([x_m, y_m], pose, now_us)

@@ -41,3 +41,8 @@ impl Pose {
         [self.x_m + c * point_m[0] - s * point_m[1], self.y_m + s * point_m[0] + c * point_m[1]]
     }
 }
+
+/// Length of a vector. `libm` computes it in f64, which a Cortex-M4F has only in software, two kilobytes of it.
+pub fn length(x: f32, y: f32) -> f32 {
+    libm::sqrtf(x * x + y * y)
+}

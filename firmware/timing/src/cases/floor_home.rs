@@ -64,7 +64,7 @@ impl FloorHome {
         let mut contacts = Contacts::default();
         for [x0, y0, x1, y1] in WALLS {
             let [dx, dy] = [self.pose.x_m - self.pose.x_m.clamp(x0, x1), self.pose.y_m - self.pose.y_m.clamp(y0, y1)];
-            let away_m = libm::hypotf(dx, dy).max(1e-6);
+            let away_m = slam_core::pose::length(dx, dy).max(1e-6);
             let depth_m = self.size.radius_m - away_m;
             if depth_m <= 0.0 {
                 continue;

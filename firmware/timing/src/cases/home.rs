@@ -86,7 +86,7 @@ impl Drive {
         let goal = corner(self.corner);
         let (dx, dy) = (goal[0] - self.pose.x_m, goal[1] - self.pose.y_m);
         let bearing = slam_core::angle::wrap(libm::atan2f(dy, dx) - self.pose.theta_rad);
-        if libm::hypotf(dx, dy) < SPEED_M {
+        if slam_core::pose::length(dx, dy) < SPEED_M {
             self.corner += self.direction;
         }
         let (forward_m, turn_rad) =
