@@ -10,7 +10,6 @@ mod experiments;
 mod floor_job;
 mod floor_page;
 mod floor_plans;
-mod frozen_sensors;
 mod holds;
 mod hostile_input;
 mod jolts;
