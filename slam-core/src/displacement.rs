@@ -54,7 +54,6 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         if !self.config.motion.find_holds || !matches!(self.rig.drive, DriveModel::Wheels { .. }) {
             return;
         }
-        self.holds.forget_stillness(self.frozen.suspects());
         let confirmed = if self.holds.is_claimed() { self.confirm_hold() } else { None };
         let judged = || self.holds.judge(layout::pose(&self.ekf), self.counters.steps);
         let Some(found) = confirmed.or_else(judged) else { return };

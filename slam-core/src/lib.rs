@@ -41,7 +41,6 @@ mod clock;
 pub mod config;
 mod displacement;
 mod filter;
-mod frozen_sensors;
 mod geometry;
 pub mod hand_over;
 mod health;

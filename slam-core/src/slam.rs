@@ -10,7 +10,6 @@ use crate::geometry::angle::{sin_cos, wrap};
 use crate::geometry::pose::Pose;
 use crate::health::HealthMonitor;
 use crate::holds::Holds;
-use crate::holds::frozen::Frozen;
 use crate::jolts::Jolts;
 use crate::jolts::recent::Seen;
 use crate::measurement::first_estimates::{FirstEstimates, Linearisation};
@@ -74,7 +73,7 @@ pub struct Slam<const S: usize, const W: usize, const B: usize, const ROWS: usiz
     pub(crate) latency: Latency,
     pub(crate) levels: NoiseLevels,
     pub(crate) slippage: Slippage,
-    pub(crate) output_noise: OutputNoise,
+    output_noise: OutputNoise,
     pub(crate) correlation: SurfaceCorrelation<S>,
     pub(crate) ekf: Ekf<ROWS>,
     pub(crate) first: FirstEstimates,
@@ -84,7 +83,6 @@ pub struct Slam<const S: usize, const W: usize, const B: usize, const ROWS: usiz
     pub(crate) monitor: HealthMonitor,
     pub(crate) jolts: Jolts,
     pub(crate) holds: Holds<S>,
-    pub(crate) frozen: Frozen<S>,
     pub(crate) counters: Counters,
 }
 
@@ -120,7 +118,6 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         monitor: HealthMonitor::NEW,
         jolts: Jolts::NONE,
         holds: Holds::NONE,
-        frozen: Frozen::NONE,
         counters: Counters::ZERO,
     };
 
@@ -188,7 +185,6 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.monitor = HealthMonitor::NEW;
         self.jolts = Jolts::NONE;
         self.holds = Holds::NONE;
-        self.frozen = Frozen::NONE;
         self.counters = Counters::ZERO;
         self.add_states();
         Ok(())
@@ -211,11 +207,11 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
                 (scale_sigma, (config.motion.calibrate_scales, 0.0, veer_sigma))
             }
         };
-        let scales = config.motion.calibrate_scales;
-        let allotted = [(scales, 1.0, scale_sigma), (scales, 1.0, scale_sigma), (is_wanted, mean, sigma)]
-            .map(|(a, b, c)| allot(a, b, c));
-        let [first_scale, second_scale, third] = allotted.map(|state| state.map(|i| i as u16));
-        drive.states = DriveStates { first_scale, second_scale, third };
+        drive.states = DriveStates {
+            first_scale: allot(config.motion.calibrate_scales, 1.0, scale_sigma),
+            second_scale: allot(config.motion.calibrate_scales, 1.0, scale_sigma),
+            third: allot(is_wanted, mean, sigma),
+        };
         for (state, sensor) in sensors.iter_mut().zip(&rig.sensors) {
             *state = SensorState::new(sensor, allot(config.sensing.calibrate_gains, 1.0, sensor.gain_sigma));
         }
@@ -235,7 +231,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.predict(&sample.motion, tick);
         self.turn_round(&sample.ranges);
         let predicted = Direction::of(&self.ekf);
-        self.observe_unfrozen(&sample.ranges, tick.dt_s, &mut report);
+        self.observe(&sample.ranges, tick.dt_s, &mut report);
         self.slippage.corrected(predicted, Direction::of(&self.ekf));
         if let Some(times) = self.slippage.restated() {
             let of_walls = self.map.first_state(&self.ekf);
@@ -298,7 +294,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     }
 
     /// Updates with every reading that is a wall's, and keeps those that fit none (Rousse & Qiu eq. 3).
-    pub(crate) fn observe(&mut self, inputs: &[RangeInput; S], dt_s: f32, report: &mut StepReport<S>) {
+    fn observe(&mut self, inputs: &[RangeInput; S], dt_s: f32, report: &mut StepReport<S>) {
         self.latency.stamps.begin_row(&mut self.ekf);
         let odometry = &self.drive.dead_reckoning;
         let timing = Timing { dt_s, step: &self.drive.step, latency: &self.latency };
@@ -388,6 +384,17 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         for changes in [born, tidied] {
             self.counters.add_changes(&changes);
             report.add(&changes);
+        }
+    }
+
+    /// Where the beams ended, with the pose after the step.
+    fn place_hits(&self, dt_s: f32, report: &mut StepReport<S>) {
+        let pose = layout::pose(&self.ekf);
+        let heading = sin_cos(pose.theta_rad);
+        let timing = Timing { dt_s, step: &self.drive.step, latency: &self.latency };
+        for ((limits, state), reading) in self.rig.sensors.iter().zip(&self.sensors).zip(&mut report.readings) {
+            let beam = state.mount_then(&limits.model, &timing, &self.ekf).beam([pose.x_m, pose.y_m], heading);
+            reading.hit_m = reading.range_m.map(|range_m| self.map.point_in_map(beam.at(range_m)));
         }
     }
 }

@@ -125,13 +125,11 @@ impl Reading {
 /// What one sensor's inputs were so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FrontEnd {
-    last_counts: u16,
-    /// How often it came though the sensor had time for another one; none where nothing was read.
-    times: u8,
+    last_counts: Option<u16>,
     /// Time since `last_counts` was first seen, seconds.
     age_s: f32,
-    /// Last accepted range, none where that is zero, and the path length then, metres.
-    last_m: (f32, f32),
+    /// Last accepted range and the path length then, metres.
+    last_m: Option<(f32, f32)>,
     /// Path length at which the output was seen to fold back, metres.
     folded_at_m: Option<f32>,
     outputs: Outputs,
@@ -140,12 +138,7 @@ pub struct FrontEnd {
 impl FrontEnd {
     /// Nothing read yet.
     pub const NEW: Self =
-        Self { last_counts: 0, times: 0, age_s: 0.0, last_m: (0.0, 0.0), folded_at_m: None, outputs: Outputs::NONE };
-
-    /// How often the last output came again, give or take a count, though the sensor had time for another one.
-    pub fn repeats(&self) -> u8 {
-        self.times.saturating_sub(1)
-    }
+        Self { last_counts: None, age_s: 0.0, last_m: None, folded_at_m: None, outputs: Outputs::NONE };
 
     /// Checks one input and converts it.
     ///
@@ -175,7 +168,7 @@ impl FrontEnd {
                     self.outputs = Outputs::NONE;
                     return Err(refusal);
                 }
-                self.last_m = (range_m, path_m);
+                self.last_m = Some((range_m, path_m));
                 if is_step { Err(Refusal::Ambiguous) } else { Ok(reading) }
             }
             (RangeInput::Metres(range_m), &RangeModel::Metric { noise_m, noise_rel }, _) => {
@@ -195,13 +188,12 @@ impl FrontEnd {
             return Err(Refusal::Invalid);
         }
         // One count of converter noise on a held output is still the same reading.
-        let repeats = self.times > 0 && counts.abs_diff(self.last_counts) <= 1;
+        let repeats = self.last_counts.is_some_and(|last| counts.abs_diff(last) <= 1);
         self.age_s += dt_s;
         if repeats && self.age_s < SHARP_HOLD_MAX_S {
             return Err(Refusal::Held);
         }
-        self.times = if repeats { self.times.saturating_add(1) } else { 1 };
-        self.last_counts = counts;
+        self.last_counts = Some(counts);
         self.age_s = 0.0;
         if counts == 0 { Err(Refusal::Floor) } else { Ok(f32::from(counts) * adc.lsb_v()) }
     }
@@ -247,8 +239,7 @@ impl FrontEnd {
                 return Err(Refusal::FoldBack);
             }
             self.folded_at_m = None;
-        } else if self.last_m.0 > 0.0 {
-            let (last_m, last_path_m) = self.last_m;
+        } else if let Some((last_m, last_path_m)) = self.last_m {
             let motion_m = path_m - last_path_m;
             let could_be_under = last_m - motion_m - noise_m < sensor.min_m;
             if could_be_under && reading.range_m > last_m + motion_m + noise_m {
@@ -274,11 +265,6 @@ impl Adc {
     /// Counts at the reference voltage.
     pub fn full_scale(&self) -> u32 {
         (1u32 << self.bits.min(16)) - 1
-    }
-
-    /// Volts of so many counts.
-    pub fn volts(&self, counts: u16) -> f32 {
-        f32::from(counts) * self.lsb_v()
     }
 
     /// Volts of one count.

@@ -13,7 +13,6 @@ mod covariances;
 mod exactness;
 mod filter;
 mod frames;
-mod frozens;
 mod grids;
 mod healths;
 mod jacobians;
