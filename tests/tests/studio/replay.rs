@@ -3,17 +3,16 @@
 use std::path::PathBuf;
 
 use hal_sim::default_rig;
-use lab::input::settings::Settings;
+use lab::input::settings::{Settings, by_default};
 use lab::run::{Replay, Run};
 use serde_json::json;
-use slam_core::Config;
 
 use super::{assert_sound, open, picture, scratch};
 
 /// A short simulated run's folder.
 fn a_run(name: &str) -> PathBuf {
     let out = scratch(name).join("run");
-    let config = Config::for_rig(&default_rig());
+    let config = by_default(&default_rig());
     let run = Run {
         plan: "flat".into(),
         job: lab::run::Job::Explore,
@@ -42,7 +41,7 @@ fn a_log_replays_to_the_bits_of_the_program_and_a_bad_one_is_named() {
         out: out.clone(),
         truth: None,
         map: None,
-        settings: Settings::Exactly(Config::for_rig(&default_rig())),
+        settings: Settings::Exactly(by_default(&default_rig())),
         trace: false,
     };
     replay.run(|_| {}).expect("it replays");
