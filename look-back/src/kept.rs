@@ -1,6 +1,5 @@
 //! A drive in a map that was there before: what that map knows is what was seen of its walls from where the map is.
 
-use heapless::Vec;
 use slam_core::kept::{Direction, Kept, KeptWall, POSE_STATES};
 use slam_core::{Pose, SURFACE_M, angle};
 
@@ -101,9 +100,11 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     pub(crate) fn begin_in(&mut self, map: &dyn Kept, robot: &Pose) {
         let Some(gauge) = Gauge::of(map).filter(|_| map.frame().has_grid) else { return };
         self.odometry.map_variances = gauge.variances(map);
-        let mut keyframes =
-            [Pose::ORIGIN, Pose::ORIGIN, *robot].into_iter().zip(0..).map(|(pose, serial)| Keyframe::at(serial, pose));
-        self.keyframes = gathered(&mut keyframes);
+        self.keyframes.clear();
+        for (serial, pose) in (0..).zip([Pose::ORIGIN, Pose::ORIGIN, *robot]) {
+            // There is room for four.
+            let _ = self.keyframes.push(Keyframe::at(serial, pose));
+        }
         let [origin, whole, ..] = self.keyframes.as_mut_slice() else { return };
         origin.hold_map();
         whole.part_from(robot, &self.calibration);
@@ -120,15 +121,6 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
             }
         }
     }
-}
-
-/// As many as there is room for.
-fn gathered<T, const N: usize>(all: &mut dyn Iterator<Item = T>) -> Vec<T, N> {
-    let mut found = Vec::new();
-    for one in all.take(N) {
-        let _ = found.push(one);
-    }
-    found
 }
 
 /// A kept wall where the map has it.
