@@ -6,7 +6,7 @@
 //! Probation -> Searching      they do not: the claim is revoked
 //! Tracking  -> Doubtful       few of the last readings of walls agree
 //! Doubtful  -> Tracking       they do again
-//! Doubtful  -> Searching      they do not
+//! Doubtful  -> Searching      they do not, and the odds that it is elsewhere are those that a claim needs
 //! any       -> Searching      lifted
 //! ```
 
@@ -35,7 +35,7 @@ pub const CLAIM: f32 = 6.907_755;
 /// Path for which a claim can be revoked, metres.
 const PROBATION_M: f32 = 3.0;
 
-/// Path after which a doubt is settled, metres.
+/// Path for which a doubt lasts at least before the place is given up, metres.
 const DOUBT_M: f32 = 1.0;
 
 /// Readings are held against the map once on so much path, metres: a robot that stands sees the same thing again.
@@ -85,6 +85,8 @@ pub struct Step {
     pub travelled_m: f32,
     /// Readings of walls that agreed with the map, and that are grossly off: [`agreement`](crate::agreement()).
     pub readings: [u8; 2],
+    /// Log of the odds that the robot is elsewhere, as its estimator has it.
+    pub log_odds_elsewhere: f32,
 }
 
 /// Keeps track of whether the robot knows where it is.
@@ -193,7 +195,8 @@ impl Locator {
             State::Probation if for_m > PROBATION_M => self.become_state(State::Tracking),
             State::Tracking if self.agreement.is_poor() => self.become_state(State::Doubtful),
             State::Doubtful if self.agreement.is_good() => self.become_state(State::Tracking),
-            State::Doubtful if for_m > DOUBT_M => return Some(self.lost()),
+            // Much that hides walls is no reason to give them up, where it has been there all the time.
+            State::Doubtful if for_m > DOUBT_M && step.log_odds_elsewhere > CLAIM => return Some(self.lost()),
             _ => {}
         }
         self.watch(own, comparisons)

@@ -3,6 +3,7 @@
 mod askew;
 mod copies;
 mod displaced;
+mod doubts;
 
 use std::vec::Vec;
 

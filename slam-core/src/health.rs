@@ -2,12 +2,16 @@
 //!
 //! A filter that took readings for the wrong walls is sure of a wrong answer, and no variance of its own tells. Its readings
 //! do: where the pose is right, a beam on a wall of the map mostly meets that wall. What counts is how much likelier the readings
-//! of the last metres are of a robot that is elsewhere (a cumulative sum, Page 1954).
+//! of the last metres are of a robot that is elsewhere (a cumulative sum, Page 1954). Readings are independent only where they are of
+//! other things: what stands before a wall, or where one was, says so once, however often a robot that sweeps beside it comes by.
 
+mod sightings;
+
+use crate::health::sightings::{PLACE_M, Sight, Sightings};
 use crate::report::{Health, Outcome, Refusal};
 
-/// Readings within such a stretch of their beams' way say one thing, metres: the shortest wall is as long.
-const STRETCH_M: f32 = 0.25;
+/// Readings within such a stretch of their beams' way say one thing, metres: as long as a place of a wall.
+const STRETCH_M: f32 = PLACE_M;
 
 /// What is seen in place of a wall is mostly as wide as three stretches: each says a third.
 const OF_ITS_OWN: f32 = 1.0 / 3.0;
@@ -57,6 +61,9 @@ pub struct HealthMonitor {
     fitted: u32,
     hidden: u32,
     passed: u32,
+    /// Those of which something was seen in it that is not what was last seen there.
+    news: u32,
+    sightings: Sightings,
     /// How far beams have moved in it, metres.
     moved_m: f32,
     /// Share of walls that are hidden, and that beams go through, where the robot is where the filter has it.
@@ -76,6 +83,8 @@ pub struct HealthMonitor {
     pub(crate) steps_left: u8,
     /// Identifier of the first wall drawn since something spoke for the robot being elsewhere.
     pub(crate) doubted: u16,
+    /// Identifier of the first wall that says nothing.
+    unheard: u16,
 }
 
 impl HealthMonitor {
@@ -85,6 +94,8 @@ impl HealthMonitor {
         fitted: 0,
         hidden: 0,
         passed: 0,
+        news: 0,
+        sightings: Sightings::NONE,
         moved_m: 0.0,
         usual: [HIDDEN, GONE],
         met: BEFOREHAND,
@@ -95,6 +106,7 @@ impl HealthMonitor {
         is_degenerate: false,
         steps_left: 0,
         doubted: 0,
+        unheard: 0,
     };
 
     /// How the estimator is.
@@ -104,7 +116,7 @@ impl HealthMonitor {
 
     /// Another map is there, whose next wall has this identifier: nothing is against it yet.
     pub(crate) fn begin_map(&mut self, next_wall: u16) {
-        (self.odds, self.steps_left, self.doubted) = (0.0, 0, next_wall);
+        (self.odds, self.steps_left, self.doubted, self.unheard) = (0.0, 0, next_wall, next_wall);
     }
 
     /// Walls from this identifier on are drawn after this step: where nothing is against the map, none is in doubt.
@@ -112,36 +124,50 @@ impl HealthMonitor {
         if self.odds == 0.0 {
             self.doubted = next_wall;
         }
+        self.unheard = if self.odds < DOUBTED { next_wall } else { self.doubted };
     }
 
     /// Log of the odds that the robot is elsewhere than the filter has it, by the readings of the last metres.
-    #[cfg(test)]
     pub(crate) fn odds(&self) -> f32 {
         self.odds
     }
 
-    /// The bit of a wall; none of one that says nothing. Walls that share one say one thing.
-    fn bit(&self, wall: u16) -> u32 {
-        let counts = self.odds < DOUBTED || self.doubted.wrapping_sub(wall) as i16 > 0;
-        u32::from(counts) << (wall & 31)
+    /// A beam that should have met this wall, at so far along it where that is told, metres, found this. Walls that share a bit say one
+    /// thing.
+    fn see(&mut self, wall: u16, along_m: Option<f32>, sight: Sight) {
+        if self.unheard.wrapping_sub(wall) as i16 <= 0 {
+            return;
+        }
+        let bit = 1 << (wall & 31);
+        match sight {
+            Sight::Fits => self.fitted |= bit,
+            Sight::Hidden => self.hidden |= bit,
+            Sight::Passed => self.passed |= bit,
+        }
+        if along_m.is_some_and(|along_m| self.sightings.is_new(wall, along_m, sight)) {
+            self.news |= bit;
+        }
     }
 
-    /// A beam found nothing where it should have met this wall, if any.
-    pub(crate) fn note_absence(&mut self, wall: Option<u16>) {
-        self.passed |= wall.map_or(0, |wall| self.bit(wall));
+    /// A beam found nothing where it should have met this wall, if any, at so far along it, metres.
+    pub(crate) fn note_absence(&mut self, wall: Option<(u16, f32)>) {
+        if let Some((wall, along_m)) = wall {
+            self.see(wall, Some(along_m), Sight::Passed);
+        }
     }
 
-    /// Takes in what became of a reading, after so long a path.
-    pub fn note(&mut self, outcome: &Outcome, path_m: f32) {
+    /// Takes in what became of a reading, after so long a path, and how far along the wall that its outcome names it was due, metres: told of
+    /// one in four, no place is missed.
+    pub fn note(&mut self, outcome: &Outcome, path_m: f32, along_m: Option<f32>) {
         match *outcome {
             Outcome::Updated { wall, .. } => {
-                self.fitted |= self.bit(wall);
+                self.see(wall, along_m, Sight::Fits);
                 (self.silent, self.silent_from_m) = (0, path_m);
                 self.fitting = self.fitting.saturating_add(1);
             }
             Outcome::Gated { wall, innovation_m, .. } => {
-                let bit = self.bit(wall);
-                *(if innovation_m < 0.0 { &mut self.hidden } else { &mut self.passed }) |= bit;
+                let sight = if innovation_m < 0.0 { Sight::Hidden } else { Sight::Passed };
+                self.see(wall, along_m, sight);
                 self.silent = self.silent.saturating_add(1);
             }
             Outcome::Unexplained => self.silent = self.silent.saturating_add(1),
@@ -150,21 +176,23 @@ impl HealthMonitor {
         }
     }
 
-    /// What this stretch says for the robot being elsewhere: each wall with readings of one kind.
+    /// What this stretch says for the robot being elsewhere: each wall with readings of one kind, where they are of other things.
     fn weigh(&mut self) {
         let [f, h, p] = [self.fitted, self.hidden, self.passed];
-        let [fitted, hidden, passed] = [f & !(h | p), h & !(f | p), p & !(f | h)].map(|of| of.count_ones() as f32);
+        let of_one_kind = [f & !(h | p), h & !(f | p), p & !(f | h)];
+        let [fitted, hidden, passed] = of_one_kind.map(|of| (of & self.news).count_ones() as f32);
         let [hides, passes] = self.usual;
         let says = hidden * libm::logf(MISS_ELSEWHERE / hides)
             + passed * libm::logf(MISS_ELSEWHERE / passes)
             + fitted * libm::logf(FIT_ELSEWHERE / (1.0 - hides - passes));
         self.odds = (self.odds + OF_ITS_OWN * says).max(0.0);
+        let [fitted, hidden, passed] = of_one_kind.map(|of| of.count_ones() as f32);
         let met = fitted + hidden + passed;
         self.met = (self.met + met).min(REMEMBERED);
         let learned =
             |usual: f32, of: f32, [least, most]: [f32; 2]| (usual + (of - met * usual) / self.met).max(least).min(most);
         self.usual = [learned(hides, hidden, HIDDEN_RANGE), learned(passes, passed, GONE_RANGE)];
-        (self.fitted, self.hidden, self.passed, self.moved_m) = (0, 0, 0, 0.0);
+        (self.fitted, self.hidden, self.passed, self.news, self.moved_m) = (0, 0, 0, 0, 0.0);
     }
 
     /// What this step shows, after so long a path, in which beams moved by so much, metres: why the map is to begin anew, where it is.

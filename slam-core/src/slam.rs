@@ -30,7 +30,6 @@ use crate::sensing::output_noise::OutputNoise;
 use crate::sensing::sign::Sign;
 use crate::walls::map::{Map, MapFrame};
 use crate::walls::upkeep::upkeep;
-use crate::walls::wall::WallPolicy;
 use heapless::Vec;
 
 /// What rounding takes from the covariance is given back once in so many steps. Twice as often, walls that are out of sight
@@ -178,14 +177,11 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.slippage = Slippage::BELIEVED;
         self.output_noise = OutputNoise::STATED;
         self.correlation = SurfaceCorrelation::NEW;
-        self.first = FirstEstimates::START;
-        self.shortfall = Shortfall::NONE;
+        (self.first, self.shortfall) = (FirstEstimates::START, Shortfall::NONE);
         self.map.clear(self.config.walls.frame);
         self.candidates.clear();
         self.monitor = HealthMonitor::NEW;
-        self.jolts = Jolts::NONE;
-        self.holds = Holds::NONE;
-        self.counters = Counters::ZERO;
+        (self.jolts, self.holds, self.counters) = (Jolts::NONE, Holds::NONE, Counters::ZERO);
         self.add_states();
         Ok(())
     }
@@ -301,8 +297,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let mut observer = Observer {
             settings: &self.config.measurement,
             sensing: &self.config.sensing,
-            relief_m: self.config.walls.relief_m,
-            theta_moves: self.config.walls.policy == (WallPolicy::Snapped { theta_moves: true }),
+            walls: &self.config.walls,
             ekf: &mut self.ekf,
             map: &mut self.map,
             levels: &mut self.levels,
@@ -311,14 +306,14 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             timing,
             path_m: odometry.path_m,
             number: self.counters.steps,
+            along_m: 0.0,
         };
         self.jolts.wait(dt_s, &self.drive.step, self.counters.steps);
         self.holds.wait(dt_s, &self.drive.step, self.counters.steps);
         let sensors = self.rig.sensors.iter().zip(&mut self.sensors).enumerate();
-        let inputs = sensors.zip(inputs).zip(&mut report.readings);
-        for (((index, (limits, state)), input), report) in
-            inputs.filter(|((_, input), _)| **input != RangeInput::Missing)
-        {
+        let rows =
+            sensors.zip(inputs).zip(&mut report.readings).filter(|((_, input), _)| **input != RangeInput::Missing);
+        for (((index, (limits, state)), input), report) in rows {
             let (adc, noise) = (self.rig.adc.as_ref(), &mut self.output_noise);
             let reading = state.front_end.read(limits, adc, *input, dt_s, odometry.path_m, noise);
             let sensor = Sensor { index, limits, state };
@@ -328,13 +323,14 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
                 self.monitor.note_absence(observer.judge_absence(&sensor));
                 self.holds.note_absence(&sensor);
             }
-            let outcome = reading.and_then(|reading| match self.jolts.is_in_doubt() {
-                true => Err(Refusal::Ambiguous),
-                false => observer.observe(&sensor, &reading),
-            });
-            report.outcome = outcome.unwrap_or_else(Outcome::Refused);
+            report.outcome = match reading {
+                Ok(_) if self.jolts.is_in_doubt() => Outcome::Refused(Refusal::Ambiguous),
+                Ok(reading) => observer.observe(&sensor, &reading).unwrap_or_else(Outcome::Refused),
+                Err(refusal) => Outcome::Refused(refusal),
+            };
             self.counters.add_reading(&report.outcome);
-            self.monitor.note(&report.outcome, observer.path_m);
+            let (path_m, is_asked) = (observer.path_m, (index as u32 ^ observer.number).is_multiple_of(4));
+            self.monitor.note(&report.outcome, path_m, is_asked.then_some(observer.along_m));
             if let Outcome::Updated { wall, .. } = report.outcome {
                 self.shortfall = Shortfall::NONE;
                 self.sign.met(index, || observer.normal_rad(wall));
@@ -346,11 +342,11 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
                 self.jolts.note(index, seen, &report.outcome);
             }
             if matches!(report.outcome, Outcome::Unexplained | Outcome::Gated { .. }) {
-                let ekf = &*observer.ekf;
-                let outlier = Unexplained { sensor: &sensor, reading, timing, odometry, ekf, number: observer.number };
-                match self.candidates.keep(&outlier, Candidates::<B>::spacing_m(self.rig.sensors.len())) {
-                    Kept::No => {}
-                    kept => self.counters.add_outlier(kept == Kept::ForOldest),
+                let Observer { ekf, number, .. } = &observer;
+                let outlier = Unexplained { sensor: &sensor, reading, timing, odometry, ekf, number: *number };
+                let kept = self.candidates.keep(&outlier, Candidates::<B>::spacing_m(self.rig.sensors.len()));
+                if kept != Kept::No {
+                    self.counters.add_outlier(kept == Kept::ForOldest);
                 }
             }
         }

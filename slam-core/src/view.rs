@@ -220,6 +220,12 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.latency.state.map(|i| (self.ekf.mean(i), self.sigma(i)))
     }
 
+    /// Log of the odds that the robot is elsewhere than its pose says, by what the readings of the last metres found of the map's walls;
+    /// zero where nothing speaks for it. From 13.9 on the map is given up.
+    pub fn log_odds_elsewhere(&self) -> f32 {
+        self.monitor.odds()
+    }
+
     /// How the estimator is.
     pub fn health(&self) -> Health {
         self.monitor.health()

@@ -50,7 +50,12 @@ fn main() -> ! {
     let (mut search, mut full, mut slice) = (0_u32, 0, 0);
     for _ in 0..SEARCHED_STEPS {
         slam.step(&home.next(false));
-        let step = Step { position_m: [slam.state_mean(0), slam.state_mean(1)], travelled_m: 0.02, readings: [0, 0] };
+        let step = Step {
+            position_m: [slam.state_mean(0), slam.state_mean(1)],
+            travelled_m: 0.02,
+            readings: [0, 0],
+            log_odds_elsewhere: 0.0,
+        };
         let was_searching = locator.is_searching();
         let (event, cost) = bench.measure(|| locator.step(&*slam, Some(&record), &step, COMPARISONS));
         search = if was_searching { search.saturating_add(cost) } else { cost };

@@ -23,7 +23,7 @@ pub struct Candidates<const B: usize> {
     /// Sensors with a buffered point that has not been clustered yet, a bit each.
     pending: u16,
     /// The sensor whose points were clustered last.
-    last_clustered: usize,
+    last_clustered: u8,
 }
 
 /// What became of a reading that fits no wall.
@@ -77,11 +77,11 @@ impl<const B: usize> Candidates<B> {
     /// The next sensor in turn, of so many, with a buffered point that has not been clustered yet.
     pub fn next_pending(&mut self, sensors: usize) -> Option<usize> {
         for offset in 1..=sensors {
-            let sensor = (self.last_clustered + offset) % sensors.max(1);
+            let sensor = (usize::from(self.last_clustered) + offset) % sensors.max(1);
             let bit = 1 << (sensor & 15);
             if self.pending & bit != 0 {
                 self.pending &= !bit;
-                self.last_clustered = sensor;
+                self.last_clustered = sensor as u8;
                 return Some(sensor);
             }
         }

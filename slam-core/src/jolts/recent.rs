@@ -17,10 +17,8 @@ pub const READINGS: usize = 20;
 /// A reading as it was made.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen {
-    /// Step in which it was made.
-    pub step: u32,
-    /// Index of its sensor.
-    pub sensor: u8,
+    /// Step in which it was made, times sixteen, and index of its sensor: in one number they are kept twenty times.
+    made: u32,
     /// Where the robot was then, in the frame of dead reckoning.
     pub from: Pose,
     /// Where its beam began, metres, and its unit vector, in the frame of dead reckoning.
@@ -47,8 +45,7 @@ impl Seen {
         let mount = sensor.state.mount_then(&sensor.limits.model, timing, ekf);
         let beam = mount.beam([pose.x_m, pose.y_m], sin_cos(pose.theta_rad));
         Self {
-            step,
-            sensor: sensor.index as u8,
+            made: step << 4 | sensor.index as u32 & 15,
             from: *pose,
             origin_m: beam.origin,
             direction: beam.direction,
@@ -104,7 +101,7 @@ impl Recent {
 
     fn sightings(&self, step: u32, in_map: impl Fn(&Seen) -> Sighting) -> Vec<Sighting, READINGS> {
         let mut found = Vec::new();
-        for seen in self.0.iter().filter(|seen| seen.step >= step) {
+        for seen in self.0.iter().filter(|seen| seen.made >> 4 >= step) {
             // There is room for all that are kept.
             let _ = found.push(in_map(seen));
         }
@@ -113,9 +110,14 @@ impl Recent {
 }
 
 impl Seen {
+    /// Index of its sensor.
+    pub fn sensor(&self) -> u8 {
+        (self.made & 15) as u8
+    }
+
     /// The reading of one of these sensors, as it is held against a prediction.
     pub fn reading(&self, sensors: &[RangeSensor]) -> Reading {
-        let noise = match sensors.get(usize::from(self.sensor)).map(|sensor| &sensor.model) {
+        let noise = match sensors.get(usize::from(self.sensor())).map(|sensor| &sensor.model) {
             // In units of the voltage read.
             Some(&RangeModel::Sharp { exponent, .. }) => {
                 let relative = self.sigma_m / (exponent * self.range_m);

@@ -5,8 +5,8 @@ use crate::geometry::angle::sin_cos;
 use crate::jolts::recent::{READINGS, Seen, Sighting};
 use crate::measurement::beam::{Beam, Prediction};
 use crate::measurement::data_association::density;
+use crate::measurement::derivatives::by_pose_and_wall;
 use crate::measurement::line_of_sight::{Candidate, first_met};
-use crate::measurement::observe::by_pose_and_wall;
 use crate::rig::RangeSensor;
 use crate::sensing::range::{Innovation, SURFACE_M};
 use crate::walls::manhattan::ManhattanFrame;
@@ -220,7 +220,7 @@ impl Scene<'_> {
         };
         let met = with.as_ref().or(without.as_ref())?.met.index;
         let wall = self.map.walls().get(met).map_or(0, |wall| wall.id);
-        let surface = Surface { wall, sensor: sighting.seen.sensor, is_expected: without.is_some() };
+        let surface = Surface { wall, sensor: sighting.seen.sensor(), is_expected: without.is_some() };
         Some((surface, [says(&with), says(&without)]))
     }
 
@@ -235,7 +235,7 @@ impl Scene<'_> {
 
     /// Length of the beam on which its sensor sees something, metres.
     fn span_m(&self, seen: &Seen) -> f32 {
-        self.sensors.get(usize::from(seen.sensor)).map_or(1.0, RangeSensor::span_m)
+        self.sensors.get(usize::from(seen.sensor())).map_or(1.0, RangeSensor::span_m)
     }
 
     /// A reading by this beam, held against the wall that it should have met, with so much more noise.

@@ -2,6 +2,7 @@
 
 pub mod beam;
 pub mod data_association;
+pub mod derivatives;
 pub mod first_estimates;
 pub mod line_of_sight;
 pub mod observe;

@@ -1,11 +1,12 @@
 //! One scalar update for every reading: association, gate, Jacobian (Rousse & Qiu 3.1 and 3.2).
 
 use crate::filter::ekf::{EkfView, Jacobian};
-use crate::filter::layout::{ALPHA, THETA, X, Y};
+use crate::filter::layout::{THETA, X, Y};
 use crate::geometry::angle::sin_cos;
 use crate::measurement::MeasurementSettings;
 use crate::measurement::beam::{Beam, Prediction};
 use crate::measurement::data_association;
+use crate::measurement::derivatives::by_pose_and_wall;
 use crate::measurement::first_estimates::{FirstEstimates, Linearisation};
 use crate::measurement::line_of_sight::{Candidate, first_met, prolongation_m};
 use crate::measurement::sensor::Sensor;
@@ -17,9 +18,10 @@ use crate::sensing::correlation::{Hit, SurfaceCorrelationView};
 use crate::sensing::latency::Timing;
 use crate::sensing::noise_level::{Expected, NoiseLevels};
 use crate::sensing::range::{Noise, Reading, SURFACE_M};
+use crate::walls::WallSettings;
 use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::map::MapView;
-use crate::walls::wall::{Direction, Wall};
+use crate::walls::wall::{Wall, WallPolicy};
 
 /// Number of walls that one beam is compared with: a wall may go on beyond its end, and two may meet at a corner.
 const MAX_CANDIDATES: usize = 4;
@@ -121,10 +123,8 @@ pub struct Observer<'a> {
     pub settings: &'a MeasurementSettings,
     /// What is learned of the errors of readings.
     pub sensing: &'a SensingSettings,
-    /// How far the surfaces of walls are from planes, 1-sigma, metres.
-    pub relief_m: f32,
-    /// A snapped wall's own direction moves with the grid's (eq. 5 as printed).
-    pub theta_moves: bool,
+    /// What walls there are, and how far their surfaces are from planes.
+    pub walls: &'a WallSettings,
     /// The state.
     pub ekf: &'a mut EkfView,
     /// The walls.
@@ -141,6 +141,8 @@ pub struct Observer<'a> {
     pub path_m: f32,
     /// Number of the step, from 1.
     pub number: u32,
+    /// Where the last reading was due that met or should have met a wall, metres along that.
+    pub along_m: f32,
 }
 
 /// A reading and the beam that it was made along.
@@ -185,13 +187,14 @@ impl Observer<'_> {
                 if met.at_end && self.hypothesis(&sight, beyond_m).is_some_and(|next| next.explains) {
                     return Err(Refusal::Ambiguous);
                 }
+                self.along_m = met.candidate.along_m;
                 let noise_m2 = self.update(&sight, met)?;
                 self.map.met(met.candidate.index, met.candidate.along_m, self.path_m);
                 return Ok(met.updated(noise_m2));
             }
             nearly |= met.nearly;
             if outcome == Outcome::Unexplained {
-                outcome = met.gated();
+                (outcome, self.along_m) = (met.gated(), met.candidate.along_m);
             }
             if met.candidate.inside_m > 0.0 {
                 self.judge_pass(met);
@@ -225,13 +228,14 @@ impl Observer<'_> {
         self.ekf.update(met.innovation_m, &met.jacobian, noise_m2).map(|()| noise_m2).or(Err(Refusal::Degenerate))
     }
 
-    /// A beam that found nothing within its range, where it should have met a wall well within it, went through the wall: its identifier.
-    pub fn judge_absence(&mut self, sensor: &Sensor) -> Option<u16> {
+    /// A beam that found nothing within its range, where it should have met a wall well within it, went through the wall: its identifier, and
+    /// where, metres.
+    pub fn judge_absence(&mut self, sensor: &Sensor) -> Option<(u16, f32)> {
         let beam = self.beam(sensor, sin_cos(self.ekf.mean(THETA)));
         let met = self.first_met(&beam, 0.0, ABSENCE_SHARE * sensor.limits.max_m)?;
         if met.inside_m > ABSENCE_M && met.cos_incidence > sensor.state.min_cos {
             self.map.passed_through(met.index, met.along_m);
-            return self.map.walls().get(met.index).map(|wall| wall.id);
+            return self.map.walls().get(met.index).map(|wall| (wall.id, met.along_m));
         }
         None
     }
@@ -271,7 +275,7 @@ impl Observer<'_> {
             }
         }
         // What stands out of a wall's plane is met so much earlier along a slanting beam.
-        let relief_m = self.relief_m / candidate.cos_incidence;
+        let relief_m = self.walls.relief_m / candidate.cos_incidence;
         let surface_m2 = SURFACE_M * SURFACE_M + relief_m * relief_m;
         let white_m2 = innovation.noise_m2 + surface_m2 + self.timing_variance(sensor, &prediction, *heading);
         let step = self.timing.step;
@@ -366,35 +370,13 @@ impl Observer<'_> {
 
     /// Row of the measurement Jacobian without the age, at most seven entries.
     fn jacobian(&self, sensor: &Sensor, gain: f32, wall: &Wall, prediction: &Prediction) -> Jacobian {
-        let mut row = by_pose_and_wall(gain, wall, prediction, self.theta_moves);
+        // A snapped wall's own direction moves with the grid's (eq. 5 as printed).
+        let theta_moves = self.walls.policy == WallPolicy::Snapped { theta_moves: true };
+        let mut row = by_pose_and_wall(gain, wall, prediction, theta_moves);
         if let Some(state) = sensor.state.gain_state() {
             // The capacity is more than twice what a measurement has.
             let _ = row.push((state, prediction.range_m));
         }
         row
     }
-}
-
-/// Derivatives of what a sensor of this gain reads on a wall by the states of pose and wall, at most six.
-pub fn by_pose_and_wall(gain: f32, wall: &Wall, prediction: &Prediction, theta_moves: bool) -> Jacobian {
-    let mut row = Jacobian::new();
-    let mut push = |i: usize, derivative: f32| {
-        // The capacity is three times what a measurement has.
-        let _ = row.push((i, derivative));
-    };
-    push(X, gain * prediction.by_position[0]);
-    push(Y, gain * prediction.by_position[1]);
-    push(THETA, gain * prediction.by_heading);
-    match wall.direction {
-        Direction::Grid(_) => push(ALPHA, gain * prediction.by_beta),
-        Direction::Free(theta) | Direction::NearGrid(theta, _) => push(usize::from(theta), gain * prediction.by_beta),
-        Direction::Snapped(theta) => {
-            push(ALPHA, gain * prediction.by_beta);
-            if theta_moves {
-                push(usize::from(theta), gain * prediction.by_beta);
-            }
-        }
-    }
-    push(wall.rho(), gain * prediction.by_rho);
-    row
 }

@@ -25,11 +25,23 @@ const fn passed(wall: u16) -> Outcome {
     Outcome::Gated { wall, innovation_m: 0.5, variance_m2: 1e-4 }
 }
 
-/// A step each centimetre from one path length to another; the first cause for a new map, with the path then.
+/// A step each centimetre from one path length to another; the first cause for a new map, with the path then. Beams meet other places all
+/// the time.
 fn drive(monitor: &mut HealthMonitor, path_cm: core::ops::Range<u32>, readings: &[Outcome]) -> Option<(u32, Health)> {
+    drive_by(monitor, path_cm, readings, u32::MAX)
+}
+
+/// The same of a robot that comes by where it was once in so many centimetres.
+fn drive_by(
+    monitor: &mut HealthMonitor,
+    path_cm: core::ops::Range<u32>,
+    readings: &[Outcome],
+    lap_cm: u32,
+) -> Option<(u32, Health)> {
     for cm in path_cm {
         let path_m = cm as f32 * 0.01;
-        readings.iter().for_each(|outcome| monitor.note(outcome, path_m));
+        let along_m = (cm % lap_cm) as f32 * 0.01;
+        readings.iter().for_each(|outcome| monitor.note(outcome, path_m, Some(along_m)));
         if let Some(cause) = monitor.judge(path_m, 0.01, Some(1e-4), true) {
             return Some((cm, cause));
         }
@@ -41,16 +53,23 @@ fn drive(monitor: &mut HealthMonitor, path_cm: core::ops::Range<u32>, readings: 
 /// Walls from this identifier on are not drawn yet.
 const NEXT: u16 = 20;
 
+/// Of a robot in a map that was there before.
+fn in_map() -> HealthMonitor {
+    let mut monitor = HealthMonitor::NEW;
+    monitor.begin_map(NEXT);
+    monitor
+}
+
 #[test]
 fn readings_against_the_map_for_metres_are_no_chance() {
     let off = [FITS, IS_OFF, passed(3), hidden(4), passed(5)];
-    let mut monitor = HealthMonitor::NEW;
+    let mut monitor = in_map();
     assert_eq!(drive(&mut monitor, 0..2000, &[FITS, fits(2), fits(3), fits(4)]), None);
-    assert_eq!(drive(&mut monitor, 2000..2150, &off), None);
+    assert_eq!(drive(&mut monitor, 2000..2100, &off), None);
     assert_eq!(monitor.health(), Health::Well);
-    let (cm, cause) = drive(&mut monitor, 2150..3000, &off).expect("contradicted");
+    let (cm, cause) = drive(&mut monitor, 2100..3000, &off).expect("contradicted");
     assert_eq!(cause, Health::Contradicted);
-    assert!((2150..2400).contains(&cm), "{cm} cm");
+    assert!((2100..2400).contains(&cm), "{cm} cm");
     assert_eq!(monitor.health(), Health::Contradicted);
     // Until readings fit walls again.
     assert_eq!(drive(&mut monitor, cm..cm + 19, &[FITS]), None);
@@ -61,7 +80,7 @@ fn readings_against_the_map_for_metres_are_no_chance() {
 
 #[test]
 fn people_and_open_doors_are_no_reason() {
-    let mut monitor = HealthMonitor::NEW;
+    let mut monitor = in_map();
     for metre in 0..1000 {
         // A third of the way most walls are hidden, or open.
         let readings = match metre % 6 {
@@ -77,7 +96,7 @@ fn people_and_open_doors_are_no_reason() {
 #[test]
 fn readings_of_one_kind_in_a_stretch_say_so_and_of_two_nothing() {
     let odds = |readings: &[Outcome]| {
-        let mut monitor = HealthMonitor::NEW;
+        let mut monitor = in_map();
         assert_eq!(drive(&mut monitor, 0..40, readings), None);
         monitor.odds()
     };
@@ -92,7 +111,7 @@ fn readings_of_one_kind_in_a_stretch_say_so_and_of_two_nothing() {
 #[test]
 fn a_home_where_much_is_hidden_is_not_soon_another_one() {
     let contradicted_cm = |people: &[Outcome]| {
-        let mut monitor = HealthMonitor::NEW;
+        let mut monitor = in_map();
         assert_eq!(drive(&mut monitor, 0..20_000, people), None);
         drive(&mut monitor, 20_000..40_000, &[hidden(2), passed(3), hidden(4)]).map(|(cm, _)| cm - 20_000)
     };
@@ -102,21 +121,39 @@ fn a_home_where_much_is_hidden_is_not_soon_another_one() {
 }
 
 #[test]
+fn the_same_thing_says_so_once_however_often_the_robot_comes_by() {
+    let off = [FITS, IS_OFF, passed(3), hidden(4), passed(5)];
+    let mut monitor = in_map();
+    assert_eq!(drive_by(&mut monitor, 0..100_000, &off, 100), None, "a metre, a thousand times");
+    let told = monitor.odds();
+    assert!(told > 0.0);
+    assert_eq!(drive_by(&mut monitor, 100_000..100_100, &off, 100), None);
+    assert_eq!(monitor.odds(), told);
+    // But what fitted there before, and does not now, is new.
+    let mut monitor = in_map();
+    assert_eq!(drive_by(&mut monitor, 0..1000, &[FITS, fits(2), fits(3), fits(4), fits(5)], 100), None);
+    assert_eq!(monitor.odds(), 0.0);
+    assert_eq!(drive_by(&mut monitor, 1000..1100, &off, 100), None);
+    assert!(monitor.odds() > 0.9 * told);
+}
+
+#[test]
 fn what_is_drawn_by_a_robot_that_may_be_elsewhere_says_nothing() {
     let lost = [IS_OFF, hidden(3), passed(4), hidden(5), passed(6)];
     // It draws what is there a second time, and that fits.
     let drawn = [lost.as_slice(), &[20, 21, 22, 23, 24, 25, 26, 27].map(fits)].concat();
-    let mut monitor = HealthMonitor::NEW;
+    let mut monitor = in_map();
     assert_eq!(drive(&mut monitor, 0..76, &lost), None);
     let (cm, cause) = drive(&mut monitor, 76..1000, &drawn).expect("contradicted");
     assert!(cm < 400 && cause == Health::Contradicted, "{cm} cm, {cause:?}");
-    let mut monitor = HealthMonitor::NEW;
-    assert_eq!(drive(&mut monitor, 0..1000, &drawn), None, "walls that were there before anything spoke for that do");
+    let known = [lost.as_slice(), &[7, 8, 9, 10, 11, 12, 13, 14].map(fits)].concat();
+    let mut monitor = in_map();
+    assert_eq!(drive(&mut monitor, 0..1000, &known), None, "walls that were there before anything spoke for that do");
 }
 
 #[test]
 fn a_robot_that_finds_nothing_to_hold_on_to_says_so_and_keeps_its_map() {
-    let mut monitor = HealthMonitor::NEW;
+    let mut monitor = in_map();
     assert_eq!(drive(&mut monitor, 0..2000, &[Outcome::Unexplained]), None);
     assert_eq!(monitor.health(), Health::Well);
     assert_eq!(drive(&mut monitor, 2000..2010, &[Outcome::Unexplained]), None);
@@ -131,8 +168,8 @@ fn a_robot_that_finds_nothing_to_hold_on_to_says_so_and_keeps_its_map() {
 #[test]
 fn what_is_no_estimate_ends_at_once() {
     let judged = |outcome: Outcome, heading_variance: Option<f32>, is_sound: bool| {
-        let mut monitor = HealthMonitor::NEW;
-        monitor.note(&outcome, 0.0);
+        let mut monitor = in_map();
+        monitor.note(&outcome, 0.0, Some(0.0));
         monitor.judge(0.0, 0.0, heading_variance, is_sound)
     };
     assert_eq!(judged(FITS, Some(0.9), true), None);

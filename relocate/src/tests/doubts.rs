@@ -1,0 +1,34 @@
+//! When a robot that knows its place gives it up.
+
+use super::Map;
+use crate::locator::CLAIM;
+use crate::{Event, Locator, State, Step};
+
+/// How far the robot goes in a step: so far that readings count in each.
+const STEP_M: f32 = 0.06;
+
+/// Drives so many steps with readings that agree with the kept map, and that do not; what there was to do.
+fn drive(locator: &mut Locator, steps: usize, readings: [u8; 2], log_odds_elsewhere: f32) -> Option<Event> {
+    let map = Map { bend_m: 0.0, sigma_m: 0.0, is_common: true };
+    let step =
+        |number| Step { position_m: [STEP_M * number as f32, 0.0], travelled_m: STEP_M, readings, log_odds_elsewhere };
+    (0..steps).find_map(|number| locator.step(&map, Some(&map), &step(number), 0))
+}
+
+#[test]
+fn much_that_hides_walls_is_doubt_and_no_reason_to_give_a_place_up() {
+    let mut locator = Locator::new(State::Tracking);
+    assert_eq!(drive(&mut locator, 100, [1, 3], 0.9 * CLAIM), None);
+    assert_eq!(locator.state(), State::Doubtful);
+    assert_eq!(drive(&mut locator, 100, [3, 1], 0.0), None);
+    assert_eq!(locator.state(), State::Tracking);
+    assert_eq!(drive(&mut locator, 100, [3, 1], 1.1 * CLAIM), None, "readings that mostly agree are not of elsewhere");
+    assert_eq!(drive(&mut locator, 100, [1, 3], 1.1 * CLAIM), Some(Event::Lost));
+    assert_eq!(locator.state(), State::Searching);
+}
+
+#[test]
+fn a_claim_is_revoked_by_readings_alone() {
+    let mut locator = Locator::new(State::Probation);
+    assert_eq!(drive(&mut locator, 40, [1, 3], 0.0), Some(Event::Lost));
+}
