@@ -19,7 +19,7 @@ pub enum Sight {
 }
 
 /// The places that were seen last: what was seen there in the lowest two bits, and a number for wall and place by hashing in the others. The
-/// latest is the first on its shelf; one in two thousand is taken for another.
+/// latest is the first on its shelf; one in three thousand is taken for another.
 #[derive(Clone, Copy, Debug)]
 pub struct Sightings([[u16; ON_EACH]; SHELVES]);
 
