@@ -53,6 +53,26 @@ const DISORIENTED_RAD: f32 = 1.0;
 /// So many readings that fit a wall show that the estimator is well again: as many as a wall needs to be drawn.
 const RECOVERED: u32 = 20;
 
+/// Which readings of a step are told apart by the place of the wall that they met: each where beams move by an eighth of a place or more in
+/// a step, one in four else, for no place is missed by those either and a step takes less.
+#[derive(Clone, Copy, Debug)]
+pub struct Asked {
+    number: u32,
+    others: u32,
+}
+
+impl Asked {
+    /// Those of the step of this number, in which beams move by so much, metres.
+    pub fn in_step(number: u32, moved_m: f32) -> Self {
+        Self { number, others: if moved_m < PLACE_M / 8.0 { 3 } else { 0 } }
+    }
+
+    /// This place along a wall, metres, where this sensor's is one.
+    pub fn of(self, index: usize, along_m: f32) -> Option<f32> {
+        ((index as u32 ^ self.number) & self.others == 0).then_some(along_m)
+    }
+}
+
 /// What speaks for and against the estimate.
 #[derive(Clone, Copy, Debug)]
 pub struct HealthMonitor {
@@ -156,8 +176,8 @@ impl HealthMonitor {
         }
     }
 
-    /// Takes in what became of a reading, after so long a path, and how far along the wall that its outcome names it was due, metres. At 25
-    /// samples a second no place is missed where that is told of one reading in four, and a step takes less; at four a second some are.
+    /// Takes in what became of a reading, after so long a path, and how far along the wall that its outcome names it was due, metres, where
+    /// that is [`Asked`] for.
     pub fn note(&mut self, outcome: &Outcome, path_m: f32, along_m: Option<f32>) {
         match *outcome {
             Outcome::Updated { wall, .. } => {

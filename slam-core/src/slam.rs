@@ -8,7 +8,7 @@ use crate::filter::ekf::{Ekf, Jacobian, storage};
 use crate::filter::layout::{self, ALPHA, THETA};
 use crate::geometry::angle::{sin_cos, wrap};
 use crate::geometry::pose::Pose;
-use crate::health::HealthMonitor;
+use crate::health::{Asked, HealthMonitor};
 use crate::holds::Holds;
 use crate::jolts::Jolts;
 use crate::jolts::recent::Seen;
@@ -308,6 +308,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             number: self.counters.steps,
             along_m: 0.0,
         };
+        let asked = Asked::in_step(self.counters.steps, self.drive.step.beams_moved_m());
         self.jolts.wait(dt_s, &self.drive.step, self.counters.steps);
         self.holds.wait(dt_s, &self.drive.step, self.counters.steps);
         let sensors = self.rig.sensors.iter().zip(&mut self.sensors).enumerate();
@@ -329,8 +330,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
                 Err(refusal) => Outcome::Refused(refusal),
             };
             self.counters.add_reading(&report.outcome);
-            let (path_m, is_asked) = (observer.path_m, (index as u32 ^ observer.number).is_multiple_of(4));
-            self.monitor.note(&report.outcome, path_m, is_asked.then_some(observer.along_m));
+            self.monitor.note(&report.outcome, observer.path_m, asked.of(index, observer.along_m));
             if let Outcome::Updated { wall, .. } = report.outcome {
                 self.shortfall = Shortfall::NONE;
                 self.sign.met(index, || observer.normal_rad(wall));
