@@ -1,6 +1,8 @@
 //! Bytes on the line: COBS(version, postcard, CRC-32), zero.
 
-use crate::frames::Frame;
+use crate::frames::{Command, Frame};
+use crate::map::MapRequest;
+use core::marker::PhantomData;
 use crc::{Crc, NoTable};
 use heapless::Vec;
 
@@ -58,11 +60,55 @@ pub fn encode(frame: &Frame) -> Result<Vec<u8, FRAME_CAPACITY>, EncodeError> {
     Ok(bytes)
 }
 
+/// What is said to a robot: of all frames these two. To read the others, which it says itself, costs it ten kilobytes of flash.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ToRobot {
+    /// [`Frame::Command`].
+    Command(Command),
+    /// [`Frame::MapRequest`].
+    MapRequest(MapRequest),
+}
+
+/// What bytes between version and check sum say.
+trait Content: Sized {
+    /// Reads it; none where it is not whole, or something else.
+    fn read(bytes: &[u8]) -> Option<Self>;
+}
+
+impl Content for Frame {
+    fn read(bytes: &[u8]) -> Option<Self> {
+        whole(bytes)
+    }
+}
+
+impl Content for ToRobot {
+    fn read(bytes: &[u8]) -> Option<Self> {
+        // A frame's number is its place among the variants of `Frame`.
+        match bytes {
+            [6, command @ ..] => whole(command).map(Self::Command),
+            [9, request @ ..] => whole(request).map(Self::MapRequest),
+            _ => None,
+        }
+    }
+}
+
+/// A value that takes all of these bytes.
+fn whole<'b, T: serde::Deserialize<'b>>(bytes: &'b [u8]) -> Option<T> {
+    postcard::take_from_bytes(bytes).ok().filter(|(_, rest)| rest.is_empty()).map(|(value, _)| value)
+}
+
 /// Finds frames in a stream of bytes.
-#[derive(Clone, Debug, Default)]
-pub struct Decoder {
+#[derive(Clone, Debug)]
+pub struct Decoder<T = Frame> {
     bytes: Vec<u8, FRAME_CAPACITY>,
     overflowed: bool,
+    frames: PhantomData<T>,
+}
+
+impl<T> Default for Decoder<T> {
+    fn default() -> Self {
+        Self { bytes: Vec::new(), overflowed: false, frames: PhantomData }
+    }
 }
 
 impl Decoder {
@@ -70,9 +116,19 @@ impl Decoder {
     pub fn new() -> Self {
         Self::default()
     }
+}
 
+impl Decoder<ToRobot> {
+    /// A robot's: any other frame is an error.
+    pub fn of_robot() -> Self {
+        Self::default()
+    }
+}
+
+#[expect(private_bounds, reason = "nobody reads anything else from these bytes")]
+impl<T: Content> Decoder<T> {
     /// Takes one byte; the closing zero gives a frame or an error. Zeros between frames are nothing.
-    pub fn push(&mut self, byte: u8) -> Option<Result<Frame, DecodeError>> {
+    pub fn push(&mut self, byte: u8) -> Option<Result<T, DecodeError>> {
         if byte != 0 {
             self.overflowed |= self.bytes.push(byte).is_err();
             return None;
@@ -89,7 +145,8 @@ impl Decoder {
 }
 
 /// A frame from the bytes before its closing zero, which are overwritten.
-fn decode(bytes: &mut [u8]) -> Result<Frame, DecodeError> {
+#[inline(never)]
+fn decode<T: Content>(bytes: &mut [u8]) -> Result<T, DecodeError> {
     let length = cobs::decode_in_place(bytes).map_err(|_| DecodeError::Framing)?;
     let body = bytes.get(..length).ok_or(DecodeError::Framing)?;
     let (content, checksum) = body.split_last_chunk::<CRC_BYTES>().ok_or(DecodeError::Framing)?;
@@ -97,10 +154,7 @@ fn decode(bytes: &mut [u8]) -> Result<Frame, DecodeError> {
         return Err(DecodeError::Checksum);
     }
     match content {
-        [VERSION, content @ ..] => match postcard::take_from_bytes(content) {
-            Ok((frame, [])) => Ok(frame),
-            _ => Err(DecodeError::Content),
-        },
+        [VERSION, content @ ..] => T::read(content).ok_or(DecodeError::Content),
         [other, ..] => Err(DecodeError::Version(*other)),
         [] => Err(DecodeError::Framing),
     }
@@ -123,6 +177,23 @@ mod tests {
         let checksum = CRC.checksum(&[4, 6, 1]).to_le_bytes();
         assert_eq!(bytes.as_slice(), [8, 4, 6, 1, checksum[0], checksum[1], checksum[2], checksum[3], 0]);
         assert_eq!(CRC.checksum(b"123456789"), 0xcbf4_3926);
+    }
+
+    #[test]
+    fn a_robot_hears_what_is_said_to_it_and_nothing_else() {
+        let (mut robot, mut any) = (Decoder::of_robot(), Decoder::new());
+        let mut both = |frame: &Frame| {
+            let bytes = encode(frame).unwrap();
+            let heard = bytes.iter().find_map(|byte| robot.push(*byte)).expect("a frame ends");
+            assert_eq!(bytes.iter().find_map(|byte| any.push(*byte)), Some(Ok(frame.clone())));
+            heard
+        };
+        for command in [Command::Stop, Command::Clean { anew: true }, Command::Spin { left: 0.5, right: -0.5 }] {
+            assert_eq!(both(&Frame::Command(command)), Ok(ToRobot::Command(command)));
+        }
+        let request = MapRequest::Forget;
+        assert_eq!(both(&Frame::MapRequest(request.clone())), Ok(ToRobot::MapRequest(request)));
+        assert_eq!(both(&Frame::Place(Default::default())), Err(DecodeError::Content));
     }
 
     #[test]

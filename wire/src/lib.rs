@@ -16,7 +16,7 @@ mod convert;
 mod frames;
 mod map;
 
-pub use codec::{DecodeError, Decoder, EncodeError, FRAME_CAPACITY, VERSION, encode};
+pub use codec::{DecodeError, Decoder, EncodeError, FRAME_CAPACITY, ToRobot, VERSION, encode};
 pub use frames::{
     BoardFaults, Calibration, Command, Contacts, Estimate, Factor, Faults, Floor, Frame, Health, LookBack, Motors,
     Parameter, Place, PlaceState, Range, SENSORS, Sample, SlamFaults, Wall, WallKind,

@@ -5,7 +5,7 @@ use crate::shared::Shared;
 use embassy_futures::select::{Either, select};
 use embassy_time::{Duration, Timer};
 use embedded_io_async::{Read, Write};
-use wire::{Command, Decoder, Frame, encode};
+use wire::{Command, Decoder, ToRobot, encode};
 
 /// Without frames to send, the task still shows that it lives.
 const IDLE: Duration = Duration::from_millis(100);
@@ -28,7 +28,7 @@ pub async fn telemetry(line: &mut impl Write, shared: &Shared) -> ! {
 
 /// Takes commands from the line and hands them on.
 pub async fn commands(line: &mut impl Read, shared: &Shared) -> ! {
-    let mut decoder = Decoder::new();
+    let mut decoder = Decoder::of_robot();
     let mut bytes = [0; 32];
     loop {
         // A broken line is as if damaged: what follows is found again by its frame.
@@ -42,8 +42,8 @@ pub async fn commands(line: &mut impl Read, shared: &Shared) -> ! {
         for byte in bytes.iter().take(count) {
             match decoder.push(*byte) {
                 None => {}
-                Some(Ok(Frame::Command(command))) => take(command, shared),
-                Some(Ok(Frame::MapRequest(request))) => shared.map_request.signal(request),
+                Some(Ok(ToRobot::Command(command))) => take(command, shared),
+                Some(Ok(ToRobot::MapRequest(request))) => shared.map_request.signal(request),
                 Some(_) => shared.faults.count(|faults| &mut faults.bytes_lost),
             }
         }
