@@ -79,6 +79,8 @@ pub struct Shared {
     pub hold: AtomicBool,
     /// Guard to estimate: the motors are off for that.
     pub is_held: AtomicBool,
+    /// Drive to estimate: the robot stands in its dock.
+    pub docked: AtomicBool,
     /// Fault counters.
     pub faults: FaultCounts,
     /// Signs of life.
@@ -105,6 +107,7 @@ impl Shared {
             stands: AtomicBool::new(true),
             hold: AtomicBool::new(false),
             is_held: AtomicBool::new(false),
+            docked: AtomicBool::new(false),
             faults: FaultCounts::new(),
             reports: Reports::new(),
         }

@@ -58,7 +58,8 @@ fn it_cleans_a_room_on_command_with_a_pause_and_ends_in_its_dock() {
     let mut plan = plan_file::load("room").expect("a built-in plan");
     // In the dock at the western wall.
     plan.start = Pose2::new(0.185, 1.75, core::f64::consts::PI);
-    let home = Home::of(&plan, BuiltIn::Sharp, SimOptions { has_dock: true, ..SimOptions::default() });
+    plan.has_dock = true;
+    let home = Home::of(&plan, BuiltIn::Sharp, SimOptions::default());
     let start = home.board.with_simulation(|simulation| simulation.pose_in_plan());
     let raster = FloorRaster::new(&plan, SimOptions::default().body_radius_m, start);
     home.run(BuiltIn::Sharp, Ranges(home.board.range_sensors()), |tasks| {
@@ -96,4 +97,5 @@ fn it_cleans_a_room_on_command_with_a_pause_and_ends_in_its_dock() {
         let lost = [faults.samples_dropped, faults.frames_dropped, faults.late_tasks, faults.dead_man_stops];
         assert_eq!(lost, [0; 4], "{faults:?}");
     });
+    assert!(home.kept_map_has_dock(), "the map is kept with its dock");
 }

@@ -118,8 +118,6 @@ pub struct SimOptions {
     /// Samples have dead-reckoned motion instead of ticks: the wheels' pose, published so many times a second, of which a
     /// sample has the latest.
     pub odometry_hz: Option<f64>,
-    /// The robot's dock is where it starts, which it looks into.
-    pub has_dock: bool,
     /// The robot's battery; one that never empties, and is not measured, where not given.
     pub battery: Option<BatteryOptions>,
 }
@@ -148,7 +146,6 @@ impl Default for SimOptions {
             tick_s: 0.01,
             stamp_jitter_s: 0.0,
             odometry_hz: None,
-            has_dock: false,
             battery: None,
         }
     }

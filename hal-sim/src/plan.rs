@@ -135,6 +135,8 @@ pub struct Plan {
     pub name: String,
     /// The robot's start pose.
     pub start: Pose2,
+    /// The robot's dock is there, which it looks into.
+    pub has_dock: bool,
     /// Walls and flat sides of furniture.
     pub faces: Vec<Face>,
     /// Round things.

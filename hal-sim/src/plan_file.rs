@@ -68,6 +68,7 @@ pub fn parse(file: &str, name: &str, text: &str) -> Result<Plan, FileError> {
     let mut plan = Plan {
         name: keys.name.clone().unwrap_or_else(|| name.into()),
         start: Pose2::new(keys.start.x_m.get(), keys.start.y_m.get(), heading_deg.to_radians()),
+        has_dock: keys.start.dock.unwrap_or(false),
         faces: faces(&toml, &keys)?,
         rounds: Vec::new(),
         rooms: Vec::new(),

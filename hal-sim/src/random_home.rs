@@ -1,10 +1,12 @@
 //! Homes drawn at random: rooms with doors between them, furniture along the walls, tables on legs. For tests of what must not
 //! depend on the homes at hand.
 
+use crate::floor::FloorRaster;
 use crate::mishap::free_place;
 use crate::options::SimOptions;
 use crate::plan::{Face, Person, Plan, Room, Round};
 use crate::pose::Pose2;
+use crate::rig::BODY_RADIUS_M;
 use crate::rng::Rng;
 use crate::world::World;
 
@@ -19,6 +21,12 @@ const WAY_M: f64 = 0.55;
 
 /// Somebody walks so far from what stands there, metres.
 const LEGS_M: f64 = 0.2;
+
+/// A robot in a dock stands so far before the wall, metres.
+const DOCK_DEPTH_M: f64 = 0.015;
+
+/// Way that is left free beside a robot that comes to a dock, metres.
+const BESIDE_DOCK_M: f64 = 0.05;
 
 /// Draws of a place until there is none.
 const DRAWS: usize = 40;
@@ -113,6 +121,35 @@ pub fn somebody(plan: &Plan, seed: u64, gives_way: bool) -> Option<Person> {
         }
     }
     None
+}
+
+/// A home whose robot starts in a dock at a wall, drawn from a seed: along it and for a metre behind the robot the floor is free, and as much
+/// can be reached from there as from the start of before. None where no wall has such a place.
+pub fn with_dock(plan: &Plan, seed: u64) -> Option<Plan> {
+    let (mut rng, world) = (Rng::stream(seed, "dock", 0), World::new(plan));
+    let floor_m2 = |start| FloorRaster::new(plan, BODY_RADIUS_M, start).score().floor_m2;
+    let reached_m2 = floor_m2(plan.start);
+    (0..10_000).find_map(|_| {
+        let face = plan.faces.get(rng.uniform(0.0, plan.faces.len() as f64) as usize)?;
+        let along_m = [0, 1].map(|axis| face.to_m[axis] - face.from_m[axis]);
+        let share = rng.uniform(0.0, 1.0);
+        let turn = if rng.uniform(0.0, 1.0) < 0.5 { 1.0 } else { -1.0 };
+        let to_rad = libm::atan2(turn * along_m[0], -turn * along_m[1]);
+        let (s, c) = libm::sincos(to_rad);
+        let from_wall = |far_m: f64| {
+            let foot_m = [0, 1].map(|axis| face.from_m[axis] + share * along_m[axis]);
+            Pose2::new(foot_m[0] - far_m * c, foot_m[1] - far_m * s, to_rad)
+        };
+        let start = from_wall(BODY_RADIUS_M + DOCK_DEPTH_M);
+        let clear_m = |pose: Pose2| world.clearance_m([pose.x_m, pose.y_m]);
+        let is_free = clear_m(start) > BODY_RADIUS_M
+            && (4..=10).all(|tenths| clear_m(from_wall(0.1 * f64::from(tenths))) > BODY_RADIUS_M + BESIDE_DOCK_M);
+        (is_free && (floor_m2(from_wall(0.6)) / reached_m2 - 1.0).abs() < 0.05).then(|| Plan {
+            start,
+            has_dock: true,
+            ..plan.clone()
+        })
+    })
 }
 
 impl Draft {
@@ -217,6 +254,7 @@ impl Draft {
         let mut plan = Plan {
             name: format!("random-{seed}"),
             start: Pose2::default(),
+            has_dock: false,
             faces,
             rounds: self.legs,
             rooms,
@@ -245,7 +283,6 @@ impl Draft {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::floor::FloorRaster;
 
     #[test]
     fn homes_differ_and_a_robot_can_drive_in_most_of_their_rooms() {

@@ -1,6 +1,7 @@
 //! The simulated battery, and the dock that charges it.
 
 use crate::options::{BatteryOptions, SimOptions};
+use crate::plan::Plan;
 use crate::pose::Pose2;
 
 /// Voltage of three lithium cells, empty and full, volts: taken as a straight line between.
@@ -24,9 +25,9 @@ pub(crate) struct Supply {
 }
 
 impl Supply {
-    pub(crate) fn new(start: Pose2, options: &SimOptions) -> Self {
-        let dock = options.has_dock.then_some(start);
-        Self { dock, battery: options.battery, is_charging: dock.is_some() }
+    pub(crate) fn new(plan: &Plan, start: Pose2, options: &SimOptions) -> Self {
+        let dock = plan.has_dock.then_some(plan.start);
+        Self { dock, battery: options.battery, is_charging: dock == Some(start) }
     }
 
     /// After a step of the physics from `before`: the dock's end stops the robot, its contacts charge the battery, which drives the

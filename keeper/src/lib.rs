@@ -39,6 +39,8 @@ pub trait MapFlash: NorFlash {
 pub struct Circumstances {
     /// A wheel hangs.
     pub is_lifted: bool,
+    /// It stands in its dock.
+    pub is_docked: bool,
     /// The robot is told to stand.
     pub stands: bool,
     /// The motors are off and stay so.
@@ -106,10 +108,13 @@ impl<F: MapFlash> Keeper<F> {
         self.lift(slam, now);
         let restarts = core::mem::replace(&mut self.restarts, slam.counters().restarts);
         if !self.is_lifted {
+            if now.is_docked && self.is_located() {
+                slam.stands_in_dock();
+            }
             if restarts != self.restarts && self.saved.is_some() {
                 self.forget_place();
             } else if !slam.is_about_to_forget() {
-                self.locate(slam, report, travelled_m);
+                self.locate(slam, report, travelled_m, now.is_docked);
             } else if is_waiting {
                 slam.put_off_forgetting();
             } else if self.saved.is_some() {
@@ -222,13 +227,14 @@ impl<F: MapFlash> Keeper<F> {
     }
 
     #[inline(never)]
-    fn locate(&mut self, slam: &mut RobotSlam, report: &StepReport<SENSORS>, travelled_m: f32) {
+    fn locate(&mut self, slam: &mut RobotSlam, report: &StepReport<SENSORS>, travelled_m: f32, is_docked: bool) {
         let Self { store, saved, locator, .. } = self;
         let bytes = saved.and_then(|saved| slot(store.flash(), saved));
         let record = bytes.and_then(|bytes| Record::whole(bytes).ok());
         let position_m = [slam.state_mean(0), slam.state_mean(1)];
         let readings = record.as_ref().map_or([0; 2], |record| agreement(report, record.frame().next_id));
-        let step = Step { position_m, travelled_m, readings, log_odds_elsewhere: slam.log_odds_elsewhere() };
+        let log_odds_elsewhere = slam.log_odds_elsewhere();
+        let step = Step { position_m, travelled_m, readings, log_odds_elsewhere, is_docked };
         match locator.step(&*slam, record.as_ref().map(|record| record as &dyn Kept), &step, COMPARISONS) {
             Some(Event::Found(found)) => {
                 if record.is_some_and(|record| slam.take_up(&record, &found).is_ok()) {
@@ -237,6 +243,10 @@ impl<F: MapFlash> Keeper<F> {
                 } else {
                     self.lose(slam);
                 }
+            }
+            Some(Event::Docked) => {
+                slam.begin_in_dock();
+                self.restarts = slam.counters().restarts;
             }
             Some(Event::Copied(copy, found)) => {
                 // A copy whose walls went in this step is found again.

@@ -8,7 +8,7 @@
 //! | 1 | sequence number of the save |
 //! | 1 | hash of the rig |
 //! | 2 | states, states that no wall has; walls, next identifier (16 bits each) |
-//! | 1 | grid founded, log odds of an exact grid in quarters, nothing, anchor known (8 bits each) |
+//! | 1 | grid founded, log odds of an exact grid in quarters, the first drive started in the dock, anchor known (8 bits each) |
 //! | 1 | nothing |
 //! | 3 | where the first drive started: x, y, theta |
 //! | 9 | the anchor: x, y, theta; covariance xx, xy, xt, yy, yt, tt |
@@ -138,7 +138,7 @@ impl<'k, K: Kept> Writer<'k, K> {
         let f = &self.frame;
         let pair = |low: u16, high: u16| u32::from(low) | u32::from(high) << 16;
         let (anchor, p) = f.anchor.unwrap_or_default();
-        let flags = [f.has_grid as u8, f.exactness as u8, 0, f.anchor.is_some() as u8];
+        let flags = [f.has_grid as u8, f.exactness as u8, f.has_dock as u8, f.anchor.is_some() as u8];
         let [sx, sy, st] = bits(&f.start);
         let [ax, ay, at] = bits(&anchor);
         [
@@ -335,7 +335,7 @@ impl Kept for Record<'_> {
     fn frame(&self) -> KeptFrame {
         let halves = |word: u32| (word as u16, (word >> 16) as u16);
         let ((states, common), (walls, next_id)) = (halves(self.word(6)), halves(self.word(7)));
-        let [has_grid, exactness, _, is_anchored] = self.word(8).to_le_bytes();
+        let [has_grid, exactness, has_dock, is_anchored] = self.word(8).to_le_bytes();
         let pose =
             |place| Pose { x_m: self.float(place), y_m: self.float(place + 1), theta_rad: self.float(place + 2) };
         let [xx, xy, xt, yy, yt, tt] = [16, 17, 18, 19, 20, 21].map(|place| self.float(place));
@@ -345,6 +345,7 @@ impl Kept for Record<'_> {
             walls,
             next_id,
             has_grid: has_grid != 0,
+            has_dock: has_dock != 0,
             exactness: exactness as i8,
             start: pose(10),
             anchor: (is_anchored != 0).then(|| (pose(13), [[xx, xy, xt], [xy, yy, yt], [xt, yt, tt]])),

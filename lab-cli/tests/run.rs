@@ -75,7 +75,7 @@ fn a_rig_file_changes_the_robot() {
     let rig = place.put("one-eyed.toml", SHARP_RIG);
     place.lab().args(["--minutes", "0.1", "--rig"]).arg(rig).assert().success();
     let header = place.get("out/run/log.csv");
-    assert!(header.starts_with("t_s,left_ticks,right_ticks,adc_0,lifted,true_x_m,true_y_m,true_theta_rad\n"));
+    assert!(header.starts_with("t_s,left_ticks,right_ticks,adc_0,lifted,docked,true_x_m,true_y_m,true_theta_rad\n"));
     assert_eq!(place.get("out/run/rig.toml"), SHARP_RIG);
 }
 

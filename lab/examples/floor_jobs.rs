@@ -172,7 +172,7 @@ impl Mishap {
             Self::Battery => {
                 // At the southern wall, which it looks to.
                 plan.start = Pose2::new(1.2, 0.185, -core::f64::consts::FRAC_PI_2);
-                options.has_dock = true;
+                plan.has_dock = true;
                 options.battery = Some(BatteryOptions { charge: 1.0, lasts_min: 10.0, charges_min: 5.0 });
             }
             Self::Held | Self::Jammed => {

@@ -1,12 +1,14 @@
 //! Writes `docs/results/floor-again.md`: `cargo run --release --package lab --example second_runs`. With `-- SEEDS HOME...`, as in
 //! `-- 11-13 flat random-101`, it prints the rows of these homes instead.
 //!
-//! Each home is swept from an empty map, and then once more in the map that the robot kept.
+//! Each home is swept from an empty map, and then once more in the map that the robot kept; random homes from a dock as well, from another one, and
+//! without.
 
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
+use hal_sim::random_home::with_dock;
 use hal_sim::{Plan, SimOptions, plan_file};
 use lab::run::{FloorDrive, clean_with};
 
@@ -19,6 +21,16 @@ const HEAD: &str = "# Floors swept again\n\n\
     robot knows its place in the kept map; [what counts](../explanation/floor-job.md#what-counts).\n\n\
     | home | run | back within 20 cm | swept, % | overlap | largest hole, m2 | minutes | found after, s |\n\
     |---|---|---|---|---|---|---|---|\n";
+
+/// Random homes that have a dock.
+const WITH_DOCK: std::ops::RangeInclusive<u64> = 41..=60;
+
+const FROM_A_DOCK: &str = "\n## From a dock\n\n\
+    The random homes 41 to 60, one of each, from a place at a wall that is drawn: once more from where the robot has swept it before, with a dock there and without one, and\n\
+    with the dock at another wall, from there. *Found* is when the robot claims a place for good, the median and the worst, seconds; *wrong* is in how many it claimed one before that was more than\n\
+    0.3 m off.\n\n\
+    | second run | homes | found | wrong | back within 20 cm | swept, % | overlap |\n\
+    |---|---|---|---|---|---|---|\n";
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -37,6 +49,8 @@ fn main() {
         home_rows(&mut page, name, SEEDS);
         eprint!("{page}");
     }
+    page.push_str(FROM_A_DOCK);
+    dock_rows(&mut page);
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/results/floor-again.md");
     fs::write(&path, page).expect("docs/results/floor-again.md can be written");
 }
@@ -53,6 +67,61 @@ fn home_rows(page: &mut String, name: &str, seeds: std::ops::RangeInclusive<u64>
         .collect();
     row(page, name, "first", &runs.iter().map(|[first, _]| first).collect::<Vec<_>>());
     row(page, "", "second", &runs.iter().map(|[_, second]| second).collect::<Vec<_>>());
+}
+
+/// A second run from a dock: how it ended, when the robot claimed a place for good, seconds, and whether it claimed a wrong one before.
+type Docked = (FloorDrive, f64, bool);
+
+fn dock_rows(page: &mut String) {
+    let names = ["from its dock", "from there, without a dock", "from a dock that was moved"];
+    let mut runs: [Vec<Docked>; 3] = Default::default();
+    for home in WITH_DOCK {
+        let plan = plan_file::load(&format!("random-{home}")).expect("a random home");
+        let [first, other] =
+            [home, home + 1000].map(|seed| with_dock(&plan, seed).expect("a wall with room for a dock"));
+        let without = Plan { has_dock: false, ..first.clone() };
+        for ((mapped, second), runs) in [(&first, &first), (&without, &without), (&first, &other)].iter().zip(&mut runs)
+        {
+            let map = sweep(mapped, 1, None).0.map;
+            runs.push(sweep_from(mapped, second, map));
+        }
+    }
+    for (name, runs) in names.iter().zip(&runs) {
+        let mut found: Vec<f64> = runs.iter().map(|(_, found_s, _)| *found_s).collect();
+        found.sort_by(f64::total_cmp);
+        let mean =
+            |value: fn(&FloorDrive) -> f64| runs.iter().map(|(done, ..)| value(done)).sum::<f64>() / runs.len() as f64;
+        let line = writeln!(
+            page,
+            "| {name} | {} | {:.0} ({:.0}) | {} | {} | {:.1} | {:.2} |",
+            runs.len(),
+            found[found.len() / 2],
+            found[found.len() - 1],
+            runs.iter().filter(|(.., was_wrong)| *was_wrong).count(),
+            runs.iter().filter(|(done, ..)| done.score.home_m < 0.2).count(),
+            mean(|done| 100.0 * done.score.swept),
+            mean(|done| done.score.overlap),
+        );
+        line.expect("a String takes it all");
+    }
+}
+
+/// Sweeps a home whose robot has this map of it, which was made from where `mapped` begins.
+fn sweep_from(mapped: &Plan, plan: &Plan, map: Option<Vec<u8>>) -> Docked {
+    let (mut found_s, mut is_wrong, mut was_wrong) = (None, false, false);
+    let drive = clean_with(plan, SimOptions::default(), 2, map, |drive, step| {
+        if step.searching {
+            (found_s, was_wrong) = (None, was_wrong || is_wrong);
+            is_wrong = false;
+        } else if found_s.is_none() {
+            found_s = Some(step.t_s);
+            let truth = mapped.start.relative(&drive.simulation().pose_in_plan());
+            let estimate = step.start.relative(&step.pose);
+            is_wrong = (truth.x_m - estimate.x_m).hypot(truth.y_m - estimate.y_m) > 0.3;
+        }
+    });
+    let drive = drive.expect("the robot fits, and goes on in its own map");
+    (drive, found_s.unwrap_or(f64::INFINITY), was_wrong || is_wrong)
 }
 
 /// How a job ended, and when the robot knew its place, seconds; none where it never did.

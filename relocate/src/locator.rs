@@ -1,7 +1,7 @@
 //! Whether a robot knows where it is in its kept map.
 //!
 //! ```text
-//! Searching -> Probation      the same place in two searches, each at the odds that a claim needs
+//! Searching -> Probation      the same place in two searches, each at the odds that a claim needs; in the dock, that is expected
 //! Probation -> Tracking       readings agree over some path
 //! Probation -> Searching      they do not: the claim is revoked
 //! Tracking  -> Doubtful       few of the last readings of walls agree
@@ -17,7 +17,7 @@ use slam_core::{Match, Pose, SecondCopy};
 use crate::PATH_POINTS;
 use crate::agreement::Agreement;
 use crate::copy;
-use crate::odds::Verdict;
+use crate::odds::{self, Verdict};
 use crate::search::{Hypothesis, Progress, Search};
 
 /// Path from one search to the next, metres.
@@ -70,6 +70,8 @@ impl State {
 pub enum Event {
     /// The kept map is to be taken up: the fresh one lies in it like this.
     Found(Match),
+    /// The fresh map is to start where the robot stands, in the kept map's dock.
+    Docked,
     /// The map has its walls twice: the second copy is to be given up, which lies in the older walls like this.
     Copied(SecondCopy, Match),
     /// What was claimed is wrong or not known any more: a fresh map is to be begun.
@@ -87,6 +89,19 @@ pub struct Step {
     pub readings: [u8; 2],
     /// Log of the odds that the robot is elsewhere, as its estimator has it.
     pub log_odds_elsewhere: f32,
+    /// It stands in a dock.
+    pub is_docked: bool,
+}
+
+/// How a fresh map lies in the kept one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Begun {
+    /// Anywhere: the robot was carried.
+    Anywhere,
+    /// It was begun in the kept one's frame, which readings contradicted.
+    Contradicted,
+    /// It starts in the dock, as the kept one does.
+    Docked,
 }
 
 /// Keeps track of whether the robot knows where it is.
@@ -102,8 +117,7 @@ pub struct Locator {
     spacing_m: f32,
     search: Search,
     is_searching: bool,
-    /// The fresh map was begun in the kept one's frame, which readings contradicted.
-    is_contradicted: bool,
+    begun: Begun,
     /// The second copy that the last search was about, and how many states the map had then, and its next wall's identifier.
     copy: Option<(SecondCopy, [u16; 2])>,
     /// What the last search would claim.
@@ -126,7 +140,7 @@ impl Locator {
             spacing_m: POINTS_M,
             search: Search::IDLE,
             is_searching: false,
-            is_contradicted: false,
+            begun: Begun::Anywhere,
             copy: None,
             claim: None,
             agreement: Agreement::NEW,
@@ -144,7 +158,7 @@ impl Locator {
         self.next_search_m = 2.0 * SEARCH_EVERY_M;
         self.trail.clear();
         self.spacing_m = POINTS_M;
-        (self.is_searching, self.is_contradicted) = (false, false);
+        (self.is_searching, self.begun) = (false, Begun::Anywhere);
         (self.claim, self.verdict) = (None, None);
         self.agreement = Agreement::NEW;
     }
@@ -175,6 +189,11 @@ impl Locator {
         self.path_m += step.travelled_m;
         let Some(kept) = kept else { return self.watch(own, comparisons) };
         if self.state == State::Searching {
+            if step.is_docked && kept.frame().has_dock && self.begun != Begun::Docked {
+                self.restart(State::Searching);
+                self.begun = Begun::Docked;
+                return Some(Event::Docked);
+            }
             let anchor = own.frame().anchor.map(|(pose, _)| pose);
             if core::mem::replace(&mut self.anchor, anchor) != anchor {
                 // Another frame.
@@ -248,7 +267,7 @@ impl Locator {
     /// The same of a robot whose readings contradict its map, in whose frame it goes on.
     pub fn contradicted(&mut self) {
         self.restart(State::Searching);
-        self.is_contradicted = true;
+        self.begun = Begun::Contradicted;
     }
 
     fn become_state(&mut self, state: State) {
@@ -282,8 +301,10 @@ impl Locator {
         if !self.is_searching && self.path_m >= self.next_search_m {
             self.next_search_m = self.path_m + SEARCH_EVERY_M;
             self.is_searching = self.search.begin(own, kept, &self.trail);
-            if self.is_contradicted {
-                self.search.expect_near(own, kept);
+            match self.begun {
+                Begun::Anywhere => {}
+                Begun::Contradicted => self.search.expect_near(own, kept, odds::CONTRADICTED, odds::CARRIED),
+                Begun::Docked => self.search.expect_near(own, kept, odds::DOCKED, odds::CARRIED),
             }
             comparisons = comparisons.saturating_sub(TO_BEGIN);
         }

@@ -177,14 +177,14 @@ impl Search {
         is_begun
     }
 
-    /// The fresh map was begun in the frame of the kept one, since something displaced the robot and readings contradicted that: as likely as
-    /// not as jolts do, or it was carried anywhere.
-    pub(crate) fn expect_near(&mut self, fresh: &dyn Kept, kept: &dyn Kept) {
+    /// The fresh map was begun in the frame of the kept one, and the robot is displaced against that so, but for a share of those that are
+    /// anywhere, as a logarithm.
+    pub(crate) fn expect_near(&mut self, fresh: &dyn Kept, kept: &dyn Kept, by: Displaced, elsewhere: f32) {
         let frame = |map: &dyn Kept| map.frame().anchor.map_or(Pose::ORIGIN, |(pose, _)| pose);
         let begun = frame(kept).inverse().compose(&frame(fresh));
-        self.of_any += odds::CARRIED;
+        self.of_any += elsewhere;
         let grids_rad = [fresh, kept].map(|map| map.mean(ALPHA));
-        self.expect(Near::new(grids_rad, [[0.0; 2], [begun.x_m, begun.y_m]], begun.theta_rad, odds::CONTRADICTED));
+        self.expect(Near::new(grids_rad, [[0.0; 2], [begun.x_m, begun.y_m]], begun.theta_rad, by));
     }
 
     fn expect(&mut self, near: Near) {

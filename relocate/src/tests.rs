@@ -58,6 +58,7 @@ impl Kept for Map {
             walls: WALLS.len() as u16,
             next_id: WALLS.len() as u16,
             has_grid: true,
+            has_dock: true,
             exactness: 0,
             start: Pose::ORIGIN,
             anchor: None,

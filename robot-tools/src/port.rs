@@ -65,9 +65,9 @@ pub fn row(sample: &Sample, robot: &Robot, truth: Option<Pose2>) -> Result<Row, 
         }
         *wide = range;
     }
-    let lifted = sample.contacts.lifted;
+    let wire::Contacts { lifted, docked, .. } = sample.contacts;
     let sample = slam_core::Sample { time_us: few.time_us, motion: few.motion, ranges };
-    Ok(Row { t_text: shortest(t_s), t_s, sample, odometry: None, truth, lifted })
+    Ok(Row { t_text: shortest(t_s), t_s, sample, odometry: None, truth, lifted, docked })
 }
 
 /// What was heard of a robot.

@@ -65,6 +65,8 @@ pub struct KeptFrame {
     pub next_id: u16,
     /// The grid was founded.
     pub has_grid: bool,
+    /// Where the first drive started is the robot's dock.
+    pub has_dock: bool,
     /// How likely the home's grid is exact by the walls that were put onto it: log of the odds, in quarters.
     pub exactness: i8,
     /// Where the first drive started, in the map frame.
@@ -116,6 +118,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Kept for
             walls: self.map.walls().len() as u16,
             next_id: self.map.next_id(),
             has_grid: self.map.has_grid,
+            has_dock: self.has_dock,
             exactness: self.map.exactness.quarters(),
             start: self.map.start,
             anchor: self.map.anchor.map(|anchor| (anchor.pose, anchor.covariance)),

@@ -40,6 +40,7 @@ mod births;
 mod clock;
 pub mod config;
 mod displacement;
+mod dock;
 mod filter;
 mod geometry;
 pub mod hand_over;

@@ -83,6 +83,8 @@ pub struct Slam<const S: usize, const W: usize, const B: usize, const ROWS: usiz
     pub(crate) jolts: Jolts,
     pub(crate) holds: Holds<S>,
     pub(crate) counters: Counters,
+    /// Where the map's first drive started is the robot's dock.
+    pub(crate) has_dock: bool,
 }
 
 impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, W, B, ROWS> {
@@ -118,6 +120,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         jolts: Jolts::NONE,
         holds: Holds::NONE,
         counters: Counters::ZERO,
+        has_dock: false,
     };
 
     /// An estimator at the map frame's origin with an empty map and the settings that suit the rig
@@ -181,7 +184,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.map.clear(self.config.walls.frame);
         self.candidates.clear();
         self.monitor = HealthMonitor::NEW;
-        (self.jolts, self.holds, self.counters) = (Jolts::NONE, Holds::NONE, Counters::ZERO);
+        (self.jolts, self.holds, self.counters, self.has_dock) = (Jolts::NONE, Holds::NONE, Counters::ZERO, false);
         self.add_states();
         Ok(())
     }

@@ -238,7 +238,7 @@ mod tests {
         let (_, mut files) = driven();
         let text = String::from_utf8(files.log.1).unwrap();
         let mut lines: Vec<&str> = text.lines().collect();
-        lines[10] = "0.4,many,0,0,0,0,0,0,0,0,0,0,0,0,0";
+        lines[10] = "0.4,many,0,0,0,0,0,0,0,0,0,0,0,0,0,0";
         files.log.1 = lines.join("\n").into_bytes();
         let mut replayed = Replayed::new(files).unwrap();
         replayed.advance(10_000);

@@ -145,8 +145,8 @@ impl Watched {
             ranges.iter_mut().zip(few.ranges).for_each(|(wide, range)| *wide = range);
             let t_s = (sample.time_us - first_us) as f64 * 1e-6;
             let sample = slam_core::Sample { time_us: few.time_us, motion: few.motion, ranges };
-            let lifted = self.contacts.lifted;
-            let row = Row { t_text: shortest(t_s), t_s, sample, odometry: None, truth: None, lifted };
+            let wire::Contacts { lifted, docked, .. } = self.contacts;
+            let row = Row { t_text: shortest(t_s), t_s, sample, odometry: None, truth: None, lifted, docked };
             self.log += &writer::line(&self.robot, &row);
             self.log.push('\n');
         }
@@ -255,8 +255,14 @@ impl Watched {
                 "late tasks": board.late_tasks, "maps begun anew": slam.restarts,
             })
         });
-        let wire::Contacts { bump_left, bump_right, cliff, lifted } = self.contacts;
-        let names = [(bump_left, "bumper left"), (bump_right, "bumper right"), (cliff, "cliff"), (lifted, "lifted")];
+        let wire::Contacts { bump_left, bump_right, cliff, lifted, docked } = self.contacts;
+        let names = [
+            (bump_left, "bumper left"),
+            (bump_right, "bumper right"),
+            (cliff, "cliff"),
+            (lifted, "lifted"),
+            (docked, "dock"),
+        ];
         let touched: Vec<&str> = names.iter().filter(|(on, _)| *on).map(|(_, name)| *name).collect();
         let health = self.recording.steps.last().map(|step| lab::recording::health::name(step.health));
         json!({

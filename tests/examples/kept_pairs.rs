@@ -177,7 +177,13 @@ impl<'m> Stranger<'m> {
             self.locator.lost();
         }
         let position_m = [slam.state_mean(0), slam.state_mean(1)];
-        let step = Step { position_m, travelled_m: travelled_m as f32, readings: [0; 2], log_odds_elsewhere: 0.0 };
+        let step = Step {
+            position_m,
+            travelled_m: travelled_m as f32,
+            readings: [0; 2],
+            log_odds_elsewhere: 0.0,
+            is_docked: false,
+        };
         let before = self.locator.verdict().copied();
         if let Some(Event::Found(_)) = self.locator.step(slam, Some(self.record), &step, u32::MAX) {
             self.found += 1;

@@ -203,7 +203,7 @@ fn carry_there(there: &Home, kept: &Home, homes: &[Home], sensors: usize, seed: 
                 carry.other.add(&verdict, false);
             }
         }
-        let step = Step { position_m, travelled_m, readings: [0; 2], log_odds_elsewhere: 0.0 };
+        let step = Step { position_m, travelled_m, readings: [0; 2], log_odds_elsewhere: 0.0, is_docked: false };
         if let Some(Event::Found(found)) = locator.step(&*slam, Some(kept.kept.slam()), &step, u32::MAX) {
             slam.take_up(kept.kept.slam(), &found).expect("a map to go on in");
             carry.claimed_m = Some(path_m);

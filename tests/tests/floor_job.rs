@@ -32,7 +32,8 @@ fn a_flat_battery_is_charged_in_the_dock_and_the_job_goes_on() {
     // At the western wall, which it looks to.
     plan.start = Pose2::new(0.185, 1.75, core::f64::consts::PI);
     let battery = Some(BatteryOptions { charge: 1.0, lasts_min: 6.0, charges_min: 2.0 });
-    let options = SimOptions { has_dock: true, battery, ..SimOptions::default() };
+    plan.has_dock = true;
+    let options = SimOptions { battery, ..SimOptions::default() };
     let drive = clean(&plan, options, 1).expect("the robot fits");
     assert!(drive.minutes < 30.0, "{} minutes", drive.minutes);
     let seconds_in = |state: FloorState| drive.progress.seconds_in[state as usize];

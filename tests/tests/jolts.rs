@@ -48,11 +48,13 @@ fn lost_in_kept(plan: &Plan, kept: &HostSlam, seed: u64) -> (Option<f64>, u32) {
                 travelled_m,
                 readings: agreement(report, kept.frame().next_id),
                 log_odds_elsewhere: slam.log_odds_elsewhere(),
+                is_docked: false,
             },
             u32::MAX,
         ) {
             Some(Event::Found(place)) => slam.take_up(kept, &place).expect("a map to go on in"),
             Some(Event::Copied(copy, found)) => slam.give_up_copy(&copy, &found).expect("walls that are there"),
+            Some(Event::Docked) => unreachable!("there is no dock"),
             Some(Event::Lost) => slam.restart_map(),
             None => {}
         }

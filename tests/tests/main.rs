@@ -5,6 +5,7 @@ mod capacities;
 mod clean_areas;
 mod contradictions;
 mod covariance;
+mod docks;
 mod documents;
 mod experiments;
 mod floor_job;

@@ -7,7 +7,7 @@ use crc::{Crc, NoTable};
 use heapless::Vec;
 
 /// First byte of every frame. Another number is another format.
-pub const VERSION: u8 = 4;
+pub const VERSION: u8 = 5;
 /// Longest frame on the line, bytes, the closing zero included.
 pub const FRAME_CAPACITY: usize = 192;
 
@@ -172,10 +172,10 @@ mod tests {
 
     #[test]
     fn the_format_is_pinned() {
-        // version 4, Command = 6, Stop = 1, CRC-32, in COBS.
+        // version 5, Command = 6, Stop = 1, CRC-32, in COBS.
         let bytes = encode(&Frame::Command(Command::Stop)).unwrap();
-        let checksum = CRC.checksum(&[4, 6, 1]).to_le_bytes();
-        assert_eq!(bytes.as_slice(), [8, 4, 6, 1, checksum[0], checksum[1], checksum[2], checksum[3], 0]);
+        let checksum = CRC.checksum(&[5, 6, 1]).to_le_bytes();
+        assert_eq!(bytes.as_slice(), [8, 5, 6, 1, checksum[0], checksum[1], checksum[2], checksum[3], 0]);
         assert_eq!(CRC.checksum(b"123456789"), 0xcbf4_3926);
     }
 

@@ -77,6 +77,8 @@ pub struct Contacts {
     pub cliff: bool,
     /// A wheel hangs: the robot is off the floor.
     pub lifted: bool,
+    /// The charging contact is closed: the robot stands in its dock. That stops nothing.
+    pub docked: bool,
 }
 
 /// The estimate after one sample; floats travel with all their bits.

@@ -12,14 +12,14 @@ fn sample() -> impl Strategy<Value = Frame> {
     let range =
         prop_oneof![Just(Range::Missing), any::<u16>().prop_map(Range::Counts), any::<f32>().prop_map(Range::Metres)];
     let ranges = prop::collection::vec(range, 0..=wire::SENSORS);
-    (any::<u64>(), any::<[i32; 2]>(), ranges, any::<[bool; 4]>()).prop_map(|(time_us, ticks, ranges, touched)| {
-        let [bump_left, bump_right, cliff, lifted] = touched;
+    (any::<u64>(), any::<[i32; 2]>(), ranges, any::<[bool; 5]>()).prop_map(|(time_us, ticks, ranges, touched)| {
+        let [bump_left, bump_right, cliff, lifted, docked] = touched;
         Frame::Sample(Sample {
             time_us,
             left_ticks: ticks[0],
             right_ticks: ticks[1],
             ranges: ranges.into_iter().collect(),
-            contacts: Contacts { bump_left, bump_right, cliff, lifted },
+            contacts: Contacts { bump_left, bump_right, cliff, lifted, docked },
         })
     })
 }

@@ -68,6 +68,7 @@ pub async fn drive(
         let is_stalled = stalls.update(duty, odometry.ticks, period_s);
         if let Some(Told { senses, whereabouts }) = shared.told.try_take() {
             let (battery_v, is_charging) = (supply.battery_v(), supply.is_charging());
+            shared.docked.store(is_charging, Ordering::Relaxed);
             let condition = Condition { battery_v, is_charging, is_stalled, ..senses.condition };
             if core::mem::take(&mut goes_on) {
                 go_on(job, whereabouts.kept, memory);

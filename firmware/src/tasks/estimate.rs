@@ -101,7 +101,8 @@ fn answer<F: MapFlash>(
 /// What the keeper has to know of this moment.
 fn circumstances(sample: &Sample, shared: &Shared) -> Circumstances {
     let is = |flag: &AtomicBool| flag.load(Ordering::Relaxed);
-    Circumstances { is_lifted: sample.contacts.lifted, stands: is(&shared.stands), is_off: is(&shared.is_held) }
+    let wire::Contacts { lifted: is_lifted, docked: is_docked, .. } = sample.contacts;
+    Circumstances { is_lifted, is_docked, stands: is(&shared.stands), is_off: is(&shared.is_held) }
 }
 
 fn senses(slam: &RobotSlam, sample: &Sample, report: &StepReport<SENSORS>, shared: &Shared) -> Senses<SENSORS> {
@@ -173,11 +174,12 @@ fn look_back(slam: &RobotSlam, back_end: &RobotBackEnd, look_backs: &LookBacks) 
 fn raw_sample(ranges: &Ranges, shared: &Shared) -> Sample {
     let ticks = shared.latest_odometry.lock(Cell::get).ticks;
     let robot::Contacts { bump_left, bump_right, cliff, lifted } = shared.contacts();
+    let docked = shared.docked.load(Ordering::Relaxed);
     Sample {
         time_us: ranges.time_us,
         left_ticks: ticks.left,
         right_ticks: ticks.right,
         ranges: ranges.ranges.iter().map(|range| (*range).into()).collect(),
-        contacts: wire::Contacts { bump_left, bump_right, cliff, lifted },
+        contacts: wire::Contacts { bump_left, bump_right, cliff, lifted, docked },
     }
 }

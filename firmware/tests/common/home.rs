@@ -9,12 +9,15 @@ use embassy_time::{Duration, MockDriver};
 use embedded_hal::digital::{ErrorType, InputPin};
 use embedded_hal_async::digital::Wait;
 use embedded_io_async::{ErrorKind, ErrorType as IoErrorType, Read, Write};
+use firmware::keeper::{MapFlash, SLOT_BYTES};
 use firmware::tasks::{self, Platform};
 use firmware::{Job, Keeper, LookBacks, SENSORS, Shared};
 use hal_sim::{Board, Plan, Pose2, SimOptions, Simulation, plan_file};
+use kept_map::{Record, Store};
 use look_back::RobotBackEnd;
 use robot::rig::BuiltIn;
 use robot::{ContactPins, FLOOR_RECORD_BYTES, PowerSupply, RangeSensorBank, WheelControl, WheelControlConfig};
+use slam_core::kept::Kept;
 use slam_core::{Config, RobotSlam};
 use std::collections::VecDeque;
 use wire::{Command, Decoder, Estimate, Frame, encode};
@@ -206,6 +209,15 @@ impl Home {
             ),
         );
         story(&mut Tasks { all: pin!(async { _ = all.await }), home: self });
+    }
+
+    /// Whether the newest map that is kept has a dock where its first drive started.
+    pub fn kept_map_has_dock(&self) -> bool {
+        let mut flash = self.flash.borrow_mut();
+        let newest = Store::new(&mut *flash, SLOT_BYTES).newest().expect("a map is kept");
+        let flash = &mut *flash;
+        let record = &flash.bytes()[(newest.slot * SLOT_BYTES) as usize..];
+        Record::whole(record).expect("a whole record").frame().has_dock
     }
 
     /// The same home, robot and flash after the power was off.

@@ -55,6 +55,7 @@ fn main() -> ! {
             travelled_m: 0.02,
             readings: [0, 0],
             log_odds_elsewhere: 0.0,
+            is_docked: false,
         };
         let was_searching = locator.is_searching();
         let (event, cost) = bench.measure(|| locator.step(&*slam, Some(&record), &step, COMPARISONS));

@@ -47,6 +47,7 @@ pub(super) struct Start {
     pub x_m: Number<Coordinate>,
     pub y_m: Number<Coordinate>,
     pub heading_deg: Option<Number<Finite>>,
+    pub dock: Option<bool>,
 }
 
 #[derive(Deserialize)]

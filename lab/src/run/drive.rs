@@ -60,6 +60,8 @@ impl Drive {
     pub fn step(&mut self, session: &mut Session) -> Row {
         let mut report = None;
         session.draw_areas(&self.bounds);
+        let docked = self.robot.simulation.condition().is_charging;
+        session.dock(docked);
         let frame = self.robot.step_in(&mut |sample| {
             let done = session.estimate(sample);
             let ranges_m = done.readings.map(|reading| reading.range_m);
@@ -77,7 +79,8 @@ impl Drive {
         // Microseconds have six decimals: the text reads back as the same ones.
         let t_text = shortest((t_s * 1e6).round() / 1e6);
         let odometry = self.robot.simulation.odometry();
-        let row = Row { t_text, t_s, sample: frame.sample, odometry, truth: Some(frame.truth), lifted: frame.lifted };
+        let (sample, truth, lifted) = (frame.sample, Some(frame.truth), frame.lifted);
+        let row = Row { t_text, t_s, sample, odometry, truth, lifted, docked };
         if let Some(report) = report {
             session.record(&row, &report);
         }

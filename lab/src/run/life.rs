@@ -47,6 +47,7 @@ pub struct Life {
     rig: u32,
     sequence: u32,
     is_lifted: bool,
+    is_docked: bool,
     /// It was lifted, or began somewhere in a kept map.
     was_carried: bool,
     /// Counts the areas that were drawn: with others, the robot is in another world.
@@ -70,6 +71,7 @@ impl Life {
             rig: rig_hash(rig),
             sequence: 0,
             is_lifted: false,
+            is_docked: false,
             was_carried: false,
             world: 0,
             last: Pose2::default(),
@@ -181,6 +183,11 @@ impl Life {
         areas
     }
 
+    /// Takes in what the charging contact says of the step that comes next.
+    pub fn dock(&mut self, is_docked: bool) {
+        self.is_docked = is_docked;
+    }
+
     /// Takes in what the wheel-drop switches say.
     pub fn lift(&mut self, slam: &mut HostSlam, is_lifted: bool) {
         if is_lifted && !self.is_lifted {
@@ -227,6 +234,9 @@ impl Life {
         if self.is_lifted {
             return false;
         }
+        if self.is_docked && self.is_located() {
+            slam.stands_in_dock();
+        }
         if slam.counters().restarts != restarts && self.kept.is_some() {
             self.forget_place();
             return false;
@@ -243,6 +253,7 @@ impl Life {
             travelled_m: moved.x_m.hypot(moved.y_m) as f32,
             readings: record.as_ref().map_or([0; 2], |record| agreement(report, record.frame().next_id)),
             log_odds_elsewhere: slam.log_odds_elsewhere(),
+            is_docked: self.is_docked,
         };
         let before = self.locator.verdict().copied();
         let event = self.locator.step(&*slam, record.as_ref().map(|record| record as &dyn Kept), &step, AT_ONCE);
@@ -262,6 +273,12 @@ impl Life {
                     return true;
                 }
                 self.lose(slam);
+            }
+            Some(Event::Docked) => {
+                let is_new_frame = slam.begin_in_dock();
+                self.restarts = slam.counters().restarts;
+                self.places.clear();
+                return is_new_frame;
             }
             Some(Event::Copied(copy, found)) => return slam.give_up_copy(&copy, &found).is_ok(),
             Some(Event::Lost) => self.lose(slam),

@@ -115,6 +115,11 @@ impl Session {
         self.life.sought()
     }
 
+    /// Takes in what the charging contact says of the sample that is estimated next.
+    pub fn dock(&mut self, is_docked: bool) {
+        self.life.dock(is_docked);
+    }
+
     /// Takes in what the wheel-drop switches say.
     pub fn lift(&mut self, is_lifted: bool) {
         self.life.lift(&mut self.slam, is_lifted);
@@ -122,6 +127,7 @@ impl Session {
 
     /// Gives one row to the estimator and records what came of it.
     pub fn push(&mut self, row: &Row) -> &Step {
+        self.dock(row.docked);
         let report = self.estimate(&row.sample);
         self.lift(row.lifted);
         self.record(row, &report)

@@ -52,7 +52,17 @@ impl Kept for Map {
         let walls = self.walls.len() as u16;
         let common = POSE_STATES as u16 + 1;
         let (start, anchor) = (Pose::ORIGIN, None);
-        KeptFrame { states: common + walls, common, walls, next_id: 100, has_grid: true, exactness: 0, start, anchor }
+        KeptFrame {
+            states: common + walls,
+            common,
+            walls,
+            next_id: 100,
+            has_grid: true,
+            has_dock: false,
+            exactness: 0,
+            start,
+            anchor,
+        }
     }
 
     fn wall(&self, index: usize) -> Option<KeptWall> {

@@ -49,6 +49,7 @@ impl Kept for Map {
             walls: self.walls.len() as u16,
             next_id: self.walls.len() as u16,
             has_grid: true,
+            has_dock: false,
             exactness: 0,
             start: Pose::ORIGIN,
             anchor: None,

@@ -4,6 +4,7 @@ use slam_core::Pose;
 use slam_core::kept::{Kept, KeptFrame, KeptWall};
 
 use super::{INSIDE, Map};
+use crate::odds::{self, Displaced};
 use crate::{Progress, Search, Verdict};
 
 /// A map whose frame lies there in that of the drive's start.
@@ -32,15 +33,15 @@ impl Kept for Begun {
 
 const MAP: Map = Map { bend_m: 0.0, sigma_m: 0.0, is_common: true };
 
-/// A search of a robot that its map has so far off; of one of whom that is not asked without it.
-fn search(off: Option<Pose>) -> Verdict {
+/// A search of a robot that its map has so far off, in this way; of one of whom that is not asked without it.
+fn search(off: Option<Pose>, by: Displaced) -> Verdict {
     // Both frames lie somewhere in that of the start.
     let kept = Begun { map: MAP, at: Pose::new(3.0, -1.0, 0.7) };
     let fresh = Begun { map: MAP, at: kept.at.compose(&off.unwrap_or(Pose::ORIGIN)) };
     let mut search = Search::IDLE;
     assert!(search.begin(&fresh, &kept, &INSIDE), "a map with walls on a grid");
     if off.is_some() {
-        search.expect_near(&fresh, &kept);
+        search.expect_near(&fresh, &kept, by, odds::CARRIED);
     }
     while search.work(&kept, 100) == Progress::Working {}
     search.verdict().expect("a place")
@@ -48,9 +49,9 @@ fn search(off: Option<Pose>) -> Verdict {
 
 #[test]
 fn a_place_near_the_old_one_is_likelier_and_any_other_half_as_likely() {
-    let anywhere = search(None);
+    let anywhere = search(None, odds::CONTRADICTED);
     let gain = |x_m: f32, turned_deg: f32| {
-        let verdict = search(Some(Pose::new(x_m, 0.0, turned_deg.to_radians())));
+        let verdict = search(Some(Pose::new(x_m, 0.0, turned_deg.to_radians())), odds::CONTRADICTED);
         assert!(verdict.best.is_same_place(&anywhere.best), "{verdict:?}");
         verdict.best.score - anywhere.best.score
     };
@@ -59,4 +60,12 @@ fn a_place_near_the_old_one_is_likelier_and_any_other_half_as_likely() {
     assert!(askew > 0.5 && far > 0.5, "{askew} {far}");
     let half = -core::f32::consts::LN_2;
     assert!((carried - half).abs() < 0.1 && (gain(0.0, 180.0) - half).abs() < 0.1, "{carried}");
+}
+
+#[test]
+fn in_the_dock_a_robot_is_likely_where_the_map_began_and_as_likely_with_a_dock_that_was_moved() {
+    let anywhere = search(None, odds::DOCKED);
+    let gain = |x_m: f32| search(Some(Pose::new(x_m, 0.0, 0.0)), odds::DOCKED).best.score - anywhere.best.score;
+    assert!(gain(0.0) > 5.0 && gain(0.03) > 4.9, "{} {}", gain(0.0), gain(0.03));
+    assert!((gain(2.0) + core::f32::consts::LN_2).abs() < 0.1, "{}", gain(2.0));
 }

@@ -1,5 +1,7 @@
 //! When a robot that knows its place gives it up.
 
+use std::vec::Vec;
+
 use super::Map;
 use crate::locator::CLAIM;
 use crate::{Event, Locator, State, Step};
@@ -10,8 +12,13 @@ const STEP_M: f32 = 0.06;
 /// Drives so many steps with readings that agree with the kept map, and that do not; what there was to do.
 fn drive(locator: &mut Locator, steps: usize, readings: [u8; 2], log_odds_elsewhere: f32) -> Option<Event> {
     let map = Map { bend_m: 0.0, sigma_m: 0.0, is_common: true };
-    let step =
-        |number| Step { position_m: [STEP_M * number as f32, 0.0], travelled_m: STEP_M, readings, log_odds_elsewhere };
+    let step = |number| Step {
+        position_m: [STEP_M * number as f32, 0.0],
+        travelled_m: STEP_M,
+        readings,
+        log_odds_elsewhere,
+        is_docked: false,
+    };
     (0..steps).find_map(|number| locator.step(&map, Some(&map), &step(number), 0))
 }
 
@@ -31,4 +38,25 @@ fn much_that_hides_walls_is_doubt_and_no_reason_to_give_a_place_up() {
 fn a_claim_is_revoked_by_readings_alone() {
     let mut locator = Locator::new(State::Probation);
     assert_eq!(drive(&mut locator, 40, [1, 3], 0.0), Some(Event::Lost));
+}
+
+#[test]
+fn a_searching_robot_that_comes_to_stand_in_a_dock_begins_its_fresh_map_there_once() {
+    let map = Map { bend_m: 0.0, sigma_m: 0.0, is_common: true };
+    let step = |is_docked| Step {
+        position_m: [0.0; 2],
+        travelled_m: 0.0,
+        readings: [0; 2],
+        log_odds_elsewhere: 0.0,
+        is_docked,
+    };
+    let mut locator = Locator::new(State::Searching);
+    let mut events = |docked: &[bool]| -> Vec<Option<Event>> {
+        docked.iter().map(|is_docked| locator.step(&map, Some(&map), &step(*is_docked), 0)).collect()
+    };
+    assert_eq!(events(&[false, true, true, false, true]), [None, Some(Event::Docked), None, None, None]);
+    locator.lost();
+    assert_eq!(locator.step(&map, Some(&map), &step(true), 0), Some(Event::Docked), "it was carried meanwhile");
+    let mut knows = Locator::new(State::Tracking);
+    assert_eq!(knows.step(&map, Some(&map), &step(true), 0), None);
 }

@@ -29,7 +29,7 @@ pub struct Contact {
     pressed: Contacts,
 }
 
-const NONE: Contacts = Contacts { bump_left: false, bump_right: false, cliff: false, lifted: false };
+const NONE: Contacts = Contacts { bump_left: false, bump_right: false, cliff: false, lifted: false, docked: false };
 
 /// Every contact input.
 pub const CONTACTS: [Contact; 4] = [
@@ -94,7 +94,8 @@ fn answer(sensor: usize, robot: &Robot, free: &[Sample], held: &[Sample]) -> f32
 
 /// Does this input, and no other, show that it is pressed?
 pub fn contact(contact: &Contact, samples: &[Sample]) -> Finding {
-    let last = samples.last().ok_or("no samples")?.contacts;
+    // It may stand in its dock.
+    let last = Contacts { docked: false, ..samples.last().ok_or("no samples")?.contacts };
     match last {
         seen if seen == contact.pressed => Ok("it answers".into()),
         NONE => Err("it does not answer: check its wire".into()),

@@ -92,11 +92,12 @@ fn sense(simulation: &mut Simulation, time_us: u64) -> Sample {
     let ticks = simulation.ticks();
     let ranges = simulation.read_ranges();
     let robot::Contacts { bump_left, bump_right, cliff, lifted } = simulation.contacts();
+    let docked = simulation.condition().is_charging;
     Sample {
         time_us,
         left_ticks: ticks.left,
         right_ticks: ticks.right,
         ranges: ranges.into_iter().take(wire::SENSORS).map(Range::from).collect(),
-        contacts: Contacts { bump_left, bump_right, cliff, lifted },
+        contacts: Contacts { bump_left, bump_right, cliff, lifted, docked },
     }
 }

@@ -100,7 +100,8 @@ impl Shadow {
     /// Keeps the map as the firmware does, which saved it where its flash has changed; both must have the same bytes then.
     fn keep(&mut self, sample: &Sample, report: &StepReport<{ wire::SENSORS }>, flash: Option<&[u8]>) {
         let saved = flash.filter(|theirs| *theirs != self.keeper.flash().0);
-        let now = Circumstances { is_lifted: sample.contacts.lifted, stands: saved.is_some(), is_off: saved.is_some() };
+        let (Contacts { lifted: is_lifted, docked: is_docked, .. }, is_saved) = (sample.contacts, saved.is_some());
+        let now = Circumstances { is_lifted, is_docked, stands: is_saved, is_off: is_saved };
         self.keeper.step(&mut self.slam, report, now);
         if saved.is_some_and(|theirs| theirs != self.keeper.flash().0) {
             self.differ(sample, "the map that was saved");

@@ -116,6 +116,7 @@ impl View {
             (touched.bump_right, "right"),
             (touched.cliff, "cliff"),
             (touched.lifted, "lifted"),
+            (touched.docked, "dock"),
         ];
         let touched: Vec<&str> = names.iter().filter(|(on, _)| *on).map(|(_, name)| *name).collect();
         writeln!(f, "\nticks     {} {}   touched: {}", sample.left_ticks, sample.right_ticks, touched.join(" "))

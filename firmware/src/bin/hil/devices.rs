@@ -13,7 +13,7 @@ use embedded_io_async::{ErrorType as IoErrorType, Read, Write};
 use firmware::SENSORS;
 use firmware::tasks::Platform;
 use heapless::Vec;
-use robot::{Contacts, DriveMotors, Duty, WheelEncoders};
+use robot::{Contacts, DriveMotors, Duty, PowerSupply, WheelEncoders};
 use slam_core::{RangeInput, Ticks};
 use wire::Sample;
 
@@ -22,12 +22,14 @@ struct Inputs {
     ranges: [RangeInput; SENSORS],
     ticks: Ticks,
     contacts: Contacts,
+    docked: bool,
 }
 
 static INPUTS: Mutex<Raw, Cell<Inputs>> = Mutex::new(Cell::new(Inputs {
     ranges: [RangeInput::Missing; SENSORS],
     ticks: Ticks { left: 0, right: 0 },
     contacts: Contacts { bump_left: false, bump_right: false, cliff: false, lifted: false },
+    docked: false,
 }));
 static DUTY: Mutex<Raw, Cell<Duty>> = Mutex::new(Cell::new(Duty { left: 0.0, right: 0.0 }));
 static ENABLED: Mutex<Raw, Cell<bool>> = Mutex::new(Cell::new(false));
@@ -38,9 +40,9 @@ static HEARD: Pipe<Raw, 256> = Pipe::new();
 pub fn set_inputs(sample: &Sample) {
     let slam_core::Sample { ranges, .. } = sample.to_slam();
     let ticks = Ticks { left: sample.left_ticks, right: sample.right_ticks };
-    let wire::Contacts { bump_left, bump_right, cliff, lifted } = sample.contacts;
+    let wire::Contacts { bump_left, bump_right, cliff, lifted, docked } = sample.contacts;
     let contacts = Contacts { bump_left, bump_right, cliff, lifted };
-    INPUTS.lock(|inputs| inputs.set(Inputs { ranges, ticks, contacts }));
+    INPUTS.lock(|inputs| inputs.set(Inputs { ranges, ticks, contacts, docked }));
 }
 
 /// What the motors are given now.
@@ -82,6 +84,19 @@ impl WheelEncoders for Encoders {
 
 /// The motors.
 pub struct Motors;
+
+/// A robot without a battery gauge, in its dock where the inputs say so.
+pub struct Dock;
+
+impl PowerSupply for Dock {
+    fn battery_v(&mut self) -> Option<f32> {
+        None
+    }
+
+    fn is_charging(&mut self) -> bool {
+        INPUTS.lock(|inputs| inputs.get().docked)
+    }
+}
 
 impl DriveMotors for Motors {
     type Error = Infallible;

@@ -29,13 +29,13 @@ mod transport;
 use bank::ROBOT;
 use core::panic::PanicInfo;
 use cortex_m_semihosting::{debug, hprintln};
-use devices::{Emulated, Enable, Encoders, Input, Line, Motors};
+use devices::{Dock, Emulated, Enable, Encoders, Input, Line, Motors};
 use embassy_executor::Spawner;
 use firmware::tasks;
 use firmware::{Job, Keeper, LookBacks, SENSORS, Shared};
 use flash::Flash;
 use look_back::RobotBackEnd;
-use robot::{ContactPins, NoSupply, WheelControl, WheelControlConfig};
+use robot::{ContactPins, WheelControl, WheelControlConfig};
 use slam_core::{Config, RobotSlam};
 use static_cell::{ConstStaticCell, StaticCell};
 
@@ -121,7 +121,7 @@ async fn look_back() -> ! {
 #[embassy_executor::task]
 async fn drive(job: &'static mut Job) -> ! {
     let control = WheelControl::new(WheelControlConfig::default());
-    tasks::drive(job, ROBOT, control, &mut Motors, &mut NoSupply, &mut [0; 0], &SHARED).await
+    tasks::drive(job, ROBOT, control, &mut Motors, &mut Dock, &mut [0; 0], &SHARED).await
 }
 
 #[embassy_executor::task]

@@ -79,7 +79,7 @@ impl Reader {
         let sample = Sample { time_us, motion, ranges };
         let (t_text, t_s) = (scan.t_text.to_owned(), scan.t_s);
         self.scan_m = scan.ranges_m;
-        Ok(Some(Row { t_text, t_s, sample, odometry: None, truth: None, lifted: false }))
+        Ok(Some(Row { t_text, t_s, sample, odometry: None, truth: None, lifted: false, docked: false }))
     }
 }
 

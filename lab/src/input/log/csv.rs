@@ -12,6 +12,7 @@ use input_file::FileError;
 const TICKS: [&str; 2] = ["left_ticks", "right_ticks"];
 const POSE: [&str; 3] = ["odom_x_m", "odom_y_m", "odom_theta_rad"];
 const LIFTED: &str = "lifted";
+const DOCKED: &str = "docked";
 const TRUTH: [&str; 3] = ["true_x_m", "true_y_m", "true_theta_rad"];
 
 /// A column of the log.
@@ -37,6 +38,7 @@ struct Columns {
     ranges: Vec<(Column, bool)>,
     truth: Option<[Column; 3]>,
     lifted: Option<Column>,
+    docked: Option<Column>,
     ignored: Vec<String>,
 }
 
@@ -91,8 +93,9 @@ impl Reader {
             _ => None,
         };
         let (t_text, sample) = (cells[columns.time.index].to_owned(), Sample { time_us, motion, ranges });
-        let lifted = columns.lifted.as_ref().map_or(Ok(false), |column| switch(&cells, column))?;
-        Ok(Row { t_text, t_s, sample, odometry, truth, lifted })
+        let is_on = |column: &Option<Column>| column.as_ref().map_or(Ok(false), |column| switch(&cells, column));
+        let (lifted, docked) = (is_on(&columns.lifted)?, is_on(&columns.docked)?);
+        Ok(Row { t_text, t_s, sample, odometry, truth, lifted, docked })
     }
 }
 
@@ -172,7 +175,8 @@ impl Columns {
         } else {
             None
         };
-        let lifted = names.contains(&LIFTED).then(|| find(LIFTED, "it was there")).transpose()?;
+        let mut optional = |name| names.contains(&name).then(|| find(name, "it was there")).transpose();
+        let (lifted, docked) = (optional(LIFTED)?, optional(DOCKED)?);
         if let Some(extra) = unused.iter().find(|name| is_range_column(name)) {
             let plural = if ranges.len() == 1 { "" } else { "s" };
             let what = format!("has no place; the rig file has {} range sensor{plural}", ranges.len());
@@ -180,7 +184,7 @@ impl Columns {
         }
         unused.retain(|name| !TICKS.contains(name) && !POSE.contains(name));
         let ignored = unused.into_iter().map(str::to_owned).collect();
-        Ok(Self { count: names.len(), time, motion, ranges, truth, lifted, ignored })
+        Ok(Self { count: names.len(), time, motion, ranges, truth, lifted, docked, ignored })
     }
 }
 

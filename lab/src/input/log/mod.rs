@@ -32,6 +32,8 @@ pub struct Row {
     pub truth: Option<Pose2>,
     /// The wheel-drop switches say that the robot is off the floor.
     pub lifted: bool,
+    /// The charging contact says that the robot stands in its dock.
+    pub docked: bool,
 }
 
 /// A whole scan of evenly spaced beams, of which the rig's sensors are some.

@@ -23,7 +23,7 @@ pub fn header(robot: &Robot) -> String {
             RangeModel::Metric { .. } => write!(text, ",range_{i}_m"),
         };
     }
-    text + ",lifted,true_x_m,true_y_m,true_theta_rad"
+    text + ",lifted,docked,true_x_m,true_y_m,true_theta_rad"
 }
 
 /// One row; increments without the pose that they led to leave empty cells.
@@ -40,7 +40,8 @@ pub fn line(robot: &Robot, row: &Row) -> String {
             RangeInput::Metres(range_m) => write!(text, ",{}", shortest(range_m)),
         };
     }
-    text + if row.lifted { ",1," } else { ",0," } + &cells(row.truth)
+    let _ = write!(text, ",{},{},", u8::from(row.lifted), u8::from(row.docked));
+    text + &cells(row.truth)
 }
 
 /// The three cells of a pose.
