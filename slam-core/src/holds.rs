@@ -5,6 +5,7 @@
 //! that did not move. The log odds of all sensors are summed for as long as they speak for a hold (Page 1954, cumulative
 //! sums), and the other way round while the robot is held. Where no wall tells, readings that stay while it should turn do.
 
+pub mod frozen;
 pub mod stillness;
 
 use crate::filter::ekf::EkfView;
@@ -168,6 +169,13 @@ impl<const S: usize> Holds<S> {
         self.witnesses = [Witness::NONE; S];
         (self.wheels, self.heading, self.at) = (Pose::ORIGIN, (0.0, 1.0), (0.0, 0.0));
         (self.watch, self.is_held) = (Watch::Nothing, is_held);
+    }
+
+    /// What these sensors said of readings that stay, a bit each, is forgotten: they stay the same while the robot moves.
+    pub fn forget_stillness(&mut self, sensors: u16) {
+        if sensors != 0 {
+            self.stillness.forget(sensors);
+        }
     }
 
     /// Whether the robot did not turn of late, whatever its wheels said.

@@ -42,6 +42,7 @@ pub mod config;
 mod displacement;
 mod dock;
 mod filter;
+mod frozen_sensors;
 mod geometry;
 pub mod hand_over;
 mod health;

@@ -22,11 +22,13 @@ pub enum Refusal {
     Ambiguous,
     /// The innovation variance is not a positive number.
     Degenerate,
+    /// The sensor is frozen: its output stays the same, whatever the robot does ([`Slam::is_frozen`](crate::Slam::is_frozen)).
+    Frozen,
 }
 
 impl Refusal {
     /// Number of reasons.
-    pub const COUNT: usize = 9;
+    pub const COUNT: usize = 10;
 
     /// Every reason, in the order of [`Counters::refused`].
     pub const ALL: [Refusal; Self::COUNT] = [
@@ -39,6 +41,7 @@ impl Refusal {
         Self::Incidence,
         Self::Ambiguous,
         Self::Degenerate,
+        Self::Frozen,
     ];
 }
 
@@ -208,6 +211,11 @@ impl Counters {
         count(&mut self.holds, u8::from(is_held));
     }
 
+    /// Counts a sensor that was found frozen.
+    pub(crate) fn add_frozen(&mut self) {
+        count(&mut self.frozen, 1u8);
+    }
+
     /// Counts a sample whose motion, or time, cannot be, where this one's cannot.
     pub(crate) fn add_motion(&mut self, is_bad: bool) {
         count(&mut self.bad_motion, is_bad);
@@ -274,6 +282,7 @@ impl Counters {
         holds: 0,
         taken_over: 0,
         not_taken: [0; NotTaken::COUNT],
+        frozen: 0,
     };
 }
 
@@ -317,4 +326,6 @@ pub struct Counters {
     pub taken_over: u32,
     /// Those that were not, by reason, in the order of [`NotTaken::ALL`].
     pub not_taken: [u32; NotTaken::COUNT],
+    /// Times that a sensor was found frozen.
+    pub frozen: u32,
 }

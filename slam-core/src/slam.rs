@@ -10,6 +10,7 @@ use crate::geometry::angle::{sin_cos, wrap};
 use crate::geometry::pose::Pose;
 use crate::health::{Asked, HealthMonitor};
 use crate::holds::Holds;
+use crate::holds::frozen::Frozen;
 use crate::jolts::Jolts;
 use crate::jolts::recent::Seen;
 use crate::measurement::first_estimates::{FirstEstimates, Linearisation};
@@ -72,7 +73,7 @@ pub struct Slam<const S: usize, const W: usize, const B: usize, const ROWS: usiz
     pub(crate) latency: Latency,
     pub(crate) levels: NoiseLevels,
     pub(crate) slippage: Slippage,
-    output_noise: OutputNoise,
+    pub(crate) output_noise: OutputNoise,
     pub(crate) correlation: SurfaceCorrelation<S>,
     pub(crate) ekf: Ekf<ROWS>,
     pub(crate) first: FirstEstimates,
@@ -82,6 +83,7 @@ pub struct Slam<const S: usize, const W: usize, const B: usize, const ROWS: usiz
     pub(crate) monitor: HealthMonitor,
     pub(crate) jolts: Jolts,
     pub(crate) holds: Holds<S>,
+    pub(crate) frozen: Frozen<S>,
     pub(crate) counters: Counters,
     /// Where the map's first drive started is the robot's dock.
     pub(crate) has_dock: bool,
@@ -119,6 +121,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         monitor: HealthMonitor::NEW,
         jolts: Jolts::NONE,
         holds: Holds::NONE,
+        frozen: Frozen::NONE,
         counters: Counters::ZERO,
         has_dock: false,
     };
@@ -184,7 +187,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.map.clear(self.config.walls.frame);
         self.candidates.clear();
         self.monitor = HealthMonitor::NEW;
-        (self.jolts, self.holds, self.counters, self.has_dock) = (Jolts::NONE, Holds::NONE, Counters::ZERO, false);
+        (self.jolts, self.holds, self.frozen) = (Jolts::NONE, Holds::NONE, Frozen::NONE);
+        (self.counters, self.has_dock) = (Counters::ZERO, false);
         self.add_states();
         Ok(())
     }
@@ -206,11 +210,11 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
                 (scale_sigma, (config.motion.calibrate_scales, 0.0, veer_sigma))
             }
         };
-        drive.states = DriveStates {
-            first_scale: allot(config.motion.calibrate_scales, 1.0, scale_sigma),
-            second_scale: allot(config.motion.calibrate_scales, 1.0, scale_sigma),
-            third: allot(is_wanted, mean, sigma),
-        };
+        let scales = config.motion.calibrate_scales;
+        let allotted = [(scales, 1.0, scale_sigma), (scales, 1.0, scale_sigma), (is_wanted, mean, sigma)]
+            .map(|(a, b, c)| allot(a, b, c));
+        let [first_scale, second_scale, third] = allotted.map(|state| state.map(|i| i as u16));
+        drive.states = DriveStates { first_scale, second_scale, third };
         for (state, sensor) in sensors.iter_mut().zip(&rig.sensors) {
             *state = SensorState::new(sensor, allot(config.sensing.calibrate_gains, 1.0, sensor.gain_sigma));
         }
@@ -230,7 +234,9 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.predict(&sample.motion, tick);
         self.turn_round(&sample.ranges);
         let predicted = Direction::of(&self.ekf);
+        let updates = self.counters.updates;
         self.observe(&sample.ranges, tick.dt_s, &mut report);
+        self.watch_sensors(self.counters.updates.wrapping_sub(updates), &sample.ranges, &report);
         self.slippage.corrected(predicted, Direction::of(&self.ekf));
         if let Some(times) = self.slippage.restated() {
             let of_walls = self.map.first_state(&self.ekf);
@@ -293,6 +299,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     }
 
     /// Updates with every reading that is a wall's, and keeps those that fit none (Rousse & Qiu eq. 3).
+    #[inline(never)]
     fn observe(&mut self, inputs: &[RangeInput; S], dt_s: f32, report: &mut StepReport<S>) {
         self.latency.stamps.begin_row(&mut self.ekf);
         let odometry = &self.drive.dead_reckoning;
@@ -383,17 +390,6 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         for changes in [born, tidied] {
             self.counters.add_changes(&changes);
             report.add(&changes);
-        }
-    }
-
-    /// Where the beams ended, with the pose after the step.
-    fn place_hits(&self, dt_s: f32, report: &mut StepReport<S>) {
-        let pose = layout::pose(&self.ekf);
-        let heading = sin_cos(pose.theta_rad);
-        let timing = Timing { dt_s, step: &self.drive.step, latency: &self.latency };
-        for ((limits, state), reading) in self.rig.sensors.iter().zip(&self.sensors).zip(&mut report.readings) {
-            let beam = state.mount_then(&limits.model, &timing, &self.ekf).beam([pose.x_m, pose.y_m], heading);
-            reading.hit_m = reading.range_m.map(|range_m| self.map.point_in_map(beam.at(range_m)));
         }
     }
 }

@@ -2,10 +2,12 @@
 
 use crate::config::Config;
 use crate::filter::layout::{self, ALPHA};
+use crate::geometry::angle::sin_cos;
 use crate::geometry::pose::Pose;
 use crate::motion::Slip;
-use crate::report::{Counters, Health};
+use crate::report::{Counters, Health, StepReport};
 use crate::rig::{DriveModel, Rig};
+use crate::sensing::latency::Timing;
 use crate::slam::Slam;
 use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::wall::{Direction, WallKind, WallPolicy};
@@ -215,6 +217,17 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.sensors.get(sensor).map_or(1.0, |sensor| sensor.gain(&self.ekf))
     }
 
+    /// Whether the range sensor with this index is frozen: its output stays the same, whatever the robot does. Its readings are
+    /// refused until it changes again.
+    pub fn is_frozen(&self, sensor: usize) -> bool {
+        self.frozen.is_frozen(sensor)
+    }
+
+    /// The range sensors that are frozen, a bit each, in the rig's order.
+    pub fn frozen_sensors(&self) -> u16 {
+        self.frozen.sensors()
+    }
+
     /// How late the readings that come in metres are, and its 1-sigma, seconds; none where it is not estimated.
     pub fn latency(&self) -> Option<(f32, f32)> {
         self.latency.state.map(|i| (self.ekf.mean(i), self.sigma(i)))
@@ -255,5 +268,16 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     /// Length of the state vector at present.
     pub fn state_len(&self) -> usize {
         self.ekf.len()
+    }
+
+    /// Where the beams ended, with the pose after the step.
+    pub(crate) fn place_hits(&self, dt_s: f32, report: &mut StepReport<S>) {
+        let pose = layout::pose(&self.ekf);
+        let heading = sin_cos(pose.theta_rad);
+        let timing = Timing { dt_s, step: &self.drive.step, latency: &self.latency };
+        for ((limits, state), reading) in self.rig.sensors.iter().zip(&self.sensors).zip(&mut report.readings) {
+            let beam = state.mount_then(&limits.model, &timing, &self.ekf).beam([pose.x_m, pose.y_m], heading);
+            reading.hit_m = reading.range_m.map(|range_m| self.map.point_in_map(beam.at(range_m)));
+        }
     }
 }

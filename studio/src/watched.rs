@@ -125,7 +125,7 @@ impl Watched {
             Frame::Faults(faults) => self.faults = Some(faults),
             Frame::Place(place) => self.place = Some(place),
             Frame::Floor(floor) => self.floor = Some(floor),
-            Frame::LookBack(_) | Frame::Motors(_) | Frame::Command(_) | Frame::MapRequest(_) => {}
+            Frame::LookBack(_) | Frame::Frozen(_) | Frame::Motors(_) | Frame::Command(_) | Frame::MapRequest(_) => {}
             Frame::MapAnswer(answer) => self.errands.map_answer(&answer),
         }
     }

@@ -32,6 +32,21 @@ pub fn drive(
     rig: &Rig<SENSORS>,
     seconds: f64,
     seed: u64,
+    each: impl FnMut(Driven) -> bool,
+) -> Box<HostSlam> {
+    drive_altered(plan, rig, seconds, seed, |_| {}, each)
+}
+
+/// The same with samples that are altered before the estimator has them.
+///
+/// # Panics
+/// The rig cannot be simulated in the plan.
+pub fn drive_altered(
+    plan: &Plan,
+    rig: &Rig<SENSORS>,
+    seconds: f64,
+    seed: u64,
+    mut alter: impl FnMut(&mut Sample<SENSORS>),
     mut each: impl FnMut(Driven) -> bool,
 ) -> Box<HostSlam> {
     let simulation = Simulation::new(plan, rig, SimOptions::default(), seed).unwrap_or_else(|error| panic!("{error}"));
@@ -41,7 +56,9 @@ pub fn drive(
     while robot.simulation.time_s() < seconds {
         let mut done = None;
         let frame = robot.step(&mut |sample| {
-            let report = slam.step(sample);
+            let mut sample = *sample;
+            alter(&mut sample);
+            let report = slam.step(&sample);
             done = Some(report);
             Estimate { pose: slam.pose(), ranges_m: report.readings.map(|reading| reading.range_m) }
         });

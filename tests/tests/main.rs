@@ -11,6 +11,7 @@ mod experiments;
 mod floor_job;
 mod floor_page;
 mod floor_plans;
+mod frozen_sensors;
 mod holds;
 mod hostile_input;
 mod jolts;

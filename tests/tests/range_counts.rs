@@ -99,7 +99,10 @@ fn a_held_reading_is_used_once() {
     let counts: Vec<u16> = (0..40u16).map(|i| 1000 + i / 2 * 5 + i % 2).collect();
     assert_eq!(refused(&run(script(&counts), front(), 20_000, 20, 40)), [(Refusal::Held, 20)]);
     // At 10 Hz nothing is held for so long: equal readings are two readings.
-    assert_eq!(refused(&run(script(&[1000; 40]), front(), 100_000, 20, 40)), []);
+    assert_eq!(refused(&run(script(&counts), front(), 100_000, 20, 40)), []);
+    // So many in a row are those of a sensor that is frozen.
+    let frozen = refused(&run(script(&[1000; 40]), front(), 100_000, 20, 40));
+    assert!(matches!(frozen[..], [(Refusal::Frozen, 10..)]), "{frozen:?}");
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use robot::{FloorProgress, FloorState};
 
 use crate::frames::{
-    Calibration, Estimate, Factor, Floor, Health, Parameter, Range, SENSORS, Sample, SlamFaults, Wall, WallKind,
+    Calibration, Estimate, Factor, Floor, Frozen, Health, Parameter, Range, SENSORS, Sample, SlamFaults, Wall, WallKind,
 };
 use slam_core::{Counters, Motion, RangeInput, Slam, Ticks, WallView};
 
@@ -156,6 +156,15 @@ impl Calibration {
     }
 }
 
+impl Frozen {
+    /// The estimator's frozen sensors; none where it never found one.
+    pub fn of<const S: usize, const W: usize, const B: usize, const ROWS: usize>(
+        slam: &Slam<S, W, B, ROWS>,
+    ) -> Option<Self> {
+        (slam.counters().frozen > 0).then(|| Self { sensors: slam.frozen_sensors() })
+    }
+}
+
 impl From<slam_core::Parameter> for Parameter {
     fn from(parameter: slam_core::Parameter) -> Self {
         match parameter {
@@ -213,7 +222,7 @@ impl From<&Counters> for SlamFaults {
         Self {
             steps: counters.steps,
             updates: counters.updates,
-            refused: counters.refused,
+            refused: core::array::from_fn(|reason| counters.refused[reason]),
             buffered: counters.buffered,
             overwritten: counters.overwritten,
             births: counters.births,

@@ -10,6 +10,9 @@ pub const SENSORS: usize = 8;
 /// Most calibration factors: a gain per sensor, two scales, the track.
 const FACTORS: usize = SENSORS + 3;
 
+/// Reasons of refusal in [`SlamFaults`]: the later ones are in frames of their own.
+pub const REFUSALS: usize = 9;
+
 /// One message.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Frame {
@@ -37,6 +40,8 @@ pub enum Frame {
     MapAnswer(MapAnswer),
     /// How far it is with the floor.
     Floor(Floor),
+    /// Which of its range sensors are frozen.
+    Frozen(Frozen),
 }
 
 /// Raw input of one estimator step.
@@ -204,7 +209,7 @@ pub struct Faults {
 pub struct SlamFaults {
     pub steps: u32,
     pub updates: u32,
-    pub refused: [u32; slam_core::Refusal::COUNT],
+    pub refused: [u32; REFUSALS],
     pub buffered: u32,
     pub overwritten: u32,
     pub births: u32,
@@ -347,4 +352,11 @@ pub enum Command {
         /// All of it, from where the robot stands, which is home then; else on with what it was stopped at, and anew where that is nothing.
         anew: bool,
     },
+}
+
+/// Range sensors whose output stays the same whatever they look at; their readings are refused.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Frozen {
+    /// Those that are frozen now, a bit each, in the rig's order.
+    pub sensors: u16,
 }

@@ -6,7 +6,7 @@
 //!
 //! | direction | frames |
 //! |---|---|
-//! | robot to host | [`Frame::Sample`], [`Frame::Estimate`], [`Frame::Wall`], [`Frame::Calibration`], [`Frame::Faults`], [`Frame::LookBack`], [`Frame::Place`], [`Frame::MapAnswer`], [`Frame::Floor`] |
+//! | robot to host | [`Frame::Sample`], [`Frame::Estimate`], [`Frame::Wall`], [`Frame::Calibration`], [`Frame::Faults`], [`Frame::LookBack`], [`Frame::Place`], [`Frame::MapAnswer`], [`Frame::Floor`], [`Frame::Frozen`] |
 //! | host to robot | [`Frame::Command`], [`Frame::MapRequest`] |
 //! | with the robot's hardware simulated | [`Frame::Sample`] to the robot, [`Frame::Motors`] back |
 #![no_std]
@@ -18,8 +18,8 @@ mod map;
 
 pub use codec::{DecodeError, Decoder, EncodeError, FRAME_CAPACITY, ToRobot, VERSION, encode};
 pub use frames::{
-    BoardFaults, Calibration, Command, Contacts, Estimate, Factor, Faults, Floor, Frame, Health, LookBack, Motors,
-    Parameter, Place, PlaceState, Range, SENSORS, Sample, SlamFaults, Wall, WallKind,
+    BoardFaults, Calibration, Command, Contacts, Estimate, Factor, Faults, Floor, Frame, Frozen, Health, LookBack,
+    Motors, Parameter, Place, PlaceState, REFUSALS, Range, SENSORS, Sample, SlamFaults, Wall, WallKind,
 };
 pub use map::{MapAnswer, MapRefusal, MapRequest, PIECE_BYTES, Piece};
 

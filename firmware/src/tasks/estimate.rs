@@ -12,7 +12,7 @@ use embassy_time::Instant;
 use look_back::RobotBackEnd;
 use robot::{Condition, Senses, Whereabouts};
 use slam_core::{Config, RobotSlam, StepReport, WallView};
-use wire::{Calibration, Estimate, Faults, Frame, LookBack, MapRequest, Sample, Wall};
+use wire::{Calibration, Estimate, Faults, Frame, Frozen, LookBack, MapRequest, Sample, Wall};
 
 /// Steps between two frames of calibration and faults: once a second.
 const SLOW_FRAMES: u32 = 25;
@@ -150,6 +150,9 @@ fn tell(slam: &RobotSlam, sample: Sample, wall: Option<(WallView, [u8; 2])>, lat
 /// Hands calibration and faults to the telemetry.
 fn tell_slow(slam: &RobotSlam, shared: &Shared) {
     shared.push_frame(Frame::Calibration(Calibration::of(slam)));
+    if let Some(frozen) = Frozen::of(slam) {
+        shared.push_frame(Frame::Frozen(frozen));
+    }
     let slam = slam.counters().into();
     shared.push_frame(Frame::Faults(Faults { slam, board: shared.faults.get() }));
 }

@@ -1,6 +1,6 @@
 //! How the estimator was over a run.
 
-use slam_core::Health;
+use slam_core::{Health, Outcome, Refusal};
 
 use super::Recording;
 
@@ -13,6 +13,19 @@ pub struct Illness {
     pub begin_s: f64,
     /// When it was over; none where it lasted to the end.
     pub end_s: Option<f64>,
+}
+
+/// A stretch of time in which a range sensor was frozen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Freeze {
+    /// Its place in the rig's list.
+    pub sensor: usize,
+    /// When it was found so, seconds after the first row.
+    pub begin_s: f64,
+    /// When it was believed again; none where it lasted to the end.
+    pub end_s: Option<f64>,
+    /// Readings that were refused for it.
+    pub refused: usize,
 }
 
 /// The word for a health.
@@ -42,6 +55,25 @@ impl Recording {
                 found.push(Illness { health: step.health, begin_s: step.t_s, end_s: None });
             }
             last = step.health;
+        }
+        found
+    }
+
+    /// Every stretch of time in which a range sensor was frozen, in order.
+    pub fn freezes(&self) -> Vec<Freeze> {
+        let mut found: Vec<Freeze> = Vec::new();
+        for (row, step) in self.steps.iter().enumerate() {
+            for (sensor, reading) in self.readings(row).iter().enumerate() {
+                let last = found.iter_mut().rfind(|freeze| freeze.sensor == sensor && freeze.end_s.is_none());
+                match (reading.outcome, last) {
+                    (Outcome::Refused(Refusal::Frozen), Some(freeze)) => freeze.refused += 1,
+                    (Outcome::Refused(Refusal::Frozen), None) => {
+                        found.push(Freeze { sensor, begin_s: step.t_s, end_s: None, refused: 1 });
+                    }
+                    (Outcome::Missing | Outcome::Refused(Refusal::Held), _) | (_, None) => {}
+                    (_, Some(freeze)) => freeze.end_s = Some(step.t_s),
+                }
+            }
         }
         found
     }

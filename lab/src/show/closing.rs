@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::recording::health::{self, Illness};
+use crate::recording::health::{self, Freeze, Illness};
 use crate::recording::{Consistency, PathScore, Recording};
 
 /// The table, for people.
@@ -78,6 +78,12 @@ fn write_filter(text: &mut String, recording: &Recording) -> std::fmt::Result {
     for Illness { health, begin_s, end_s } in recording.illnesses() {
         let end = end_s.map_or("the end".to_owned(), |end_s| format!("{end_s:.1} s"));
         writeln!(text, "  {:<34}{:>12}   from {begin_s:.1} s to {end}", "estimator not well", health::name(health))?;
+    }
+    for Freeze { sensor, begin_s, end_s, .. } in recording.freezes() {
+        let end = end_s.map_or("the end".to_owned(), |end_s| format!("{end_s:.1} s"));
+        let name = recording.sensors.get(sensor).map_or("", |sensor| sensor.name.as_str());
+        let what = "its output stays the same, whatever the robot does";
+        writeln!(text, "  {:<34}{name:>12}   from {begin_s:.1} s to {end}: {what}", "sensor frozen")?;
     }
     if figures.lost > 0.0 {
         let share = format!("{:.1} %", 100.0 * figures.lost);

@@ -109,7 +109,7 @@ impl Link {
                 Ok(Frame::LookBack(look_back)) => answer.look_back = Some(look_back),
                 Ok(Frame::Place(place)) => answer.place = Some(place),
                 Ok(Frame::Floor(floor)) => answer.floor = Some(floor),
-                Ok(Frame::MapAnswer(_)) => {}
+                Ok(Frame::MapAnswer(_) | Frame::Frozen(_)) => {}
                 Ok(Frame::Command(_) | Frame::MapRequest(_)) | Err(_) => answer.damaged += 1,
             }
         }

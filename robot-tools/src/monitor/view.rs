@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use robot::FloorState;
-use wire::{BoardFaults, Calibration, Estimate, Faults, Floor, Frame, LookBack, Place, Range, Sample, Wall};
+use wire::{BoardFaults, Calibration, Estimate, Faults, Floor, Frame, Frozen, LookBack, Place, Range, Sample, Wall};
 
 /// Most walls that are listed.
 const LISTED: usize = 24;
@@ -17,6 +17,7 @@ pub struct View {
     walls: BTreeMap<u8, Wall>,
     calibration: Option<Calibration>,
     faults: Option<Faults>,
+    frozen: Option<Frozen>,
     look_back: Option<LookBack>,
     place: Option<Place>,
     floor: Option<Floor>,
@@ -48,6 +49,7 @@ impl View {
             }
             Frame::Calibration(calibration) => self.calibration = Some(calibration),
             Frame::Faults(faults) => self.faults = Some(faults),
+            Frame::Frozen(frozen) => self.frozen = Some(frozen),
             Frame::LookBack(look_back) => self.look_back = Some(look_back),
             Frame::Place(place) => self.place = Some(place),
             Frame::Floor(floor) => self.floor = Some(floor),
@@ -90,6 +92,7 @@ impl fmt::Display for View {
         }
         let restarts = self.faults.map_or(0, |faults| faults.slam.restarts);
         writeln!(f, "health    {}, {restarts} maps begun anew", format!("{:?}", estimate.health).to_lowercase())?;
+        self.write_frozen(f)?;
         self.write_floor(f)?;
         self.write_look_back(f, &estimate)?;
         self.write_sample(f)?;
@@ -180,6 +183,14 @@ impl View {
             counts.iter().filter(|(_, count)| *count > 0).map(|(name, count)| format!("{name} {count}")).collect();
         let counted = if counted.is_empty() { "none".to_owned() } else { counted.join(", ") };
         writeln!(f, "faults    {counted}   (stack {} bytes)", board.stack_used_bytes)
+    }
+
+    fn write_frozen(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(frozen) = self.frozen else { return Ok(()) };
+        let now: Vec<String> =
+            (0..16).filter(|sensor| frozen.sensors >> sensor & 1 != 0).map(|sensor| sensor.to_string()).collect();
+        let now = if now.is_empty() { "none now".to_owned() } else { format!("range sensor {}", now.join(", ")) };
+        writeln!(f, "frozen    {now}")
     }
 
     fn write_calibration(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

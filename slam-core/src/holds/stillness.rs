@@ -19,7 +19,7 @@ use crate::sensing::range::SURFACE_M;
 
 /// A look at what a sensor sees is such a turn, radians, after the one before: the range to a wall half a metre away, which curves away on
 /// both sides of its foot, then differs by 3 cm from what two equal looks before would have it, more than the sensors' noise.
-const LOOK_RAD: f32 = 0.25;
+pub const LOOK_RAD: f32 = 0.25;
 
 /// Log odds from which on the robot is held: one hold in an hour beforehand, in which a robot that cleans turns by a thousand radians
 /// (840 to 1,300 in four simulated homes), four thousand looks, and twenty to one after.
@@ -41,14 +41,14 @@ const FIRST: u8 = 4;
 const FIRST_TURN: u8 = LOOK / 2;
 
 /// What is held swings a little, metres.
-const SWING_M: f32 = 0.01;
+pub const SWING_M: f32 = 0.01;
 
 /// A mean that moved by so many of its standard deviations more has changed: of a held robot it does so once in 16 thousand readings,
 /// some minutes.
-const CHANGED: f32 = 4.0;
+pub const CHANGED: f32 = 4.0;
 
 /// Under so many times its least range a sensor's output hardly changes with the range, and folds back: two such are one witness.
-const NEAR: f32 = 1.3;
+pub const NEAR: f32 = 1.3;
 
 /// A sensor that had no reading for so many steps sees something else with its next.
 const UNSEEN: u8 = 8;
@@ -157,7 +157,7 @@ impl<const S: usize> Stillness<S> {
                 from_m: sensor.state.past_axle_m(range_m, self.ahead_m / self.turned_rad),
                 limits: sensor.limits,
             };
-            let says = f32::from(kept.says) + PER_NAT * look.log_odds();
+            let says = f32::from(kept.says) + PER_NAT * look.log_odds(true);
             kept.says = says.clamp(0.0, PER_NAT * SENSOR_SAYS) as u8;
             (kept.looked, kept.readings.1) = (over, 0);
             (kept.last, kept.last_at) = (kept.mean, at);
@@ -197,6 +197,17 @@ impl<const S: usize> Stillness<S> {
         self.is_same_over(STILL_M)
     }
 
+    /// What these sensors said, a bit each, is forgotten.
+    #[cold]
+    #[inline(never)]
+    pub fn forget(&mut self, sensors: u16) {
+        for (index, kept) in self.kept.iter_mut().enumerate() {
+            if sensors >> (index & 15) & 1 != 0 {
+                kept.age = UNSEEN;
+            }
+        }
+    }
+
     /// Whether it did not turn of late, whatever its wheels said.
     pub fn is_unturned(&self) -> bool {
         self.says() > SURE
@@ -213,6 +224,7 @@ impl<const S: usize> Stillness<S> {
     }
 
     /// Log odds of a robot that does not turn, by all sensors.
+    #[inline(never)]
     fn says(&self) -> f32 {
         let says = |kept: &Kept| f32::from(kept.says) * if kept.is_near { 0.5 } else { 1.0 };
         self.kept.iter().filter(|kept| kept.is_told()).map(says).sum::<f32>() * (1.0 / PER_NAT)
@@ -270,26 +282,27 @@ impl Kept {
 }
 
 /// What a sensor reads after a turn.
-struct Look<'a> {
+pub struct Look<'a> {
     /// The turn since the first, and that of the last look, radians: zero where this is the first one after the first readings.
-    now_rad: f32,
-    last_rad: f32,
+    pub now_rad: f32,
+    pub last_rad: f32,
     /// How much farther than all before it looks, radians.
-    turn_rad: f32,
+    pub turn_rad: f32,
     /// By how much the mean differs from the first, as that of the last look did, metres, and the variance of that by the sensor's noise, m^2.
-    off_m: f32,
-    last_m: f32,
-    variance_m2: f32,
+    pub off_m: f32,
+    pub last_m: f32,
+    pub variance_m2: f32,
     /// How far what is seen is from the middle of the turn, metres; negative where that is beyond.
-    from_m: f32,
+    pub from_m: f32,
     /// What is read, metres, and what can be.
-    range_m: f32,
-    limits: &'a RangeSensor,
+    pub range_m: f32,
+    pub limits: &'a RangeSensor,
 }
 
 impl Look<'_> {
-    /// Log odds of a robot that did not turn against one that did.
-    fn log_odds(&self) -> f32 {
+    /// Log odds of a robot that did not turn against one that did; of a hold it says nothing where what one that turns sees might be out of reach.
+    #[inline(never)]
+    pub fn log_odds(&self, of_hold: bool) -> f32 {
         // A robot that drives round something sees it so all the time; one that turned there and back draws no arc.
         // And a wall of any slope is met twice at the same range about its foot: where sensors and walls stand at right angles, by all.
         if self.from_m.is_nan() || self.from_m <= 0.0 || self.last_rad.abs() < 0.5 * LOOK_RAD {
@@ -301,16 +314,25 @@ impl Look<'_> {
         let times = self.now_rad / self.last_rad;
         let to_m = times * self.last_m + 0.5 * self.from_m * self.now_rad * (self.now_rad - self.last_rad);
         let variance_m2 = rough_m2 * (1.0 + times * times);
-        // What it would see of a robot that turns might be out of its reach.
-        if self.range_m + to_m + libm::sqrtf(variance_m2) > self.limits.max_m {
+        if of_hold && self.range_m + to_m + libm::sqrtf(variance_m2) > self.limits.max_m {
             return 0.0;
         }
-        let likelihood =
-            |off_m, variance_m2, other| (1.0 - other) * density(off_m, variance_m2) + other / self.limits.span_m();
-        let moves = likelihood(self.off_m - to_m, variance_m2, change(MIDDLE_M * self.turn_rad));
-        let stays = likelihood(self.off_m, self.variance_m2 + SWING_M * SWING_M, CHANGES.0);
-        log_odds_of_staying(stays, moves)
+        let moves = (self.off_m - to_m, variance_m2, change(MIDDLE_M * self.turn_rad));
+        log_odds(moves, (self.off_m, self.variance_m2), self.limits.span_m())
     }
+}
+
+/// Log odds of a reading that stayed against one that moved, within such a span: by how far it is from where one that moved would be, with its
+/// variance and the chance that it is of something else, and from where one that stayed would be, with the variance of the sensor's noise.
+#[inline(never)]
+pub fn log_odds(
+    (from_moved_m, moved_m2, other): (f32, f32, f32),
+    (from_stayed_m, noise_m2): (f32, f32),
+    span_m: f32,
+) -> f32 {
+    let likelihood = |off_m, variance_m2, other| (1.0 - other) * density(off_m, variance_m2) + other / span_m;
+    let stays = likelihood(from_stayed_m, noise_m2 + SWING_M * SWING_M, CHANGES.0);
+    log_odds_of_staying(stays, likelihood(from_moved_m, moved_m2, other))
 }
 
 /// Log odds of a robot that did not move against one that did, by these likelihoods of a reading of the one and of the other.

@@ -121,11 +121,11 @@ impl Seen {
             // In units of the voltage read.
             Some(&RangeModel::Sharp { exponent, .. }) => {
                 let relative = self.sigma_m / (exponent * self.range_m);
-                Noise::Volts { variance_v2: relative * relative, volts: 1.0, exponent }
+                Noise::Volts { variance_v2: relative * relative, volts: 1.0, scale_m: self.range_m, exponent }
             }
             _ => Noise::Metres { noise_m: self.sigma_m, noise_rel: 0.0 },
         };
-        Reading { range_m: self.range_m, about_m: self.range_m, noise }
+        Reading { range_m: self.range_m, before_v: 0.0, noise }
     }
 
     /// As a beam in the map.

@@ -270,7 +270,7 @@ impl Observer<'_> {
             // What is older shows less of the change. The capacity is more than twice what a measurement has.
             let by_age = -gain * change_m(&prediction, *heading, self.timing.latency.rate());
             let _ = jacobian.push((age, by_age));
-            if let Some(offset) = self.timing.latency.stamps.state {
+            if let Some(offset) = self.timing.latency.stamps.state.map(usize::from) {
                 let _ = jacobian.push((offset, by_age));
             }
         }

@@ -25,11 +25,11 @@ const fn travel_s(model: &DriveModel) -> f32 {
 #[derive(Clone, Copy, Debug)]
 pub struct DriveStates {
     /// Scale of the left wheel, or of distance.
-    pub first_scale: Option<usize>,
+    pub first_scale: Option<u16>,
     /// Scale of the right wheel, or of turning.
-    pub second_scale: Option<usize>,
+    pub second_scale: Option<u16>,
     /// Factor of the track, or the veer.
-    pub third: Option<usize>,
+    pub third: Option<u16>,
 }
 
 impl DriveStates {
@@ -38,7 +38,7 @@ impl DriveStates {
 
     /// In the order of [`Step::by_factor`].
     pub fn in_order(&self) -> [Option<usize>; 3] {
-        [self.first_scale, self.second_scale, self.third]
+        [self.first_scale, self.second_scale, self.third].map(|state| state.map(usize::from))
     }
 
     /// The factors as they are estimated.
@@ -46,10 +46,11 @@ impl DriveStates {
         let known = Factors::nominal(model);
         let factor =
             |state: Option<usize>, known: Factor| state.map_or(known, |i| Factor { value: ekf.mean(i), state });
+        let [first, second, third] = self.in_order();
         Factors {
-            first: factor(self.first_scale, known.first),
-            second: factor(self.second_scale, known.second),
-            third: factor(self.third, known.third),
+            first: factor(first, known.first),
+            second: factor(second, known.second),
+            third: factor(third, known.third),
         }
     }
 }

@@ -34,6 +34,11 @@ impl OutputNoise {
         1.0 + self.above.max(0.0)
     }
 
+    /// The factor as it is, less than one where readings that follow one another are smoother than stated.
+    pub fn true_factor(&self) -> f32 {
+        1.0 + self.above
+    }
+
     /// Takes note of a second difference of one sensor's outputs, volts, where that variance of an output is stated, V^2.
     pub fn note(&mut self, bend_v: f32, stated_v2: f32) {
         self.readings = self.readings.saturating_add(1);

@@ -26,8 +26,8 @@ pub const SURFACE_M: f32 = 0.003;
 pub struct Reading {
     /// What the sensor reports, metres: gain times true range.
     pub range_m: f32,
-    /// What it reported before on this surface, metres, or else this: the noise is the one of a reading there.
-    pub about_m: f32,
+    /// The voltage that it read before on this surface, V, none where that is zero: the noise is the one of a reading there.
+    pub before_v: f32,
     /// The noise as the sensor makes it.
     pub noise: Noise,
 }
@@ -44,7 +44,9 @@ pub enum Noise {
         variance_v2: f32,
         /// The voltage read, V.
         volts: f32,
-        /// Power of the voltage in the sensor's curve; negative.
+        /// Range at one volt in the sensor's curve, metres.
+        scale_m: f32,
+        /// Power of the voltage in it; negative.
         exponent: f32,
     },
     /// A constant part and one proportional to range, in quadrature.
@@ -72,15 +74,27 @@ impl Reading {
     }
 
     /// Standard deviation where the surface was before, metres: for points that are weighed by it.
+    #[inline(never)]
     pub fn sigma_about_m(&self) -> f32 {
-        libm::sqrtf(self.innovation(self.about_m).noise_m2)
+        libm::sqrtf(self.innovation(self.about_m()).noise_m2)
+    }
+
+    /// What the sensor reported before on this surface, metres, or else this.
+    #[inline(never)]
+    fn about_m(&self) -> f32 {
+        match self.noise {
+            Noise::Volts { scale_m, exponent, .. } if self.before_v > 0.0 => {
+                scale_m * libm::powf(self.before_v, exponent)
+            }
+            _ => self.range_m,
+        }
     }
 
     /// The range without what noise adds to it on average, metres: the curve bends, so that the range of a voltage that is as often too
     /// high as too low is too long.
     pub fn mean_m(&self) -> f32 {
         match self.noise {
-            Noise::Volts { variance_v2, volts, exponent } => {
+            Noise::Volts { variance_v2, volts, exponent, .. } => {
                 self.range_m * (1.0 - 0.5 * exponent * (exponent - 1.0) * variance_v2 / (volts * volts))
             }
             Noise::Metres { .. } => self.range_m,
@@ -89,7 +103,7 @@ impl Reading {
 
     /// Whether of readings of this surface only the short ones come, since the long ones are beyond the sensor's largest range, metres.
     pub fn is_cut_off(&self, max_m: f32) -> bool {
-        matches!(self.noise, Noise::Volts { .. }) && self.about_m + 2.0 * self.sigma_about_m() > max_m
+        matches!(self.noise, Noise::Volts { .. }) && self.about_m() + 2.0 * self.sigma_about_m() > max_m
     }
 
     /// The innovation against a predicted report (gain times range), metres.
@@ -97,9 +111,10 @@ impl Reading {
     /// For a voltage the comparison is made in volts, where the noise is Gaussian and constant, and scaled back to
     /// metres at the prediction. The curve V(r) is expanded around the reading to second order, in the ratio
     /// x = predicted / read - 1.
+    #[inline(never)]
     pub fn innovation(&self, predicted_m: f32) -> Innovation {
         match self.noise {
-            Noise::Volts { variance_v2, volts, exponent } => {
+            Noise::Volts { variance_v2, volts, exponent, .. } => {
                 // V(r) / V = (1 + x)^p with p = 1 / exponent.
                 let p = 1.0 / exponent;
                 let x = (predicted_m / self.range_m - 1.0).clamp(-0.5, 0.5);
@@ -122,23 +137,42 @@ impl Reading {
     }
 }
 
+/// Most times that an output is counted.
+const MOST_TIMES: u8 = 100;
+
 /// What one sensor's inputs were so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FrontEnd {
-    last_counts: Option<u16>,
+    last_counts: u16,
+    /// How often it came though the sensor had time for another one; none where nothing was read.
+    times: u8,
+    /// What it says stays the same, whatever the robot does.
+    pub is_frozen: bool,
     /// Time since `last_counts` was first seen, seconds.
     age_s: f32,
-    /// Last accepted range and the path length then, metres.
-    last_m: Option<(f32, f32)>,
-    /// Path length at which the output was seen to fold back, metres.
-    folded_at_m: Option<f32>,
+    /// Last accepted range, none where that is zero, and the path length then, metres.
+    last_m: (f32, f32),
+    /// Path length at which the output was seen to fold back, metres; none where that is zero.
+    folded_at_m: f32,
     outputs: Outputs,
 }
 
 impl FrontEnd {
     /// Nothing read yet.
-    pub const NEW: Self =
-        Self { last_counts: None, age_s: 0.0, last_m: None, folded_at_m: None, outputs: Outputs::NONE };
+    pub const NEW: Self = Self {
+        last_counts: 0,
+        times: 0,
+        is_frozen: false,
+        age_s: 0.0,
+        last_m: (0.0, 0.0),
+        folded_at_m: 0.0,
+        outputs: Outputs::NONE,
+    };
+
+    /// How often the last output came again, give or take a count, though the sensor had time for another one.
+    pub fn repeats(&self) -> u8 {
+        self.times.saturating_sub(1)
+    }
 
     /// Checks one input and converts it.
     ///
@@ -155,20 +189,24 @@ impl FrontEnd {
         path_m: f32,
         noise: &mut OutputNoise,
     ) -> Result<Reading, Refusal> {
+        if self.is_frozen {
+            return Err(Refusal::Frozen);
+        }
         match (input, &sensor.model, adc) {
             (RangeInput::Counts(counts), &RangeModel::Sharp { scale_m, exponent, noise_v }, Some(adc)) => {
                 let volts = self.new_output(adc, counts, dt_s)?;
                 let range_m = scale_m * libm::powf(volts, exponent);
                 let before = self.outputs;
                 let (variance_v2, is_step) = self.output_variance(sensor, adc, volts, range_m, noise_v, noise)?;
-                let about_m = before.mean().map_or(range_m, |about_v| scale_m * libm::powf(about_v, exponent));
-                let reading = Reading { range_m, about_m, noise: Noise::Volts { variance_v2, volts, exponent } };
+                let before_v = before.mean().unwrap_or(0.0);
+                let reading =
+                    Reading { range_m, before_v, noise: Noise::Volts { variance_v2, volts, scale_m, exponent } };
                 if let Err(refusal) = self.check_fold(sensor, &reading, path_m) {
                     // No surface is where that seems to be: nothing can have stepped from it.
                     self.outputs = Outputs::NONE;
                     return Err(refusal);
                 }
-                self.last_m = Some((range_m, path_m));
+                self.last_m = (range_m, path_m);
                 if is_step { Err(Refusal::Ambiguous) } else { Ok(reading) }
             }
             (RangeInput::Metres(range_m), &RangeModel::Metric { noise_m, noise_rel }, _) => {
@@ -176,7 +214,7 @@ impl FrontEnd {
                     return Err(Refusal::Invalid);
                 }
                 in_limits(sensor, range_m)?;
-                Ok(Reading { range_m, about_m: range_m, noise: Noise::Metres { noise_m, noise_rel } })
+                Ok(Reading { range_m, before_v: 0.0, noise: Noise::Metres { noise_m, noise_rel } })
             }
             _ => Err(Refusal::Invalid),
         }
@@ -188,12 +226,15 @@ impl FrontEnd {
             return Err(Refusal::Invalid);
         }
         // One count of converter noise on a held output is still the same reading.
-        let repeats = self.last_counts.is_some_and(|last| counts.abs_diff(last) <= 1);
+        let repeats = self.times > 0 && counts.abs_diff(self.last_counts) <= 1;
         self.age_s += dt_s;
-        if repeats && self.age_s < SHARP_HOLD_MAX_S {
+        if !repeats {
+            self.times = 0;
+        } else if self.age_s < SHARP_HOLD_MAX_S {
             return Err(Refusal::Held);
         }
-        self.last_counts = Some(counts);
+        self.times = (self.times + 1).min(MOST_TIMES);
+        self.last_counts = counts;
         self.age_s = 0.0;
         if counts == 0 { Err(Refusal::Floor) } else { Ok(f32::from(counts) * adc.lsb_v()) }
     }
@@ -231,19 +272,22 @@ impl FrontEnd {
     /// there can. The range had come so near that the robot's motion could have taken it under the minimum, and then it
     /// grew by more than that motion explains. It is believed again once it has come down to where it left, or once the
     /// robot is far enough for anything to have changed.
+    #[inline(never)]
     fn check_fold(&mut self, sensor: &RangeSensor, reading: &Reading, path_m: f32) -> Result<(), Refusal> {
         let noise_m = 3.0 * reading.sigma_m();
-        if let Some(folded_at_m) = self.folded_at_m {
+        if self.folded_at_m > 0.0 {
             let near = reading.range_m <= sensor.min_m + noise_m;
-            if !near && path_m - folded_at_m < 2.0 * sensor.min_m {
+            if !near && path_m - self.folded_at_m < 2.0 * sensor.min_m {
                 return Err(Refusal::FoldBack);
             }
-            self.folded_at_m = None;
-        } else if let Some((last_m, last_path_m)) = self.last_m {
+            self.folded_at_m = 0.0;
+        } else if self.last_m.0 > 0.0 {
+            let (last_m, last_path_m) = self.last_m;
             let motion_m = path_m - last_path_m;
             let could_be_under = last_m - motion_m - noise_m < sensor.min_m;
             if could_be_under && reading.range_m > last_m + motion_m + noise_m {
-                self.folded_at_m = Some(path_m);
+                // Zero is none.
+                self.folded_at_m = path_m + f32::MIN_POSITIVE;
                 return Err(Refusal::FoldBack);
             }
         }
@@ -265,6 +309,11 @@ impl Adc {
     /// Counts at the reference voltage.
     pub fn full_scale(&self) -> u32 {
         (1u32 << self.bits.min(16)) - 1
+    }
+
+    /// Volts of so many counts.
+    pub fn volts(&self, counts: u16) -> f32 {
+        f32::from(counts) * self.lsb_v()
     }
 
     /// Volts of one count.

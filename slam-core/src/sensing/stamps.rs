@@ -27,7 +27,7 @@ const MOST_S2: f32 = 0.04;
 #[derive(Clone, Copy, Debug)]
 pub struct Stamps {
     /// Index of the state that is the present row's offset, seconds; none where it is not estimated.
-    pub state: Option<usize>,
+    pub state: Option<u16>,
     /// Variance of the offsets, s^2.
     variance_s2: f32,
     /// Rows that told of their offset, each counted by how much of its variance was then known.
@@ -40,12 +40,12 @@ impl Stamps {
 
     /// Of a rig before its first row; `allot` adds the state, if it is wanted, with its mean and 1-sigma.
     pub fn new(is_wanted: bool, allot: impl FnOnce(bool, f32, f32) -> Option<usize>) -> Self {
-        Self { state: allot(is_wanted, 0.0, SIGMA_S), variance_s2: SIGMA_S * SIGMA_S, rows: 0.0 }
+        Self { state: allot(is_wanted, 0.0, SIGMA_S).map(|i| i as u16), variance_s2: SIGMA_S * SIGMA_S, rows: 0.0 }
     }
 
     /// The offset of this row as it is known so far, seconds.
     pub fn offset_s(&self, ekf: &EkfView) -> f32 {
-        self.state.map_or(0.0, |state| ekf.mean(state))
+        self.state.map_or(0.0, |state| ekf.mean(state.into()))
     }
 
     /// 1-sigma of the offsets, seconds; none where they are not estimated.
@@ -55,14 +55,14 @@ impl Stamps {
 
     /// A new row, of whose offset nothing is known.
     pub fn begin_row(&self, ekf: &mut EkfView) {
-        if let Some(state) = self.state {
+        if let Some(state) = self.state.map(usize::from) {
             ekf.initialise(state, 0.0, &Jacobian::new(), self.variance_s2);
         }
     }
 
     /// All readings of the row were taken in: the mean square of its offset is that of the mean and the variance that is left.
     pub fn end_row(&mut self, ekf: &EkfView) {
-        let Some(state) = self.state else { return };
+        let Some(state) = self.state.map(usize::from) else { return };
         let (offset_s, left_s2) = (ekf.mean(state), ekf.covariance(state, state));
         self.rows = (self.rows + (1.0 - left_s2 / self.variance_s2).clamp(0.0, 1.0)).min(MOST_ROWS);
         let change_s2 = (offset_s * offset_s + left_s2 - self.variance_s2) / (PRIOR_ROWS + self.rows);

@@ -13,6 +13,7 @@ mod covariances;
 mod exactness;
 mod filter;
 mod frames;
+mod frozens;
 mod grids;
 mod healths;
 mod jacobians;

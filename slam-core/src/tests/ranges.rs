@@ -15,9 +15,10 @@ fn reading(range_m: f64) -> Reading {
     let noise = Noise::Volts {
         variance_v2: (NOISE_V * NOISE_V) as f32,
         volts: volts(range_m) as f32,
+        scale_m: SCALE_M as f32,
         exponent: EXPONENT as f32,
     };
-    Reading { range_m: range_m as f32, about_m: range_m as f32, noise }
+    Reading { range_m: range_m as f32, before_v: 0.0, noise }
 }
 
 /// dr/dV of the curve.
@@ -65,8 +66,7 @@ fn short_and_long_readings_of_one_wall_weigh_the_same() {
     let sigma_m = NOISE_V * metres_per_volt(at_m).abs();
     let [short, long] = [-2.0, 2.0].map(|n| reading(at_m + n * sigma_m).innovation(at_m as f32).noise_m2);
     assert!((short / long - 1.0).abs() < 0.02, "{short} {long}");
-    let metric =
-        |range_m| Reading { range_m, about_m: range_m, noise: Noise::Metres { noise_m: 0.01, noise_rel: 0.02 } };
+    let metric = |range_m| Reading { range_m, before_v: 0.0, noise: Noise::Metres { noise_m: 0.01, noise_rel: 0.02 } };
     assert_eq!(metric(0.9).innovation(1.0).noise_m2, metric(1.1).innovation(1.0).noise_m2);
     assert!((metric(1.1).innovation(1.0).noise_m2 - 5e-4).abs() < 1e-9);
     assert!((metric(1.1).innovation(1.0).value_m - 0.1).abs() < 1e-6);
@@ -103,8 +103,13 @@ fn points_of_a_new_wall_have_no_bias() {
         for _ in 0..40_000 {
             let range_m = output();
             let variance_v2 = (noise_v * noise_v) as f32;
-            let noise = Noise::Volts { variance_v2, volts: volts(range_m) as f32, exponent: EXPONENT as f32 };
-            let of = |about_m: f64| Reading { range_m: range_m as f32, about_m: about_m as f32, noise };
+            let noise = Noise::Volts {
+                variance_v2,
+                volts: volts(range_m) as f32,
+                scale_m: SCALE_M as f32,
+                exponent: EXPONENT as f32,
+            };
+            let of = |about_m: f64| Reading { range_m: range_m as f32, before_v: volts(about_m) as f32, noise };
             let (read, own) = (of(output()), of(range_m));
             let weigh = |reading: &Reading| f64::from(1.0 / (reading.sigma_about_m() * reading.sigma_about_m()));
             weights += weigh(&read);
@@ -123,6 +128,6 @@ fn points_of_a_new_wall_have_no_bias() {
 fn a_surface_at_the_largest_range_is_cut_off() {
     assert!(reading(1.45).is_cut_off(1.5));
     assert!(!reading(1.2).is_cut_off(1.5));
-    let metric = Reading { range_m: 1.45, about_m: 1.45, noise: Noise::Metres { noise_m: 0.1, noise_rel: 0.0 } };
+    let metric = Reading { range_m: 1.45, before_v: 0.0, noise: Noise::Metres { noise_m: 0.1, noise_rel: 0.0 } };
     assert!(!metric.is_cut_off(1.5));
 }

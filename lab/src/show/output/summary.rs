@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use slam_core::{Clustering, Config, Health, Linearisation, NotTaken, Refusal, WallPolicy};
 
 use crate::input::part::{PARTS, Part};
-use crate::recording::health::{self, Illness};
+use crate::recording::health::{self, Freeze, Illness};
 use crate::recording::{Consistency, HandOver, MapScore, PathScore, Recording, SeenWall, SurfelScore};
 
 /// What was run, for `summary.json`.
@@ -42,6 +42,7 @@ pub fn summary(recording: &Recording, origin: &Origin) -> Value {
     put("walls", json!(figures.walls));
     let start = recording.start();
     put("health", health(recording));
+    put("frozen_sensors", frozen_sensors(recording));
     put("stuck_from_s", json!(recording.stuck_from_s));
     put("start", json!([start.x_m, start.y_m, start.theta_rad]));
     put("updates", json!(figures.updates));
@@ -90,6 +91,14 @@ fn health(recording: &Recording) -> Value {
     let illnesses: Vec<Value> = recording.illnesses().into_iter().map(illness).collect();
     let at_end = recording.steps.last().map_or(Health::Well, |step| step.health);
     json!({"at_end": health::name(at_end), "unwell": illnesses})
+}
+
+fn frozen_sensors(recording: &Recording) -> Value {
+    let freeze = |freeze: Freeze| {
+        let name = recording.sensors.get(freeze.sensor).map(|sensor| &sensor.name);
+        json!({"sensor": name, "begin_s": freeze.begin_s, "end_s": freeze.end_s, "refused": freeze.refused})
+    };
+    recording.freezes().into_iter().map(freeze).collect()
 }
 
 fn path(score: &PathScore) -> [(&'static str, Value); 4] {
@@ -215,6 +224,7 @@ fn counters(recording: &Recording) -> Value {
         "jolts": counters.jolts,
         "second_copies": counters.second_copies,
         "holds": counters.holds,
+        "frozen": counters.frozen,
     })
 }
 
@@ -251,6 +261,7 @@ pub fn refusal_name(refusal: Refusal) -> &'static str {
         Refusal::Incidence => "incidence",
         Refusal::Ambiguous => "ambiguous",
         Refusal::Degenerate => "degenerate",
+        Refusal::Frozen => "frozen",
     }
 }
 

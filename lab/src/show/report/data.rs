@@ -150,6 +150,7 @@ pub(super) fn refusal_text(reason: Refusal) -> &'static str {
         Refusal::Incidence => "too slanting",
         Refusal::Ambiguous => "ambiguous",
         Refusal::Degenerate => "no variance",
+        Refusal::Frozen => "sensor frozen",
     }
 }
 
