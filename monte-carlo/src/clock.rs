@@ -18,11 +18,10 @@ mod tests {
     #[test]
     fn work_takes_processor_time() {
         let (before, begun) = (processor_time(), Instant::now());
-        let mut sum = 0.0_f64;
         // The system counts in ticks of some milliseconds.
         while processor_time() == before && begun.elapsed() < Duration::from_secs(10) {
-            sum += std::hint::black_box(1.0_f64).sqrt();
+            std::hint::black_box(std::hint::black_box(1.0_f64).sqrt());
         }
-        assert!(sum > 0.0 && processor_time() > before);
+        assert!(processor_time() > before);
     }
 }
