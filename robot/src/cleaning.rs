@@ -3,7 +3,8 @@
 //! ```text
 //! begun -> own     the pose is in the frame of the map that is kept, or none is kept
 //! begun -> fresh   a map is kept, and the robot does not know where it is in it: it sweeps by its fresh map
-//! fresh -> own     found: what was swept so far lies in the kept map as the robot does
+//! fresh -> own     found: what was swept so far lies in the kept map as the robot does; home is where that map began, or the dock that the
+//!                  job began in, where it was moved
 //! own   -> fresh   lost, and looked for itself for as long a path as what was swept is worth: all anew; home is here where it was
 //!                  carried, and else where it was: somebody pushed it aside
 //! fresh -> fresh   carried: all anew from here
@@ -21,6 +22,9 @@ use crate::traits::{LastingMemory, WheelSpeeds};
 
 /// Width of the brush, metres: so much floor a metre of path sweeps.
 const BRUSH_M: f32 = 0.25;
+
+/// A dock that is farther than this from where the map began was moved, metres: fresh maps are off by less where they are found.
+const MOVED_M: f32 = 0.3;
 
 /// By which map the job goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -155,8 +159,11 @@ impl<const S: usize> Cleaning<S> {
             (None, _) => {}
             (Some(Map::Fresh), Some([pose, before])) if is_located && !is_elsewhere => {
                 let now_in_fresh = pose.compose(&before.inverse().compose(&reckoned));
+                let in_map = |fresh: Pose| senses.pose.compose(&now_in_fresh.inverse().compose(&fresh));
+                let is_far = |at: &Pose| slam_core::pose::length(at.x_m - start.x_m, at.y_m - start.y_m) > MOVED_M;
+                let moved = self.job.began_in_dock().map(in_map).filter(is_far);
                 self.job.go_on_in(&now_in_fresh, &senses.pose);
-                self.job.go_home_to(start);
+                self.job.go_home_to(moved.unwrap_or(start));
             }
             (Some(Map::Fresh), _) if senses.contacts.lifted => self.begin_anew(),
             (Some(Map::Own), _) if !is_located && self.is_worth_less_than_the_search() => {

@@ -32,6 +32,11 @@ impl<const S: usize> FloorJob<S> {
         self.home
     }
 
+    /// The dock that it began in, in the map frame.
+    pub(crate) fn began_in_dock(&self) -> Option<Pose> {
+        self.home.filter(|_| self.has_dock)
+    }
+
     /// Home is there, in the map frame, metres.
     pub fn go_home_to(&mut self, home: Pose) {
         self.home = Some(home);
