@@ -1,7 +1,11 @@
 //! A range sensor whose output stays the same is found out, and believed again when it changes.
 
-use hal_sim::plan_file;
+use hal_sim::random_home::random_home;
 use hal_sim::rng::Rng;
+use hal_sim::{SimOptions, plan_file};
+use lab::input::built_in_robot;
+use lab::input::settings::by_default;
+use lab::run::{Drive, Session};
 use slam_core::{RangeInput, RangeModel, RangeSensor, Refusal, Rig};
 use tests::carries::{Driven, SENSORS, drive, drive_altered, rig};
 
@@ -137,5 +141,19 @@ fn no_sensor_is_found_frozen_that_is_not() {
             let found = (counters.frozen, counters.refused[Refusal::Frozen as usize]);
             assert_eq!(found, (0, 0), "{name}, seed {seed}");
         }
+    }
+}
+
+/// A robot that hugs walls and goes round legs steers so that what it reads stays the same.
+#[test]
+fn no_sensor_of_a_robot_that_sweeps_is_found_frozen() {
+    let (robot, _) = built_in_robot().expect("the built-in robot");
+    for home in [608, 611, 612, 618] {
+        let plan = random_home(home);
+        let mut session = Session::new(&robot, by_default(&robot.rig), "floor").expect("a rig");
+        let mut drive = Drive::cleaning(&plan, &robot, SimOptions::default(), 1).expect("it fits");
+        while !drive.is_over() && drive.step(&mut session).t_s < 1800.0 {}
+        let counters = session.slam().counters();
+        assert_eq!((counters.frozen, counters.refused[Refusal::Frozen as usize]), (0, 0), "random-{home}");
     }
 }
