@@ -222,7 +222,7 @@ impl From<&Counters> for SlamFaults {
         Self {
             steps: counters.steps,
             updates: counters.updates,
-            refused: core::array::from_fn(|reason| counters.refused[reason]),
+            refused: counters.refused,
             buffered: counters.buffered,
             overwritten: counters.overwritten,
             births: counters.births,

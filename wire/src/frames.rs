@@ -10,9 +10,6 @@ pub const SENSORS: usize = 8;
 /// Most calibration factors: a gain per sensor, two scales, the track.
 const FACTORS: usize = SENSORS + 3;
 
-/// Reasons of refusal in [`SlamFaults`]: the later ones are in frames of their own.
-pub const REFUSALS: usize = 9;
-
 /// One message.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Frame {
@@ -209,7 +206,7 @@ pub struct Faults {
 pub struct SlamFaults {
     pub steps: u32,
     pub updates: u32,
-    pub refused: [u32; REFUSALS],
+    pub refused: [u32; slam_core::Refusal::COUNT],
     pub buffered: u32,
     pub overwritten: u32,
     pub births: u32,

@@ -19,7 +19,7 @@ mod map;
 pub use codec::{DecodeError, Decoder, EncodeError, FRAME_CAPACITY, ToRobot, VERSION, encode};
 pub use frames::{
     BoardFaults, Calibration, Command, Contacts, Estimate, Factor, Faults, Floor, Frame, Frozen, Health, LookBack,
-    Motors, Parameter, Place, PlaceState, REFUSALS, Range, SENSORS, Sample, SlamFaults, Wall, WallKind,
+    Motors, Parameter, Place, PlaceState, Range, SENSORS, Sample, SlamFaults, Wall, WallKind,
 };
 pub use map::{MapAnswer, MapRefusal, MapRequest, PIECE_BYTES, Piece};
 

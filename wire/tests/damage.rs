@@ -63,7 +63,7 @@ fn calibration() -> impl Strategy<Value = Frame> {
 }
 
 fn faults() -> impl Strategy<Value = Frame> {
-    (any::<[u32; wire::REFUSALS]>(), any::<[u32; 4]>()).prop_map(|(refused, c)| {
+    (any::<[u32; slam_core::Refusal::COUNT]>(), any::<[u32; 4]>()).prop_map(|(refused, c)| {
         let slam = SlamFaults { refused, steps: c[0], bad_motion: c[1], ..SlamFaults::default() };
         let board = BoardFaults { ranges_failed: c[2], late_tasks: c[3], ..BoardFaults::default() };
         Frame::Faults(Faults { slam, board })
@@ -194,7 +194,7 @@ fn the_longest_frames_fit() {
     let counts = SlamFaults {
         steps: u32::MAX,
         updates: u32::MAX,
-        refused: [u32::MAX; wire::REFUSALS],
+        refused: [u32::MAX; slam_core::Refusal::COUNT],
         buffered: u32::MAX,
         overwritten: u32::MAX,
         births: u32::MAX,
