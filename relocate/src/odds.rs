@@ -113,9 +113,10 @@ pub(crate) fn of_place(floor_m2: f32) -> f32 {
 /// What displaces a robot unseen does so as a jolt does, radians, 1-sigma.
 const TURNED_RAD: f32 = JOLT[2];
 
-/// A dock holds a robot to this, radians, 1-sigma: it forgives ten degrees to either side, all alike. It forgives three centimetres; and walls that
-/// two maps have lie to it as both know it, to this together, metres.
+/// How far a robot in a dock may be turned, radians, 1-sigma: a dock forgives ten degrees to either side, all alike.
 const DOCKED_RAD: f32 = 0.1;
+/// How far two maps that begin in it may be shifted, metres, 1-sigma: a dock forgives three centimetres, and each map has the walls about it a few
+/// centimetres off.
 const DOCKED_M: f32 = 0.1;
 
 /// How a robot was displaced unseen.
@@ -139,9 +140,9 @@ pub(crate) const CONTRADICTED: Displaced =
 /// Logarithm of the share of those that were carried.
 pub(crate) const CARRIED: f32 = -core::f32::consts::LN_2;
 
-/// Where the robot stands in a dock, and the map has one: in that, but for what docks forgive; or, as likely, carried with it. Docks are moved once in a
-/// hundred starts, but there is a wall at the same distance before each, by which nine in ten places of a home and three in four rotations
-/// are none: a robot in a moved one sees at first what it expects that much more often.
+/// Where the robot stands in a dock, and the map has one: one half that it is in that dock where it was, one half that the dock was moved. Docks are
+/// moved in one start of a hundred. But each stands before a wall, at the same distance, so that in a moved one the rotation and the shift across that wall
+/// fit in any case: by chance they would once in some eighty times.
 pub(crate) const DOCKED: Displaced =
     Displaced { moved_m2: DOCKED_M * DOCKED_M, turned_rad: DOCKED_RAD, share: 1.142_08 };
 

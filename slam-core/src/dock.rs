@@ -8,13 +8,11 @@ const SAME_PLACE_M: f32 = 0.06;
 
 impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, W, B, ROWS> {
     /// The robot, which knows where it is, stands in a dock: where its map's first drive started there is one from now on, if it is there.
-    #[inline(never)]
     pub fn stands_in_dock(&mut self) {
         self.has_dock |= self.is_at_start();
     }
 
     /// The robot does not know where it is and stands in the dock: its fresh map starts there. Whether that is another one than it had.
-    #[inline(never)]
     pub fn begin_in_dock(&mut self) -> bool {
         if self.map.walls().is_empty() && self.is_at_start() {
             return false;
@@ -24,7 +22,6 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         true
     }
 
-    #[inline(never)]
     fn is_at_start(&self) -> bool {
         let (pose, start) = (self.pose(), self.start_pose());
         length(pose.x_m - start.x_m, pose.y_m - start.y_m) < SAME_PLACE_M

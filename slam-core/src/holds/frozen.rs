@@ -3,9 +3,8 @@
 //! Two things tell. The noise of an analogue sensor is many counts of its converter, so that an output which repeats to the
 //! count is none of a live one, moved or not. And the range to a surface stays the same while the robot moves only where the
 //! surface lies so that it can: of all planes through what was seen first, that of the slope for which it does. A look at it is a likelihood
-//! ratio of an output that stays and of a surface,
-//! a quarter of a radian after the one before in a turn on the spot, for two looks tell the slope, and the third where the range should be
-//! (the one for a robot that is held, [`Look`]). Of a robot that drives meanwhile it tells nothing: one that goes along a wall or about a
+//! ratio of an output that stays and of a surface, a quarter of a radian after the one before in a turn on the spot: two looks tell the
+//! slope, and the third where the range should be (the one for a robot that is held, [`Look`]). Of a robot that drives meanwhile it tells nothing: one that goes along a wall or about a
 //! chair's leg steers so that what it reads stays the same.
 //!
 //! One look alone says little, for what is seen may go with the robot, and they are summed (Page 1954) until the output differs from the first
