@@ -11,13 +11,13 @@
 //! ```
 
 use heapless::Vec;
-use slam_core::kept::Kept;
+use slam_core::kept::{Kept, LastPose};
 use slam_core::{Match, Pose, SecondCopy};
 
 use crate::PATH_POINTS;
 use crate::agreement::Agreement;
 use crate::copy;
-use crate::odds::{self, Verdict};
+use crate::odds::{self, Displaced, Verdict};
 use crate::search::{Hypothesis, Progress, Search};
 
 /// Path from one search to the next, metres.
@@ -94,7 +94,7 @@ pub struct Step {
 }
 
 /// How a fresh map lies in the kept one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Begun {
     /// Anywhere: the robot was carried.
     Anywhere,
@@ -102,6 +102,22 @@ enum Begun {
     Contradicted,
     /// It starts in the dock, as the kept one does.
     Docked,
+    /// It starts where the robot stood before its power went.
+    Stood(LastPose),
+}
+
+impl Begun {
+    /// Where the fresh map's start lies in the frame of the kept one's, and how the robot may be displaced against that; none where it is anywhere.
+    fn place_in(self, kept: &dyn Kept) -> Option<(Pose, Displaced)> {
+        match self {
+            Self::Anywhere => None,
+            Self::Contradicted => Some((Pose::ORIGIN, odds::CONTRADICTED)),
+            Self::Docked => Some((Pose::ORIGIN, odds::DOCKED)),
+            Self::Stood(LastPose { pose, place_m2, heading_rad2 }) => {
+                Some((kept.frame().start.inverse().compose(&pose), Displaced::nudged(place_m2, heading_rad2)))
+            }
+        }
+    }
 }
 
 /// Keeps track of whether the robot knows where it is.
@@ -270,6 +286,12 @@ impl Locator {
         self.begun = Begun::Contradicted;
     }
 
+    /// A robot that was switched on begins to look for itself. When its power went it stood here, as far as it knew.
+    pub fn stood(&mut self, last: LastPose) {
+        self.restart(State::Searching);
+        self.begun = Begun::Stood(last);
+    }
+
     fn become_state(&mut self, state: State) {
         if state == State::Probation {
             self.agreement = Agreement::NEW;
@@ -301,10 +323,8 @@ impl Locator {
         if !self.is_searching && self.path_m >= self.next_search_m {
             self.next_search_m = self.path_m + SEARCH_EVERY_M;
             self.is_searching = self.search.begin(own, kept, &self.trail);
-            match self.begun {
-                Begun::Anywhere => {}
-                Begun::Contradicted => self.search.expect_near(own, kept, odds::CONTRADICTED, odds::CARRIED),
-                Begun::Docked => self.search.expect_near(own, kept, odds::DOCKED, odds::CARRIED),
+            if let Some((start, by)) = self.begun.place_in(kept) {
+                self.search.expect_near([own, kept], &start, by);
             }
             comparisons = comparisons.saturating_sub(TO_BEGIN);
         }

@@ -146,11 +146,22 @@ pub(crate) const CARRIED: f32 = -core::f32::consts::LN_2;
 pub(crate) const DOCKED: Displaced =
     Displaced { moved_m2: DOCKED_M * DOCKED_M, turned_rad: DOCKED_RAD, share: 1.142_08 };
 
+/// Logarithm of one half, times the density of a turn at none against any of four rotations', but for the turn's sigma: pi / 2 over the root of 2 pi.
+const HALF_OF_TURNS: f32 = -1.160_503;
+
 const fn moved_m2(known_to_m: f32) -> f32 {
     JOLT[0] * JOLT[0] + TURNED_RAD * known_to_m * TURNED_RAD * known_to_m
 }
 
 impl Displaced {
+    /// Of a robot that stood where this is known so (m^2, rad^2) and that nobody carried: who takes out its battery or its power's plug nudges it as
+    /// a kick does. That is one half; the other half was carried, for whoever carries a robot may switch it off first.
+    pub(crate) fn nudged(known_m2: f32, known_rad2: f32) -> Self {
+        let turned_rad = libm::sqrtf(TURNED_RAD * TURNED_RAD + known_rad2);
+        let moved_m2 = moved_m2(0.0) + known_m2;
+        Self { moved_m2, turned_rad, share: HALF_OF_TURNS - libm::logf(turned_rad) }
+    }
+
     /// Log-density of none.
     pub(crate) fn of_none(&self) -> f32 {
         self.share - libm::logf(core::f32::consts::TAU * self.moved_m2)

@@ -177,12 +177,12 @@ impl Search {
         is_begun
     }
 
-    /// The fresh map was begun in the frame of the kept one, and the robot is displaced against that so, but for a share of those that are
-    /// anywhere, as a logarithm.
-    pub(crate) fn expect_near(&mut self, fresh: &dyn Kept, kept: &dyn Kept, by: Displaced, elsewhere: f32) {
+    /// The fresh map's start lies here in the frame of the kept one's, and the robot is displaced against that so, but for those that were
+    /// carried and are anywhere.
+    pub(crate) fn expect_near(&mut self, [fresh, kept]: [&dyn Kept; 2], start: &Pose, by: Displaced) {
         let frame = |map: &dyn Kept| map.frame().anchor.map_or(Pose::ORIGIN, |(pose, _)| pose);
-        let begun = frame(kept).inverse().compose(&frame(fresh));
-        self.of_any += elsewhere;
+        let begun = frame(kept).inverse().compose(start).compose(&frame(fresh));
+        self.of_any += odds::CARRIED;
         let grids_rad = [fresh, kept].map(|map| map.mean(ALPHA));
         self.expect(Near::new(grids_rad, [[0.0; 2], [begun.x_m, begun.y_m]], begun.theta_rad, by));
     }

@@ -75,6 +75,17 @@ pub struct KeptFrame {
     pub anchor: Option<(Pose, [[f32; 3]; 3])>,
 }
 
+/// Where a robot was in a kept map when its power went, as far as it knew.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LastPose {
+    /// The pose in the map frame.
+    pub pose: Pose,
+    /// Variance of its place along each axis, m^2.
+    pub place_m2: f32,
+    /// Variance of its heading, rad^2.
+    pub heading_rad2: f32,
+}
+
 /// A map that is kept, wherever it is.
 pub trait Kept {
     /// What there is beside walls and states.

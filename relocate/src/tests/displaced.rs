@@ -35,13 +35,18 @@ const MAP: Map = Map { bend_m: 0.0, sigma_m: 0.0, is_common: true };
 
 /// A search of a robot that its map has so far off, in this way; of one of whom that is not asked without it.
 fn search(off: Option<Pose>, by: Displaced) -> Verdict {
+    search_from(Pose::ORIGIN, off, by)
+}
+
+/// The same of one that was switched on at this place of its kept map.
+fn search_from(start: Pose, off: Option<Pose>, by: Displaced) -> Verdict {
     // Both frames lie somewhere in that of the start.
     let kept = Begun { map: MAP, at: Pose::new(3.0, -1.0, 0.7) };
-    let fresh = Begun { map: MAP, at: kept.at.compose(&off.unwrap_or(Pose::ORIGIN)) };
+    let fresh = Begun { map: MAP, at: start.inverse().compose(&kept.at).compose(&off.unwrap_or(Pose::ORIGIN)) };
     let mut search = Search::IDLE;
     assert!(search.begin(&fresh, &kept, &INSIDE), "a map with walls on a grid");
     if off.is_some() {
-        search.expect_near(&fresh, &kept, by, odds::CARRIED);
+        search.expect_near([&fresh, &kept], &start, by);
     }
     while search.work(&kept, 100) == Progress::Working {}
     search.verdict().expect("a place")
@@ -68,4 +73,18 @@ fn in_the_dock_a_robot_is_likely_where_the_map_began_and_as_likely_with_a_dock_t
     let gain = |x_m: f32| search(Some(Pose::new(x_m, 0.0, 0.0)), odds::DOCKED).best.score - anywhere.best.score;
     assert!(gain(0.0) > 5.0 && gain(0.03) > 4.9, "{} {}", gain(0.0), gain(0.03));
     assert!((gain(2.0) + core::f32::consts::LN_2).abs() < 0.1, "{}", gain(2.0));
+}
+
+#[test]
+fn a_robot_is_likely_where_it_stood_and_the_less_so_the_worse_that_was_known() {
+    let stood = Pose::new(1.5, 0.5, 2.0);
+    let anywhere = search(None, odds::CONTRADICTED);
+    let gain = |x_m: f32, known_m2: f32| {
+        let by = Displaced::nudged(known_m2, known_m2);
+        search_from(stood, Some(Pose::new(x_m, 0.0, 0.0)), by).best.score - anywhere.best.score
+    };
+    let [here, nudged, badly_known] = [(0.0, 0.0), (0.2, 0.0), (0.0, 1.0)].map(|(x_m, known_m2)| gain(x_m, known_m2));
+    assert!(here > 4.0 && here - nudged > 0.4 && here - nudged < 0.6, "{here} {nudged}");
+    assert!((1.0..here - 2.0).contains(&badly_known), "{badly_known}");
+    assert!((gain(3.0, 0.0) + core::f32::consts::LN_2).abs() < 0.1, "carried: {}", gain(3.0, 0.0));
 }

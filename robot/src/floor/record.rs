@@ -28,7 +28,7 @@ const STATES: usize = FloorState::ALL.len();
 const HEAD: usize = 56 + 2 * STATES + 4;
 const SERIAL: usize = 2;
 const ROW: usize = SERIAL + CELLS / 2;
-const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
+pub(crate) const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 
 /// Bytes of a memory that a floor job is saved in.
 pub const FLOOR_RECORD_BYTES: usize = 2 * HEAD + CELLS * ROW;
@@ -142,7 +142,8 @@ impl Notes {
     }
 }
 
-fn put(memory: &mut impl LastingMemory, at: usize, bytes: impl IntoIterator<Item = u8>) {
+/// Writes bytes from this place on.
+pub(crate) fn put(memory: &mut impl LastingMemory, at: usize, bytes: impl IntoIterator<Item = u8>) {
     bytes.into_iter().zip(at..).for_each(|(byte, place)| memory.write(place, byte));
 }
 
