@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | [`tasks::odometry`] | 50 Hz | reads the encoders |
 //! | [`tasks::sample`] | 25 Hz | reads the range sensors: counts ([`burst`]) or metres ([`metric`]) |
-//! | [`tasks::estimate`] | ranges | one step of slam-core; tells the job and the telemetry; writes the diary, takes over what was found; keeps the map, or finds itself in it ([`keeper`]) |
+//! | [`tasks::estimate`] | ranges | one step of slam-core; tells the job and the telemetry; writes the diary, takes over what was found; keeps the map and the last pose, or finds itself in it ([`keeper`]) |
 //! | [`tasks::look_back`] | the step | looks back on the drive, below every other task |
 //! | [`tasks::drive`] | odometry | pilot or floor job, wheel-speed control, motors |
 //! | [`tasks::guard`] | bumper and cliff inputs | stops the wheels at once, at interrupt level, waiting for nobody; and when drive is silent |

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! start -> Fresh        no record of a robot like this one, or none that it has room for
-//! start -> Searching    a record, and no place in it
+//! start -> Searching    a record; where the robot was is expected, if that was written down
 //! Fresh -> Tracking     the first save
 //! any   -> Searching    lifted, or the map is begun anew; where readings contradict it, it is saved before, if the place is sure
 //! ```
@@ -12,6 +12,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+mod last_pose;
 mod transfer;
 
 use embedded_storage::nor_flash::NorFlash;

@@ -10,7 +10,7 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use embassy_futures::yield_now;
 use embassy_time::Instant;
 use look_back::RobotBackEnd;
-use robot::{Condition, Senses, Whereabouts};
+use robot::{Condition, LastingMemory, Senses, Whereabouts};
 use slam_core::{Config, RobotSlam, StepReport, WallView};
 use wire::{Calibration, Estimate, Faults, Frame, Frozen, LookBack, MapRequest, Sample, Wall};
 
@@ -18,14 +18,17 @@ use wire::{Calibration, Estimate, Faults, Frame, Frozen, LookBack, MapRequest, S
 const SLOW_FRAMES: u32 = 25;
 
 /// Estimates whenever ranges come; starts afresh with this configuration when the map is to be reset. Where the configuration
-/// has hand-overs, there is a back end among the look backs, which has its turn between two steps.
+/// has hand-overs, there is a back end among the look backs, which has its turn between two steps. Where the robot is, is to be known after
+/// a reset, and goes into the memory.
 pub async fn estimate<F: MapFlash>(
     slam: &mut RobotSlam,
     keeper: &mut Keeper<F>,
     config: Config,
     shared: &Shared,
     look_backs: &LookBacks,
+    memory: &mut impl LastingMemory,
 ) -> ! {
+    keeper.recall(memory);
     let mut steps = 0_u32;
     let mut wanted = None;
     let mut found = None;
@@ -70,6 +73,7 @@ pub async fn estimate<F: MapFlash>(
         // A hand-over and a slice of a search are too much for one step. A map about to be forgotten does not wait.
         if !hands_over || slam.is_about_to_forget() {
             let keeps = keeper.step(slam, &report, now);
+            keeper.note(slam, memory);
             wanted = shared.map_request.try_take().or(wanted);
             wanted = wanted.filter(|request| !answer(slam, keeper, request, now, shared));
             shared.hold.store(keeps || wanted.is_some(), Ordering::Relaxed);

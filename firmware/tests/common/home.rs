@@ -16,7 +16,9 @@ use hal_sim::{Board, Plan, Pose2, SimOptions, Simulation, plan_file};
 use kept_map::{Record, Store};
 use look_back::RobotBackEnd;
 use robot::rig::BuiltIn;
-use robot::{ContactPins, FLOOR_RECORD_BYTES, PowerSupply, RangeSensorBank, WheelControl, WheelControlConfig};
+use robot::{
+    ContactPins, FLOOR_RECORD_BYTES, POSE_RECORD_BYTES, PowerSupply, RangeSensorBank, WheelControl, WheelControlConfig,
+};
 use slam_core::kept::Kept;
 use slam_core::{Config, RobotSlam};
 use std::collections::VecDeque;
@@ -139,8 +141,9 @@ pub struct Home {
     pub look_backs: LookBacks,
     /// The flash that the map is kept in.
     pub flash: RefCell<Nor>,
-    /// Its backup RAM.
+    /// Its backup RAM: the floor, and the last pose.
     pub backup: RefCell<[u8; FLOOR_RECORD_BYTES]>,
+    pub pose_backup: RefCell<[u8; POSE_RECORD_BYTES]>,
     /// The motor driver's enable input, which the simulated board does not have.
     pub enabled: Cell<bool>,
     /// How often the watchdog was fed.
@@ -164,6 +167,7 @@ impl Home {
             look_backs: LookBacks::new(),
             flash: RefCell::new(Nor::new()),
             backup: RefCell::new([0; FLOOR_RECORD_BYTES]),
+            pose_backup: RefCell::new([0; POSE_RECORD_BYTES]),
             enabled: Cell::new(false),
             fed: Cell::new(0),
             up: RefCell::default(),
@@ -179,6 +183,7 @@ impl Home {
         let mut slam = RobotSlam::with_config(robot.rig(), config).unwrap();
         let mut flash = self.flash.borrow_mut();
         let mut backup = self.backup.borrow_mut();
+        let mut pose_backup = self.pose_backup.borrow_mut();
         let mut keeper = Keeper::start(&mut *flash, &slam);
         let mut job = Job::IDLE;
         job.begin(&robot.rig());
@@ -197,7 +202,7 @@ impl Home {
         let all = join4(
             sensing,
             join(
-                tasks::estimate(&mut slam, &mut keeper, config, shared, &self.look_backs),
+                tasks::estimate(&mut slam, &mut keeper, config, shared, &self.look_backs, &mut *pose_backup),
                 tasks::drive(&mut job, robot, control, &mut motors, &mut supply, &mut *backup, shared),
             ),
             tasks::look_back(&self.look_backs),
@@ -222,11 +227,12 @@ impl Home {
 
     /// The same home, robot and flash after the power was off.
     pub fn restarted(self) -> Self {
-        let Self { board, flash, backup, .. } = self;
+        let Self { board, flash, backup, pose_backup, .. } = self;
         Self {
             board,
             flash,
             backup,
+            pose_backup,
             shared: Shared::new(),
             look_backs: LookBacks::new(),
             enabled: Cell::new(false),

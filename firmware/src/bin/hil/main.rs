@@ -110,7 +110,7 @@ async fn sample() -> ! {
 
 #[embassy_executor::task]
 async fn estimate(slam: &'static mut RobotSlam, keeper: &'static mut Keeper<Flash>, config: Config) -> ! {
-    tasks::estimate(slam, keeper, config, &SHARED, &LOOK_BACKS).await
+    tasks::estimate(slam, keeper, config, &SHARED, &LOOK_BACKS, &mut [0; 0]).await
 }
 
 #[embassy_executor::task]

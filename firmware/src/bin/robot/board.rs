@@ -17,7 +17,7 @@
 //! | PA2, PA3 | serial line out, in, 115200 baud | USART2 |
 //! | PA13, PA14 | debug probe (SWDIO, SWCLK) | |
 
-use crate::backup_ram::BackupRam;
+use crate::backup_ram::{self, FloorBackup, PoseBackup};
 use crate::small_sectors::SmallSectors;
 use core::convert::Infallible;
 use embassy_stm32::adc::{Adc, AdcChannel, AnyAdcChannel, SampleTime};
@@ -83,7 +83,9 @@ pub struct Board {
     /// Where the map is kept.
     pub map_flash: SmallSectors,
     /// Where the floor that is left is written down.
-    pub backup: BackupRam,
+    pub floor_backup: FloorBackup,
+    /// Where it is written down where the robot is.
+    pub pose_backup: PoseBackup,
     /// Watchdog, not running yet.
     pub watchdog: IndependentWatchdog<'static, IWDG>,
     /// Whether the watchdog caused this start.
@@ -129,6 +131,7 @@ impl Board {
             p.PC0.degrade_adc(),
             p.PC1.degrade_adc(),
         ];
+        let (floor_backup, pose_backup) = backup_ram::parts();
         let line = Uart::new(p.USART2, p.PA3, p.PA2, p.DMA1_CH6, p.DMA1_CH5, Interrupts, usart::Config::default());
         let (transmitter, receiver) = line.expect("115200 baud is possible").split();
         Self {
@@ -148,7 +151,8 @@ impl Board {
             transmitter,
             receiver: receiver.into_ring_buffered(RECEIVED.take()),
             map_flash: SmallSectors::new(p.FLASH),
-            backup: BackupRam::new(),
+            floor_backup,
+            pose_backup,
             watchdog: IndependentWatchdog::new(p.IWDG, WATCHDOG_US),
             watchdog_bit: watchdog_bit(),
         }

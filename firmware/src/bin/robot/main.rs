@@ -14,7 +14,7 @@ mod small_sectors;
 #[path = "../../stack.rs"]
 mod stack;
 
-use backup_ram::BackupRam;
+use backup_ram::{FloorBackup, PoseBackup};
 use board::{Board, Contacts, Encoders, Motor, SharpSensors, Supply};
 use defmt_rtt as _;
 use embassy_executor::Spawner;
@@ -54,13 +54,13 @@ async fn main(below: Spawner) {
     let once = "each task is spawned once";
     below.spawn(look_back().expect(once));
     let drives = interrupt_level::drive();
-    drives.spawn(drive(job, board.motors, board.supply, board.backup).expect(once));
+    drives.spawn(drive(job, board.motors, board.supply, board.floor_backup).expect(once));
     drives.spawn(commands(board.receiver).expect(once));
     drives.spawn(supervise(board.watchdog).expect(once));
     let steps = interrupt_level::step();
     steps.spawn(odometry(board.encoders).expect(once));
     steps.spawn(sample(board.ranges).expect(once));
-    steps.spawn(estimate(slam, keeper).expect(once));
+    steps.spawn(estimate(slam, keeper, board.pose_backup).expect(once));
     steps.spawn(telemetry(board.transmitter).expect(once));
     interrupt_level::guard().spawn(guard(board.contacts, board.enable).expect(once));
 }
@@ -91,8 +91,12 @@ async fn sample(mut ranges: BurstBank<SharpSensors>) -> ! {
 }
 
 #[embassy_executor::task]
-async fn estimate(slam: &'static mut RobotSlam, keeper: &'static mut Keeper<SmallSectors>) -> ! {
-    tasks::estimate(slam, keeper, config(), &SHARED, &LOOK_BACKS).await
+async fn estimate(
+    slam: &'static mut RobotSlam,
+    keeper: &'static mut Keeper<SmallSectors>,
+    mut backup: PoseBackup,
+) -> ! {
+    tasks::estimate(slam, keeper, config(), &SHARED, &LOOK_BACKS, &mut backup).await
 }
 
 #[embassy_executor::task]
@@ -105,7 +109,7 @@ async fn drive(
     job: &'static mut Job,
     mut motors: MotorPair<Motor, Motor>,
     mut supply: Supply,
-    mut backup: BackupRam,
+    mut backup: FloorBackup,
 ) -> ! {
     let control = WheelControl::new(WheelControlConfig::default());
     tasks::drive(job, ROBOT, control, &mut motors, &mut supply, &mut backup, &SHARED).await
