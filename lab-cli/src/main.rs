@@ -75,7 +75,7 @@ struct RunArgs {
     /// Folder for the results.
     #[arg(long, value_name = "DIR", default_value = "out/run")]
     out: PathBuf,
-    /// Begin in this kept map, the map.bin of an earlier run, not knowing where.
+    /// Begin in this kept map, the map.bin of an earlier run, not knowing where, but for what a pose.bin beside it says.
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
     /// Where the robot stands at first, in the plan: metres, metres, degrees. It is not told.
@@ -104,7 +104,7 @@ struct ReplayArgs {
     /// True poses to score against; truth.csv beside the log when not given.
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
-    /// Begin in this kept map, the map.bin of an earlier run or replay, not knowing where.
+    /// Begin in this kept map, the map.bin of an earlier run or replay, not knowing where, but for what a pose.bin beside it says.
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
     /// Another system instead of the estimator, for comparison (docs/reference/relatives.md).

@@ -36,7 +36,7 @@ fn every_file_written_is_documented_with_its_header() {
         .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
         .collect();
     names.sort();
-    assert_eq!(names.len(), 13, "{names:?}");
+    assert_eq!(names.len(), 14, "{names:?}");
     for name in &names {
         assert!(FORMATS.contains(&format!("`{name}`")), "{name} is not documented");
     }

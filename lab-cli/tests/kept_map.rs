@@ -128,3 +128,35 @@ fn what_is_no_map_of_this_robot_is_refused_with_the_reason() {
     refused(&["--start=-1,1,0"], outside);
     refused(&["--map", "first/map.bin", "--start", "100,100,0"], outside);
 }
+
+#[test]
+fn a_robot_that_was_switched_off_finds_itself_sooner_where_it_was() {
+    let place = with_map();
+    let log = place.get("first/log.csv");
+    let (header, last) = (log.lines().next().expect("a header"), log.lines().last().expect("rows"));
+    let [x_m, y_m, theta_rad] = ["true_x_m", "true_y_m", "true_theta_rad"].map(|name| {
+        let column = header.split(',').position(|cell| cell == name).expect("the column");
+        last.split(',').nth(column).and_then(|cell| cell.parse().ok()).expect("a number")
+    });
+    let flat = hal_sim::plan_file::load("flat").expect("the flat");
+    let at = flat.start.compose(&hal_sim::Pose2::new(x_m, y_m, theta_rad));
+    let start = format!("{},{},{}", at.x_m, at.y_m, at.theta_rad.to_degrees());
+    place.put("alone/map.bin", fs::read(place.path("first/map.bin")).expect("a map"));
+    place.put("other/map.bin", fs::read(place.path("first/map.bin")).expect("a map"));
+    let mut pose = fs::read(place.path("first/pose.bin")).expect("a pose");
+    pose[13] ^= 1;
+    place.put("other/pose.bin", pose);
+    let rows = ["first", "alone", "other"].map(|from| {
+        let (map, out) = (format!("{from}/map.bin"), format!("from-{from}"));
+        let run = ["run", "--map", &map, "--start", &start, "--seed", "3", "--minutes", "3", "--out", &out];
+        place.lab().args(run).assert().success();
+        let located = poses(&place, &format!("{out}/estimate.csv"), ["located", "x_m", "y_m"]);
+        located.iter().position(|row| row[0] == 1.0).expect("it finds itself")
+    });
+    assert!(rows[0] < rows[1], "{rows:?}");
+    assert_eq!(rows[1], rows[2], "a damaged record says nothing");
+    // Into the folder that it began in: the pose of before goes.
+    let lost = ["run", "--map", "alone/map.bin", "--minutes", "0.1", "--out", "from-first"];
+    place.lab().args(lost).assert().success();
+    assert!(!place.path("from-first/pose.bin").exists(), "it does not know where it is");
+}

@@ -180,17 +180,19 @@ impl Simulated {
         self.drive.simulation().cover(sensor, is_covered);
     }
 
-    /// Cuts the robot's power and gives it back: of all that it knew it has the map that it kept and what was swept of the floor, and it
-    /// is not told where it is.
+    /// Cuts the robot's power and gives it back: of all that it knew it has the map that it kept, what was swept of the floor, and where it
+    /// was, and it is not told where it is.
     ///
     /// # Errors
     /// There is no map yet, or none that a place can be found in.
     pub fn cut_power(&mut self) -> Result<(), String> {
         let map =
             self.session.map().ok_or("there is no map yet that could be kept; let the robot find a wall first")?;
-        let job = MapId::of(&map).and_then(|id| Some((id, self.drive.job_in(id)?)));
+        let kept = MapId::of(&map).map(|id| (id, self.session.pose_in(id), self.drive.job_in(id)));
         self.begin_in(map).map_err(|what| format!("the kept map {what}"))?;
-        job.map_or(Ok(()), |(id, job)| self.drive.go_on_with(id, &job)).map_err(|what| what.to_string())
+        let Some((id, pose, job)) = kept else { return Ok(()) };
+        pose.inspect(|pose| self.session.recall(id, pose));
+        job.map_or(Ok(()), |job| self.drive.go_on_with(id, &job)).map_err(|what| what.to_string())
     }
 
     /// Cuts the robot's power and gives it back with this map in its memory, the bytes of a `map.bin`.

@@ -15,6 +15,7 @@ mod frozen_sensors;
 mod holds;
 mod hostile_input;
 mod jolts;
+mod last_poses;
 mod long_drive;
 mod odd_inputs;
 mod place_page;

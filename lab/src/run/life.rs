@@ -7,7 +7,7 @@ use hal_sim::pose::Pose2;
 use kept_map::{Areas, Corner, Record, Writer, rig_hash};
 use relocate::{Event, Hypothesis, Locator, State, Step, agreement, path_on_grid};
 use robot::{AreaCorner, AreaKind, Bounds};
-use slam_core::kept::Kept;
+use slam_core::kept::{Kept, LastPose};
 use slam_core::{HostSlam, Rig, StepReport};
 
 use crate::input::rig_file::MAX_SENSORS;
@@ -97,6 +97,17 @@ impl Life {
         self.kept = Some(map);
         self.was_carried = true;
         self.locator.restart(State::Searching);
+    }
+
+    /// Having begun in a map, the robot expects itself where it was in that when its power went.
+    pub fn stood(&mut self, last: LastPose) {
+        self.locator.stood(last);
+    }
+
+    /// Where the robot is if its power goes now; none where it is not sure of that.
+    pub fn last_pose(&self, slam: &HostSlam) -> Option<LastPose> {
+        let is_sure = self.locator.state() == State::Tracking && !self.is_lifted;
+        robot::last_pose(slam).filter(|_| is_sure)
     }
 
     /// Whether the pose is claimed in the frame of the kept map, or of the drive's start where there is none.

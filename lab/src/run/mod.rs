@@ -3,6 +3,7 @@
 
 mod drive;
 mod floor_drive;
+mod kept_files;
 mod life;
 mod map_file;
 mod relative;

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 
 use super::Progress;
-use super::session::{Session, begin_in, keep, renewed};
+use super::kept_files::{begin_in, keep, renewed};
+use super::session::Session;
 use crate::evaluate::score;
 use crate::evaluate::smoother;
 use crate::input::log::truth::{self, Truth};

@@ -1,15 +1,14 @@
 //! One estimator, fed row by row, with everything it did kept in a [`Recording`].
 
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 use kept_map::{Record, rig_hash};
 use look_back::RobotBackEnd;
-use robot::{Bounds, Whereabouts};
+use robot::{Bounds, POSE_RECORD_BYTES, Whereabouts, read_last_pose, write_last_pose};
 use slam_core::{Config, DriveModel, HostSlam, Outcome, Parameter, RigError, Sample, StepReport};
 
 use super::life::{Life, Place, Searched};
-use super::map_file::{self, MapId};
+use super::map_file::MapId;
 use super::suits::suits;
 use crate::evaluate::score::{nis, path};
 use crate::evaluate::statistics;
@@ -18,8 +17,6 @@ use crate::input::rig_file::{MAX_SENSORS, Robot};
 use crate::recording::{
     CalibrationSnapshot, Figures, HandOver, MapSnapshot, ParameterInfo, Pose2, Recording, SensorInfo, Step,
 };
-use crate::show::output::folder::Folder;
-use input_file::FileError;
 
 /// How often map and calibration are recorded where nothing else asks for it, seconds of the log.
 const SNAPSHOT_EVERY_S: f64 = 1.0;
@@ -68,6 +65,21 @@ impl Session {
     /// The record that the robot would keep, as a `map.bin`; none where there is no map.
     pub fn map(&self) -> Option<Vec<u8>> {
         self.life.record(&self.slam)
+    }
+
+    /// Where the robot is if its power goes now, in this kept map, as it writes it down; none where it is not sure of that.
+    pub fn pose_in(&self, map: MapId) -> Option<[u8; POSE_RECORD_BYTES]> {
+        let mut memory = [0; POSE_RECORD_BYTES];
+        write_last_pose(&self.life.last_pose(&self.slam)?, map.0, &mut memory);
+        Some(memory)
+    }
+
+    /// Having begun in this kept map, the robot expects itself where it was when its power went, if these bytes say that.
+    pub fn recall(&mut self, map: MapId, bytes: &[u8]) {
+        let memory = <[u8; POSE_RECORD_BYTES]>::try_from(bytes);
+        if let Some(last) = memory.ok().and_then(|memory| read_last_pose(map.0, &memory)) {
+            self.life.stood(last);
+        }
     }
 
     /// These areas, in the frame of the drive's start, are kept with the map.
@@ -292,47 +304,6 @@ impl Session {
 fn now() -> Option<Instant> {
     (!cfg!(target_family = "wasm")).then(Instant::now)
 }
-
-/// Begins in the kept map of a file, if there is one: which one it is.
-///
-/// # Errors
-/// The file cannot be read, or is no map of this robot.
-pub(super) fn begin_in(session: &mut Session, map: Option<&Path>) -> Result<Option<MapId>, FileError> {
-    let Some(file) = map else { return Ok(None) };
-    let map = map_file::read(file)?;
-    let id = MapId::of(&map);
-    session.begin_in(map).map_err(|what| FileError::new(file, what))?;
-    Ok(id)
-}
-
-/// Of the files that a run writes those that it begins anew: the map in which it began, and the job in that, are kept beside the new
-/// ones, for a run that does not end has none.
-pub(super) fn renewed<'n>(names: &[&'n str], out: &Path, map: Option<&Path>) -> Vec<&'n str> {
-    let whole = |path: &Path| path.canonicalize().ok();
-    let is_kept = |name: &str| {
-        [MAP, JOB].contains(&name)
-            && map.is_some_and(|map| whole(map).is_some_and(|map| whole(&out.join(MAP)) == Some(map)))
-    };
-    names.iter().copied().filter(|name| !is_kept(name)).collect()
-}
-
-/// Saves `map.bin`, if there is a map: which one it is.
-///
-/// # Errors
-/// What the system says.
-pub(super) fn keep(folder: &Folder, session: &Session) -> Result<Option<MapId>, FileError> {
-    let Some(map) = session.map() else { return Ok(None) };
-    let Ok(record) = Record::whole(&map) else { return Ok(None) };
-    let map = map.get(..4 * record.words()).unwrap_or_default();
-    let file = folder.file(MAP);
-    map_file::save(&file, map, rig_hash(session.slam.rig()))?;
-    Ok(MapId::of(&map_file::read(&file)?))
-}
-
-/// The file of the kept map.
-const MAP: &str = "map.bin";
-/// The file of a floor job that is not over, in the kept map beside it.
-pub(super) const JOB: &str = "job.bin";
 
 /// The innovation of a reading that met a wall.
 fn innovation(outcome: &Outcome, sensor: &SensorInfo) -> Option<nis::Innovation> {

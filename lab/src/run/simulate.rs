@@ -1,7 +1,5 @@
 //! `lab run`: a simulated robot maps a simulated home.
 
-use std::fs;
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use hal_sim::{Pose2, SimError, SimOptions};
@@ -11,8 +9,9 @@ use slam_core::Config;
 
 use super::Progress;
 use super::drive::Drive;
+use super::kept_files::{JOB, begin_in, beside, keep, renewed, write_or_remove};
 use super::map_file::MapId;
-use super::session::{JOB, Session, begin_in, keep, renewed};
+use super::session::Session;
 use crate::evaluate::smoother;
 use crate::input::rig_file::rig_error;
 use crate::input::settings::Settings;
@@ -98,10 +97,7 @@ impl Run {
         log.close()?;
         streams.close()?;
         let kept = keep(&folder, &session)?;
-        match kept.and_then(|map| drive.job_in(map)) {
-            Some(job) => folder.write(JOB, job)?,
-            None => folder.remove(JOB)?,
-        }
+        write_or_remove(&folder, JOB, kept.and_then(|map| drive.job_in(map)))?;
         let mut recording = drive.finish(session);
         recording.seed = Some(self.seed);
         recording.notes = recording.findings().into_iter().chain(drive.findings()).collect();
@@ -115,12 +111,7 @@ impl Run {
     /// Goes on with the floor job beside the kept map, if there is one; why not.
     fn go_on(&self, drive: &mut Drive, map: Option<MapId>) -> Result<Option<FloorRecordError>, FileError> {
         let (Job::Clean, Some(file), Some(id)) = (self.job, &self.map, map) else { return Ok(None) };
-        let file = file.with_file_name(JOB);
-        match fs::read(&file) {
-            Ok(bytes) => Ok(drive.go_on_with(id, &bytes).err()),
-            Err(cause) if cause.kind() == ErrorKind::NotFound => Ok(None),
-            Err(cause) => Err(FileError::system(&file, "read", &cause)),
-        }
+        Ok(beside(file, JOB)?.and_then(|bytes| drive.go_on_with(id, &bytes).err()))
     }
 
     /// What cannot be simulated, as an error in the file that is at fault.

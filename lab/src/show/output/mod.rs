@@ -14,8 +14,9 @@ use input_file::FileError;
 use summary::Origin;
 
 /// What every run and replay writes, apart from what it adds of its own.
-pub const NAMES: [&str; 13] = [
+pub const NAMES: [&str; 14] = [
     "map.bin",
+    "pose.bin",
     "trajectory.tum",
     "truth.tum",
     "estimate.csv",

@@ -1,18 +1,21 @@
 //! Writes `docs/results/floor-again.md`: `cargo run --release --package lab --example second_runs`. With `-- SEEDS HOME...`, as in
-//! `-- 11-13 flat random-101`, it prints the rows of these homes instead.
+//! `-- 11-13 flat random-101`, it prints the rows of these homes instead, and with `-- cuts 61-80` the section on power cuts in those random homes.
 //!
-//! Each home is swept from an empty map, and then once more in the map that the robot kept; random homes from a dock as well, from another one, and
-//! without.
+//! Each home is swept from an empty map, and then once more in the map that the robot kept; random homes from a dock as well, from another one,
+//! without, and with a power cut in the middle.
+
+mod power_cuts;
 
 use std::fmt::Write as _;
 use std::fs;
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use hal_sim::random_home::with_dock;
 use hal_sim::{Plan, SimOptions, plan_file};
 use lab::run::{FloorDrive, clean_with};
 
-const SEEDS: std::ops::RangeInclusive<u64> = 1..=5;
+const SEEDS: RangeInclusive<u64> = 1..=5;
 
 const HEAD: &str = "# Floors swept again\n\n\
     Written by `cargo run --release --package lab --example second_runs`. The built-in robot sweeps each home twice: from an empty map, and\n\
@@ -22,8 +25,8 @@ const HEAD: &str = "# Floors swept again\n\n\
     | home | run | back within 20 cm | swept, % | overlap | largest hole, m2 | minutes | found after, s |\n\
     |---|---|---|---|---|---|---|---|\n";
 
-/// Random homes that have a dock.
-const WITH_DOCK: std::ops::RangeInclusive<u64> = 41..=60;
+/// Random homes.
+const RANDOM: RangeInclusive<u64> = 41..=60;
 
 const FROM_A_DOCK: &str = "\n## From a dock\n\n\
     The random homes 41 to 60, one of each, from a place at a wall that is drawn: once more from where the robot has swept it before, with a dock there and without one, and\n\
@@ -34,16 +37,31 @@ const FROM_A_DOCK: &str = "\n## From a dock\n\n\
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    if let Some((seeds, homes)) = arguments.split_first() {
-        let (first, last) = seeds.split_once('-').unwrap_or((seeds, seeds));
-        let seed = |text: &str| text.parse::<u64>().expect("SEEDS is a number, or two as in 11-13");
-        for home in homes {
+    match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        [] => write_page(),
+        ["cuts", homes] => {
             let mut rows = String::new();
-            home_rows(&mut rows, home, seed(first)..=seed(last));
+            power_cuts::section(&mut rows, numbers(homes));
             print!("{rows}");
         }
-        return;
+        [seeds, ref homes @ ..] => {
+            for home in homes {
+                let mut rows = String::new();
+                home_rows(&mut rows, home, numbers(seeds));
+                print!("{rows}");
+            }
+        }
     }
+}
+
+/// A number, or two as in 11-13.
+fn numbers(text: &str) -> RangeInclusive<u64> {
+    let (first, last) = text.split_once('-').unwrap_or((text, text));
+    let number = |text: &str| text.parse::<u64>().expect("a number, or two as in 11-13");
+    number(first)..=number(last)
+}
+
+fn write_page() {
     let mut page = HEAD.to_owned();
     for (name, _) in plan_file::BUILT_IN {
         home_rows(&mut page, name, SEEDS);
@@ -51,12 +69,13 @@ fn main() {
     }
     page.push_str(FROM_A_DOCK);
     dock_rows(&mut page);
+    power_cuts::section(&mut page, RANDOM);
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/results/floor-again.md");
     fs::write(&path, page).expect("docs/results/floor-again.md can be written");
 }
 
 /// The rows of a home.
-fn home_rows(page: &mut String, name: &str, seeds: std::ops::RangeInclusive<u64>) {
+fn home_rows(page: &mut String, name: &str, seeds: RangeInclusive<u64>) {
     let plan = plan_file::load(name).expect("a built-in plan, or random-SEED");
     let runs: Vec<[Done; 2]> = seeds
         .map(|seed| {
@@ -75,7 +94,7 @@ type Docked = (FloorDrive, f64, bool);
 fn dock_rows(page: &mut String) {
     let names = ["from its dock", "from there, without a dock", "from a dock that was moved"];
     let mut runs: [Vec<Docked>; 3] = Default::default();
-    for home in WITH_DOCK {
+    for home in RANDOM {
         let plan = plan_file::load(&format!("random-{home}")).expect("a random home");
         let [first, other] =
             [home, home + 1000].map(|seed| with_dock(&plan, seed).expect("a wall with room for a dock"));
