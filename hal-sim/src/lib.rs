@@ -51,7 +51,7 @@ pub use body::TrueDrive;
 pub use closed_loop::{ClosedLoop, Estimate, Frame, nominal_ranges};
 pub use coverage::{Coverage, SeenWall};
 pub use mishap::Mishaps;
-pub use options::{Age, BatteryOptions, DriveOptions, SharpOptions, SimOptions};
+pub use options::{Age, DriveOptions, SharpOptions, SimOptions};
 pub use plan::{Face, Plan};
 pub use pose::Pose2;
 pub use rig::{default_rig, default_rig_with, measured_rig, odometry_rig, short_rig};

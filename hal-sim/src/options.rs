@@ -118,19 +118,6 @@ pub struct SimOptions {
     /// Samples have dead-reckoned motion instead of ticks: the wheels' pose, published so many times a second, of which a
     /// sample has the latest.
     pub odometry_hz: Option<f64>,
-    /// The robot's battery; one that never empties, and is not measured, where not given.
-    pub battery: Option<BatteryOptions>,
-}
-
-/// Three lithium cells, and a charger in the dock.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BatteryOptions {
-    /// Charge at the start, 0 to 1.
-    pub charge: f64,
-    /// A full battery drives so long, minutes.
-    pub lasts_min: f64,
-    /// An empty one is full after so long in the dock, minutes.
-    pub charges_min: f64,
 }
 
 impl Default for SimOptions {
@@ -146,7 +133,6 @@ impl Default for SimOptions {
             tick_s: 0.01,
             stamp_jitter_s: 0.0,
             odometry_hz: None,
-            battery: None,
         }
     }
 }

@@ -128,6 +128,17 @@ pub struct Cliff {
     pub max_m: [f64; 2],
 }
 
+/// Three lithium cells, and a charger in the dock.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Battery {
+    /// Charge at the start, 0 to 1.
+    pub charge: f64,
+    /// A full battery lasts so long out of the dock, minutes.
+    pub lasts_min: f64,
+    /// An empty one is full after so long in the dock, minutes.
+    pub charges_min: f64,
+}
+
 /// A home and where the robot starts in it. Metres, in the plan's own frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
@@ -137,6 +148,8 @@ pub struct Plan {
     pub start: Pose2,
     /// The robot's dock is there, which it looks into.
     pub has_dock: bool,
+    /// The robot's battery; one that never empties, and is not measured, where not given.
+    pub battery: Option<Battery>,
     /// Walls and flat sides of furniture.
     pub faces: Vec<Face>,
     /// Round things.

@@ -12,7 +12,7 @@ use crate::inside::{crossing_edges, edges, encloses};
 use crate::plan::{Cliff, Door, Face, Person, Plan, Room, Round};
 use crate::pose::Pose2;
 use crate::random_home::random_home;
-use keys::{Cuboid, File, Outline, Point};
+use keys::{Cells, Cuboid, File, Outline, Point};
 
 /// The built-in plans: name and text.
 pub const BUILT_IN: [(&str, &str); 6] = [
@@ -69,6 +69,7 @@ pub fn parse(file: &str, name: &str, text: &str) -> Result<Plan, FileError> {
         name: keys.name.clone().unwrap_or_else(|| name.into()),
         start: Pose2::new(keys.start.x_m.get(), keys.start.y_m.get(), heading_deg.to_radians()),
         has_dock: keys.start.dock.unwrap_or(false),
+        battery: keys.battery.as_ref().map(Cells::battery),
         faces: faces(&toml, &keys)?,
         rounds: Vec::new(),
         rooms: Vec::new(),
@@ -302,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_in_a_home_is_named() {
+    fn what_cannot_be_is_named() {
         let cases = [
             (
                 format!("{START}{HOME}[[box]]\nmin_m = [0.2, 0.2]\nmax_m = [2.0, 2.0]"),
@@ -315,6 +316,18 @@ mod tests {
             (
                 format!("{START}[[outline]]\npoints_m = [[0.0, 0.0], [4.0, 4.0], [4.0, 0.0], [0.0, 4.0]]"),
                 "home.toml:5: outline[0].points_m: crosses itself: the line from point 1 and that from point 3",
+            ),
+            (
+                format!("{START}[battery]\nlasts_min = 0\ncharges_min = 9"),
+                "home.toml:5: battery.lasts_min: is 0; it must be minutes above 0 and up to 100000",
+            ),
+            (
+                format!("{START}[battery]\ncharge = 80\nlasts_min = 60\ncharges_min = 90"),
+                "home.toml:5: battery.charge: is 80; it must be a share from 0 to 1",
+            ),
+            (
+                format!("{START}[battery]\nlasts_min = 60"),
+                "home.toml:4: battery.charges_min: is missing; it must be minutes",
             ),
         ];
         for (text, expected) in cases {

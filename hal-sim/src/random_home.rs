@@ -255,6 +255,7 @@ impl Draft {
             name: format!("random-{seed}"),
             start: Pose2::default(),
             has_dock: false,
+            battery: None,
             faces,
             rounds: self.legs,
             rooms,

@@ -104,7 +104,7 @@ impl Simulation {
         let mut simulation = Self {
             coverage: Coverage::new(&plan.faces),
             fate: Fate::new(&plan.mishaps, &plan.rooms, seed),
-            supply: Supply::new(plan, start, &options),
+            supply: Supply::new(plan, start),
             stalls: StallWatch::new(wheels.metres_per_tick as f32, options.drive.full_speed_mps as f32),
             world,
             cliffs: plan.cliffs.clone(),

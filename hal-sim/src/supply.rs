@@ -1,7 +1,6 @@
 //! The simulated battery, and the dock that charges it.
 
-use crate::options::{BatteryOptions, SimOptions};
-use crate::plan::Plan;
+use crate::plan::{Battery, Plan};
 use crate::pose::Pose2;
 
 /// Voltage of three lithium cells, empty and full, volts: taken as a straight line between.
@@ -20,14 +19,14 @@ const FUNNEL_RAD: f64 = 0.17;
 pub(crate) struct Supply {
     /// Where a docked robot is.
     dock: Option<Pose2>,
-    battery: Option<BatteryOptions>,
+    battery: Option<Battery>,
     is_charging: bool,
 }
 
 impl Supply {
-    pub(crate) fn new(plan: &Plan, start: Pose2, options: &SimOptions) -> Self {
+    pub(crate) fn new(plan: &Plan, start: Pose2) -> Self {
         let dock = plan.has_dock.then_some(plan.start);
-        Self { dock, battery: options.battery, is_charging: dock == Some(start) }
+        Self { dock, battery: plan.battery, is_charging: dock == Some(start) }
     }
 
     /// After a step of the physics from `before`: the dock's end stops the robot, its contacts charge the battery, which drives the

@@ -124,6 +124,28 @@ fn after_a_power_cut_it_goes_on_with_the_floor_that_was_left() {
 }
 
 #[test]
+fn a_robot_whose_battery_is_empty_charges_in_its_dock_and_goes_on() {
+    let place = Place::new();
+    // In its dock at the western wall.
+    let home = ROOM.replace("x_m = 0.6\ny_m = 0.6\n", "x_m = 0.185\ny_m = 1.5\nheading_deg = 180\ndock = true\n");
+    let battery = "[battery]\nlasts_min = 5.0\ncharges_min = 3.0\n";
+    place.put("home.toml", format!("{home}{battery}"));
+    place.lab().args(["run", "--job", "clean", "--plan", "home.toml", "--out", "swept"]).assert().success();
+    let log = place.get("swept/log.csv");
+    let column = log.lines().next().and_then(|header| header.split(',').position(|name| name == "docked"));
+    let docked: Vec<bool> =
+        log.lines().skip(1).map(|row| row.split(',').nth(column.expect("the column")) == Some("1")).collect();
+    let left = docked.iter().position(|docked| !docked).expect("it leaves its dock");
+    let charges = docked.iter().skip(left).filter(|docked| **docked).count();
+    assert!(docked[0] && charges > 25 * 60, "{charges} samples in its dock");
+    let floor = place.summary("swept")["floor"].clone();
+    assert!(floor["swept"].as_f64().unwrap() > 0.96 && floor["home_m"].as_f64().unwrap() < 0.05, "{floor}");
+    place.put("bad.toml", format!("{home}[battery]\nlasts_min = -5.0\ncharges_min = 3.0\n"));
+    let refused = place.lab().args(["run", "--plan", "bad.toml", "--out", "bad"]).assert().failure();
+    refused.stderr(contains("bad.toml:9: battery.lasts_min: is -5.0; it must be minutes above 0 and up to 100000"));
+}
+
+#[test]
 fn a_robot_that_starts_where_it_must_not_go_is_refused() {
     let place = Place::new();
     place.put("home.toml", format!("{ROOM}{}", rectangle("keep_out", [[0.0, 0.0], [0.5, 3.0]])));

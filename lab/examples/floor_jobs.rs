@@ -7,10 +7,10 @@ use std::fs;
 use std::path::Path;
 
 use hal_sim::mishap::{Hold, Kick};
-use hal_sim::plan::{Door, Person, Plan};
+use hal_sim::plan::{Battery, Door, Person, Plan};
 use hal_sim::random_home::somebody;
 use hal_sim::rng::Rng;
-use hal_sim::{BatteryOptions, Pose2, SimOptions, plan_file};
+use hal_sim::{Pose2, SimOptions, plan_file};
 use lab::run::{FloorDrive, clean, clean_with};
 use robot::FloorState;
 
@@ -173,7 +173,7 @@ impl Mishap {
                 // At the southern wall, which it looks to.
                 plan.start = Pose2::new(1.2, 0.185, -core::f64::consts::FRAC_PI_2);
                 plan.has_dock = true;
-                options.battery = Some(BatteryOptions { charge: 1.0, lasts_min: 10.0, charges_min: 5.0 });
+                plan.battery = Some(Battery { charge: 1.0, lasts_min: 10.0, charges_min: 5.0 });
             }
             Self::Held | Self::Jammed => {
                 let is_jammed = matches!(self, Self::Jammed);

@@ -1,9 +1,8 @@
 //! The floor job by what it leaves: swept floor, and a robot that is back.
 
 use hal_sim::mishap::{Hold, Kidnap};
-use hal_sim::{
-    BatteryOptions, ClosedLoop, Estimate, Pose2, SimOptions, Simulation, default_rig, nominal_ranges, plan_file,
-};
+use hal_sim::plan::Battery;
+use hal_sim::{ClosedLoop, Estimate, Pose2, SimOptions, Simulation, default_rig, nominal_ranges, plan_file};
 use lab::input::built_in_robot;
 use lab::run::{clean, clean_with};
 use robot::{FloorConfig, FloorJob, FloorProgress, FloorState, Whereabouts};
@@ -26,15 +25,16 @@ fn rooms_are_swept_and_the_robot_comes_back() {
     }
 }
 
+const BATTERY: Battery = Battery { charge: 1.0, lasts_min: 6.0, charges_min: 2.0 };
+
 #[test]
 fn a_flat_battery_is_charged_in_the_dock_and_the_job_goes_on() {
     let mut plan = plan_file::load("room").expect("a built-in plan");
     // At the western wall, which it looks to.
     plan.start = Pose2::new(0.185, 1.75, core::f64::consts::PI);
-    let battery = Some(BatteryOptions { charge: 1.0, lasts_min: 6.0, charges_min: 2.0 });
     plan.has_dock = true;
-    let options = SimOptions { battery, ..SimOptions::default() };
-    let drive = clean(&plan, options, 1).expect("the robot fits");
+    plan.battery = Some(BATTERY);
+    let drive = clean(&plan, SimOptions::default(), 1).expect("the robot fits");
     assert!(drive.minutes < 30.0, "{} minutes", drive.minutes);
     let seconds_in = |state: FloorState| drive.progress.seconds_in[state as usize];
     assert_eq!(drive.progress.state, FloorState::Done, "{:?}", drive.progress);
@@ -45,9 +45,9 @@ fn a_flat_battery_is_charged_in_the_dock_and_the_job_goes_on() {
 
 #[test]
 fn without_a_dock_a_flat_battery_leads_back_to_the_start() {
-    let plan = plan_file::load("room").expect("a built-in plan");
-    let battery = Some(BatteryOptions { charge: 1.0, lasts_min: 6.0, charges_min: 2.0 });
-    let drive = clean(&plan, SimOptions { battery, ..SimOptions::default() }, 1).expect("the robot fits");
+    let mut plan = plan_file::load("room").expect("a built-in plan");
+    plan.battery = Some(BATTERY);
+    let drive = clean(&plan, SimOptions::default(), 1).expect("the robot fits");
     assert_eq!(drive.progress.state, FloorState::Flat);
     assert!(drive.minutes < 30.0, "{} minutes", drive.minutes);
     assert!(drive.score.home_m <= 0.2, "{} m from where it started", drive.score.home_m);

@@ -3,6 +3,8 @@
 use input_file::{Allowed, Finite, Limits, Number};
 use serde::Deserialize;
 
+use crate::plan::Battery;
+
 /// A point of the plan.
 pub(super) type Point = [Number<Coordinate>; 2];
 
@@ -39,6 +41,7 @@ pub(super) struct File {
     pub keep_out: Vec<Outline>,
     #[serde(default)]
     pub clean: Vec<Outline>,
+    pub battery: Option<Cells>,
 }
 
 #[derive(Deserialize)]
@@ -48,6 +51,22 @@ pub(super) struct Start {
     pub y_m: Number<Coordinate>,
     pub heading_deg: Option<Number<Finite>>,
     pub dock: Option<bool>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct Cells {
+    pub charge: Option<Number<Share>>,
+    pub lasts_min: Number<Minutes>,
+    pub charges_min: Number<Minutes>,
+}
+
+impl Cells {
+    /// The battery; full where the file does not say how full.
+    pub(super) fn battery(&self) -> Battery {
+        let charge = self.charge.as_ref().map_or(1.0, Number::get);
+        Battery { charge, lasts_min: self.lasts_min.get(), charges_min: self.charges_min.get() }
+    }
 }
 
 #[derive(Deserialize)]
@@ -152,6 +171,21 @@ pub(super) struct Time;
 
 impl Limits for Time {
     const ALLOWED: Allowed = Allowed::within(0.0, 1e6, "seconds from 0 to 1000000");
+}
+
+/// How long a battery lasts, or takes to be full, minutes.
+pub(super) struct Minutes;
+
+impl Limits for Minutes {
+    const ALLOWED: Allowed =
+        Allowed { above_min: true, ..Allowed::within(0.0, 1e5, "minutes above 0 and up to 100000") };
+}
+
+/// How full a battery is.
+pub(super) struct Share;
+
+impl Limits for Share {
+    const ALLOWED: Allowed = Allowed::within(0.0, 1.0, "a share from 0 to 1");
 }
 
 /// How far a kick moves the robot, metres.
