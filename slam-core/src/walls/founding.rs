@@ -46,14 +46,15 @@ pub fn upkeep(map: &mut MapView, ekf: &mut EkfView, policy: WallPolicy, turn: us
     }
 }
 
-/// The direction state of the free wall with which the most length of wall agrees, where that is enough and a majority: of the walls that say
-/// yes or no, for a direction that is hardly known says neither.
+/// The direction state of the free wall with which the most length of wall agrees, where that is enough and a majority.
 fn founder(walls: &[Wall], ekf: &EkfView, deviation: f32) -> Option<usize> {
     let mut best: Option<(f32, usize)> = None;
+    let mut total_m = 0.0;
     for (i, wall) in walls.iter().enumerate() {
+        total_m += wall.length_m();
         let Direction::Free(theta) = wall.direction else { continue };
         let theta = usize::from(theta);
-        let (mut support_m, mut founding_m, mut against_m) = (wall.length_m(), wall.length_m(), 0.0);
+        let mut support_m = wall.length_m();
         let mut others = 0;
         for (j, other) in walls.iter().enumerate() {
             let Direction::Free(other_theta) = other.direction else { continue };
@@ -63,23 +64,17 @@ fn founder(walls: &[Wall], ekf: &EkfView, deviation: f32) -> Option<usize> {
             }
             let variance = relative_variance(ekf, theta, other_theta);
             let off = off_quarter(ekf.mean(theta), ekf.mean(other_theta));
-            match decide(off, variance + deviation, GRID_SHARE) {
-                Some(true) if variance < FOUNDING_SIGMA * FOUNDING_SIGMA => {
-                    support_m += other.length_m();
-                    founding_m += other.length_m();
-                    others += 1;
-                }
-                Some(true) => support_m += other.length_m(),
-                Some(false) => against_m += other.length_m(),
-                None => {}
+            let agrees = decide(off, variance + deviation, GRID_SHARE) == Some(true);
+            if variance < FOUNDING_SIGMA * FOUNDING_SIGMA && agrees {
+                support_m += other.length_m();
+                others += 1;
             }
         }
-        let is_enough = others > 0 && founding_m >= FOUNDING_LENGTH_M && support_m > against_m;
-        if is_enough && best.is_none_or(|(most, _)| support_m > most) {
+        if others > 0 && support_m >= FOUNDING_LENGTH_M && best.is_none_or(|(most, _)| support_m > most) {
             best = Some((support_m, theta));
         }
     }
-    best.map(|(_, theta)| theta)
+    best.filter(|(support_m, _)| *support_m > 0.5 * total_m).map(|(_, theta)| theta)
 }
 
 /// Takes a free wall into the grid where the odds are for it.
