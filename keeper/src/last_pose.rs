@@ -1,7 +1,6 @@
 //! Where the robot was when its power went: it looks for itself there first.
 
-use relocate::State;
-use robot::{COASTS_M, COASTS_RAD, LastingMemory, last_pose, read_last_pose, wipe_last_pose, write_last_pose};
+use robot::{COASTS_M, COASTS_RAD, LastingMemory, last_pose, read_last_pose};
 use slam_core::{Pose, RobotSlam};
 
 use crate::{Keeper, MapFlash};
@@ -17,12 +16,11 @@ impl<F: MapFlash> Keeper<F> {
     /// Writes down where the robot is, or that it is not sure of it. After a start what is there holds until it has moved farther than it may
     /// roll on: it may be reset again before that.
     pub fn note(&mut self, slam: &RobotSlam, memory: &mut impl LastingMemory) {
-        let is_sure = self.locator.state() == State::Tracking && !self.is_lifted;
         let Pose { x_m, y_m, theta_rad } = self.last;
         let has_moved = slam_core::pose::length(x_m, y_m) > COASTS_M || theta_rad.abs() > COASTS_RAD;
-        match (self.kept().filter(|_| is_sure), last_pose(slam)) {
-            (Some(map), Some(last)) => write_last_pose(&last, map, memory),
-            _ if has_moved || self.is_lifted => wipe_last_pose(memory),
+        match (self.kept().filter(|_| self.is_sure()), last_pose(slam)) {
+            (Some(map), Some(last)) => self.notes.write(&last, map, memory),
+            _ if has_moved || self.is_lifted => self.notes.wipe(memory),
             _ => {}
         }
     }

@@ -18,7 +18,7 @@ mod transfer;
 use embedded_storage::nor_flash::NorFlash;
 use kept_map::{Corner, Record, Saved, Store, rig_hash};
 use relocate::{COMPARISONS, Event, Locator, State, Step, agreement};
-use robot::{AreaCorner, AreaKind};
+use robot::{AreaCorner, AreaKind, PoseNotes};
 use slam_core::kept::Kept;
 use slam_core::{Pose, RobotSlam, StepReport};
 use wire::{Place, PlaceState, SENSORS};
@@ -64,6 +64,7 @@ pub struct Keeper<F> {
     world: u32,
     tally: Place,
     incoming: Option<transfer::Incoming>,
+    notes: PoseNotes,
 }
 
 impl<F: MapFlash> Keeper<F> {
@@ -89,6 +90,7 @@ impl<F: MapFlash> Keeper<F> {
             world: 0,
             tally: Place::default(),
             incoming: None,
+            notes: PoseNotes::default(),
         }
     }
 
@@ -176,13 +178,17 @@ impl<F: MapFlash> Keeper<F> {
         Place { state, sequence: self.saved.map_or(0, |saved| saved.sequence), log_odds, ..self.tally }
     }
 
+    /// Whether it is beyond doubt where the robot is.
+    fn is_sure(&self) -> bool {
+        self.locator.state() == State::Tracking && !self.is_lifted
+    }
+
     /// Whether the map is to be saved now: where the robot stands and there is enough to save, or it is about to be forgotten and the robot
     /// could find itself in it.
     fn is_worth_saving(&self, slam: &RobotSlam, now: Circumstances) -> bool {
-        let is_sure = self.locator.state() == State::Tracking && !self.is_lifted;
         let frame = slam.frame();
         let is_last = slam.is_about_to_forget() && frame.has_grid;
-        is_sure && frame.walls > 0 && (is_last || now.stands && self.unsaved_m >= WORTH_M)
+        self.is_sure() && frame.walls > 0 && (is_last || now.stands && self.unsaved_m >= WORTH_M)
     }
 
     fn save(&mut self, slam: &RobotSlam) {

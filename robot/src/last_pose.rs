@@ -1,30 +1,23 @@
 //! Where the robot was, in a memory that lasts over a reset: after it the robot expects itself there in its kept map.
 //!
-//! There are two records, of which the whole one with the higher number counts; the other one is written next. So whatever is cut off in
-//! the middle leaves the pose before or the new one.
+//! It is a record [in turn](crate::in_turn) with the one before, which says:
 //!
 //! | bytes | what they are |
 //! |---|---|
-//! | 4 | magic and version |
-//! | 4 | number of the record |
 //! | 4 | check sum of the kept map in whose frame the pose is |
 //! | 12 | x, y, theta |
 //! | 8 | variance of its place along each axis, of its heading |
-//! | 4 | CRC-32 (ISO-HDLC) of all bytes before |
 
 use slam_core::kept::LastPose;
 use slam_core::{Health, Pose, Slam};
 
-use crate::floor::{CRC, put};
+use crate::in_turn::InTurn;
 use crate::traits::LastingMemory;
 
-/// What a record begins with; the last one is the format's version.
-const MAGIC: [u8; 4] = *b"POS\x01";
-const WORDS: usize = 8;
-const RECORD: usize = 4 * (WORDS + 1);
+const RECORDS: InTurn = InTurn::new(*b"POS\x01", 24);
 
 /// Bytes of a memory that the last pose is written in.
-pub const POSE_RECORD_BYTES: usize = 2 * RECORD;
+pub const POSE_RECORD_BYTES: usize = 2 * RECORDS.len;
 
 /// A robot that turned or moved more than this in a step does not stand, metres and radians: more than an encoder that rests on an edge shows.
 const MOVES_M: f32 = 1e-3;
@@ -53,31 +46,51 @@ pub fn last_pose<const S: usize, const W: usize, const B: usize, const ROWS: usi
     Some(last).filter(|last| is_sure && is_possible(last))
 }
 
-/// Writes down a pose in the kept map of this number.
-pub fn write_last_pose(last: &LastPose, map: u32, memory: &mut impl LastingMemory) {
-    let (number, at) = newest(memory).map_or((0, 0), |(number, at)| (number.wrapping_add(1), RECORD - at));
-    let LastPose { pose: Pose { x_m, y_m, theta_rad }, place_m2, heading_rad2 } = *last;
-    let numbers = [x_m, y_m, theta_rad, place_m2, heading_rad2].map(f32::to_le_bytes);
-    let words = [MAGIC, number.to_le_bytes(), map.to_le_bytes()].into_iter().chain(numbers);
-    let mut sum = CRC.digest();
-    put(memory, at, words.flatten().inspect(|byte| sum.update(&[*byte])));
-    put(memory, at + 4 * WORDS, sum.finalize().to_le_bytes());
+/// What is in the memory that the last pose is written in.
+#[derive(Clone, Debug, Default)]
+pub struct PoseNotes {
+    /// Number of the record that comes next; none before the memory was looked at.
+    next: Option<u32>,
+    /// There is a whole one.
+    is_there: bool,
 }
 
-/// No pose is known any more.
-pub fn wipe_last_pose(memory: &mut impl LastingMemory) {
-    // The older one first, which must not count where the other one is gone.
-    let newer = newest(memory).map_or(0, |(_, at)| at);
-    [RECORD - newer, newer].into_iter().for_each(|at| put(memory, at, [0; MAGIC.len()]));
+impl PoseNotes {
+    /// Number of the record that comes next.
+    fn open(&mut self, memory: &impl LastingMemory) -> u32 {
+        *self.next.get_or_insert_with(|| {
+            let found = RECORDS.newest(memory);
+            self.is_there = found.is_some();
+            found.map_or(0, |number| number.wrapping_add(1))
+        })
+    }
+
+    /// Writes down a pose in the kept map of this number.
+    pub fn write(&mut self, last: &LastPose, map: u32, memory: &mut impl LastingMemory) {
+        let number = self.open(memory);
+        let LastPose { pose: Pose { x_m, y_m, theta_rad }, place_m2, heading_rad2 } = *last;
+        let numbers = [x_m, y_m, theta_rad, place_m2, heading_rad2].map(f32::to_le_bytes);
+        RECORDS.write(number, [map.to_le_bytes()].into_iter().chain(numbers).flatten(), memory);
+        (self.next, self.is_there) = (Some(number.wrapping_add(1)), true);
+    }
+
+    /// No pose is known any more.
+    pub fn wipe(&mut self, memory: &mut impl LastingMemory) {
+        let next = self.open(memory);
+        if core::mem::take(&mut self.is_there) {
+            RECORDS.wipe(next.wrapping_sub(1), memory);
+        }
+    }
 }
 
 /// The pose that was written last, if it is in the kept map of this number.
 pub fn read_last_pose(map: u32, memory: &impl LastingMemory) -> Option<LastPose> {
-    let (_, at) = newest(memory)?;
-    let number = |word: usize| f32::from_le_bytes(word_of(memory, at, word));
-    let pose = Pose { x_m: number(3), y_m: number(4), theta_rad: number(5) };
-    let last = LastPose { pose, place_m2: number(6), heading_rad2: number(7) };
-    Some(last).filter(|last| word_of(memory, at, 2) == map.to_le_bytes() && is_possible(last))
+    let mut said = RECORDS.said(RECORDS.newest(memory)?, memory);
+    let mut word = || [0_u8; 4].map(|_| said.next().unwrap_or(0));
+    let is_own = word() == map.to_le_bytes();
+    let [x_m, y_m, theta_rad, place_m2, heading_rad2] = [(); 5].map(|()| f32::from_le_bytes(word()));
+    let last = LastPose { pose: Pose { x_m, y_m, theta_rad }, place_m2, heading_rad2 };
+    Some(last).filter(|last| is_own && is_possible(last))
 }
 
 fn is_possible(last: &LastPose) -> bool {
@@ -86,24 +99,10 @@ fn is_possible(last: &LastPose) -> bool {
         && [place_m2, heading_rad2].iter().all(|variance| variance.is_finite() && *variance >= 0.0)
 }
 
-fn word_of(memory: &impl LastingMemory, at: usize, word: usize) -> [u8; 4] {
-    [0, 1, 2, 3].map(|byte| memory.read(at + 4 * word + byte))
-}
-
-/// Number and place of the newest whole record.
-fn newest(memory: &impl LastingMemory) -> Option<(u32, usize)> {
-    let number_of = |at: usize| {
-        let mut sum = CRC.digest();
-        (at..at + 4 * WORDS).for_each(|place| sum.update(&[memory.read(place)]));
-        let is_whole = word_of(memory, at, 0) == MAGIC && word_of(memory, at, WORDS) == sum.finalize().to_le_bytes();
-        is_whole.then(|| (u32::from_le_bytes(word_of(memory, at, 1)), at))
-    };
-    [0, RECORD].into_iter().filter_map(number_of).max_by_key(|(number, _)| *number)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::in_turn::Failing;
 
     extern crate std;
     use std::vec::Vec;
@@ -116,64 +115,45 @@ mod tests {
 
     #[test]
     fn the_last_pose_is_read_back_in_its_own_map_only() {
-        let mut memory = [0xA5; POSE_RECORD_BYTES];
+        let (mut memory, mut notes) = ([0xA5; POSE_RECORD_BYTES], PoseNotes::default());
         assert_eq!(read_last_pose(MAP, &memory), None, "a memory that was never written");
         for x_m in [1.0, 2.0, 3.0] {
-            write_last_pose(&at(x_m), MAP, &mut memory);
+            notes.write(&at(x_m), MAP, &mut memory);
             assert_eq!(read_last_pose(MAP, &memory), Some(at(x_m)));
         }
         assert_eq!(read_last_pose(MAP + 1, &memory), None);
-        wipe_last_pose(&mut memory);
+        notes.wipe(&mut memory);
         assert_eq!(read_last_pose(MAP, &memory), None);
-        write_last_pose(&LastPose { place_m2: f32::NAN, ..at(1.0) }, MAP, &mut memory);
+        notes.write(&LastPose { place_m2: f32::NAN, ..at(1.0) }, MAP, &mut memory);
         assert_eq!(read_last_pose(MAP, &memory), None, "a variance that is no number");
-    }
-
-    /// A memory whose power fails after so many bytes.
-    struct Failing {
-        memory: [u8; POSE_RECORD_BYTES],
-        left: usize,
-    }
-
-    impl LastingMemory for Failing {
-        fn read(&self, place: usize) -> u8 {
-            self.memory.read(place)
-        }
-
-        fn write(&mut self, place: usize, byte: u8) {
-            if self.left > 0 {
-                self.left -= 1;
-                self.memory.write(place, byte);
-            }
-        }
     }
 
     #[test]
     fn a_cut_anywhere_leaves_the_pose_before_or_the_new_one() {
-        let mut memory = [0; POSE_RECORD_BYTES];
-        write_last_pose(&at(1.0), MAP, &mut memory);
-        write_last_pose(&at(2.0), MAP, &mut memory);
-        let cut = |left: usize, change: &dyn Fn(&mut Failing)| {
+        let (mut memory, mut notes) = ([0; POSE_RECORD_BYTES], PoseNotes::default());
+        notes.write(&at(1.0), MAP, &mut memory);
+        notes.write(&at(2.0), MAP, &mut memory);
+        let cut = |left: usize, change: &dyn Fn(&mut PoseNotes, &mut Failing<POSE_RECORD_BYTES>)| {
             let mut failing = Failing { memory, left };
-            change(&mut failing);
+            change(&mut notes.clone(), &mut failing);
             read_last_pose(MAP, &failing.memory)
         };
         let found: Vec<_> =
-            (0..=RECORD).map(|left| cut(left, &|memory| write_last_pose(&at(3.0), MAP, memory))).collect();
-        assert!(found[..RECORD].iter().all(|last| *last == Some(at(2.0))), "{found:?}");
-        assert_eq!(found[RECORD], Some(at(3.0)));
-        let wiped: Vec<_> = (0..=2 * MAGIC.len()).map(|left| cut(left, &|memory| wipe_last_pose(memory))).collect();
+            (0..=RECORDS.len).map(|left| cut(left, &|notes, memory| notes.write(&at(3.0), MAP, memory))).collect();
+        assert!(found[..RECORDS.len].iter().all(|last| *last == Some(at(2.0))), "{found:?}");
+        assert_eq!(found[RECORDS.len], Some(at(3.0)));
+        let wiped: Vec<_> = (0..=8).map(|left| cut(left, &|notes, memory| notes.wipe(memory))).collect();
         assert!(wiped.iter().all(|last| last.is_none_or(|last| last == at(2.0))), "{wiped:?}");
-        assert!(wiped[0].is_some() && wiped[2 * MAGIC.len()].is_none());
+        assert!(wiped[0].is_some() && wiped[8].is_none());
     }
 
     #[test]
     fn a_damaged_record_does_not_count_and_the_one_before_does() {
-        let mut memory = [0; POSE_RECORD_BYTES];
-        write_last_pose(&at(1.0), MAP, &mut memory);
-        write_last_pose(&at(2.0), MAP, &mut memory);
-        let (_, newer) = newest(&memory).expect("two are there");
-        for place in newer..newer + RECORD {
+        let (mut memory, mut notes) = ([0; POSE_RECORD_BYTES], PoseNotes::default());
+        notes.write(&at(1.0), MAP, &mut memory);
+        notes.write(&at(2.0), MAP, &mut memory);
+        let newer = RECORDS.at(RECORDS.newest(&memory).expect("two are there"));
+        for place in newer..newer + RECORDS.len {
             let mut damaged = memory;
             damaged[place] ^= 0x10;
             assert_eq!(read_last_pose(MAP, &damaged), Some(at(1.0)), "byte {place}");

@@ -13,6 +13,7 @@ pub mod condition;
 pub mod contact;
 pub mod floor;
 pub mod h_bridge;
+mod in_turn;
 pub mod job;
 mod last_pose;
 pub mod pilot;
@@ -29,9 +30,7 @@ pub use floor::{
 };
 pub use h_bridge::{HBridge, HBridgeError, MotorPair};
 pub use job::{AreaCorner, Job, Whereabouts};
-pub use last_pose::{
-    COASTS_M, COASTS_RAD, POSE_RECORD_BYTES, last_pose, read_last_pose, wipe_last_pose, write_last_pose,
-};
+pub use last_pose::{COASTS_M, COASTS_RAD, POSE_RECORD_BYTES, PoseNotes, last_pose, read_last_pose};
 pub use pilot::{Activity, Pilot, PilotConfig, Senses};
 pub use traits::{
     DriveMotors, Duty, LastingMemory, MetricSensor, RangeSensorBank, WheelCounter, WheelEncoders, WheelSpeeds,

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use kept_map::{Record, rig_hash};
 use look_back::RobotBackEnd;
-use robot::{Bounds, POSE_RECORD_BYTES, Whereabouts, read_last_pose, write_last_pose};
+use robot::{Bounds, POSE_RECORD_BYTES, PoseNotes, Whereabouts, read_last_pose};
 use slam_core::{Config, DriveModel, HostSlam, Outcome, Parameter, RigError, Sample, StepReport};
 
 use super::life::{Life, Place, Searched};
@@ -70,7 +70,7 @@ impl Session {
     /// Where the robot is if its power goes now, in this kept map, as it writes it down; none where it is not sure of that.
     pub fn pose_in(&self, map: MapId) -> Option<[u8; POSE_RECORD_BYTES]> {
         let mut memory = [0; POSE_RECORD_BYTES];
-        write_last_pose(&self.life.last_pose(&self.slam)?, map.0, &mut memory);
+        PoseNotes::default().write(&self.life.last_pose(&self.slam)?, map.0, &mut memory);
         Some(memory)
     }
 

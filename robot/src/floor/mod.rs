@@ -45,7 +45,7 @@ use phase::Phase;
 use place::Place;
 use progress::Tally;
 pub use progress::{FloorProgress, FloorState};
-pub(crate) use record::{CRC, Notes, put};
+pub(crate) use record::Notes;
 pub use record::{FLOOR_RECORD_BYTES, FloorRecordError};
 use sheet::{Axis, QUARTER_M, Sheet};
 use traction::Traction;

@@ -11,7 +11,6 @@
 //! Where cells come to mean another place (another job, other axes, the picture moves), the serial changes; within one serial a cell only
 //! comes to be known and swept, so that a row of old cells and new ones is right, too. A head follows its rows.
 
-use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 use slam_core::Pose;
 
 use super::errand::Errand;
@@ -19,19 +18,17 @@ use super::frame::Frame;
 use super::sheet::Sheet;
 use super::swept::CELLS;
 use super::{FloorJob, FloorState, Phase};
+use crate::in_turn::{InTurn, put};
 use crate::pilot::memory::Cell;
 use crate::traits::LastingMemory;
 
-/// What a head begins with; the last one is the format's version.
-const MAGIC: [u8; 4] = *b"FLJ\x04";
 const STATES: usize = FloorState::ALL.len();
-const HEAD: usize = 56 + 2 * STATES + 4;
+const HEADS: InTurn = InTurn::new(*b"FLJ\x04", 48 + 2 * STATES);
 const SERIAL: usize = 2;
 const ROW: usize = SERIAL + CELLS / 2;
-pub(crate) const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 
 /// Bytes of a memory that a floor job is saved in.
-pub const FLOOR_RECORD_BYTES: usize = 2 * HEAD + CELLS * ROW;
+pub const FLOOR_RECORD_BYTES: usize = 2 * HEADS.len + CELLS * ROW;
 
 /// Why a memory has no floor job to go on with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,12 +95,7 @@ fn pairs(row: i16) -> impl Iterator<Item = [Cell; 2]> {
 
 /// Where a row is in the memory.
 fn row_at(row: i16) -> usize {
-    2 * HEAD + row as usize * ROW
-}
-
-/// Where the head of this number is.
-fn head_at(number: u32) -> usize {
-    HEAD * (number % 2) as usize
+    2 * HEADS.len + row as usize * ROW
 }
 
 /// How far a memory is written.
@@ -124,54 +116,31 @@ impl Notes {
     /// Number and serial of the last head. A memory that has none may hold anything: rows begin with no serial.
     fn open(&mut self, memory: &mut impl LastingMemory) -> (u32, u16) {
         *self.last.get_or_insert_with(|| {
-            let found = newest(memory);
+            let found = HEADS.newest(memory);
             self.is_there = found.is_some();
             if found.is_none() {
                 (0..CELLS as i16).for_each(|row| put(memory, row_at(row), [0; SERIAL]));
             }
-            found.map_or((0, 0), |head| (head.number, head.serial))
+            found.map_or((0, 0), |number| (number, serial_in(HEADS.said(number, memory))))
         })
     }
 
     /// There is no job to go on with.
     pub(crate) fn wipe(&mut self, memory: &mut impl LastingMemory) {
-        self.open(memory);
+        let (number, _) = self.open(memory);
         if core::mem::take(&mut self.is_there) {
-            [0, 1].into_iter().for_each(|number| put(memory, head_at(number), [0; MAGIC.len()]));
+            HEADS.wipe(number, memory);
         }
     }
-}
-
-/// Writes bytes from this place on.
-pub(crate) fn put(memory: &mut impl LastingMemory, at: usize, bytes: impl IntoIterator<Item = u8>) {
-    bytes.into_iter().zip(at..).for_each(|(byte, place)| memory.write(place, byte));
 }
 
 fn serial_of(memory: &impl LastingMemory, row: i16) -> u16 {
     u16::from_le_bytes([0, 1].map(|place| memory.read(row_at(row) + place)))
 }
 
-/// A whole head.
-struct Head {
-    number: u32,
-    serial: u16,
-    /// Where what follows its number and serial begins.
-    at: usize,
-}
-
-/// The newest whole head.
-fn newest(memory: &impl LastingMemory) -> Option<Head> {
-    let head = |half: u32| {
-        let at = head_at(half);
-        let mut sum = CRC.digest();
-        (0..HEAD - 4).for_each(|place| sum.update(&[memory.read(at + place)]));
-        let word = |place: usize| [0, 1, 2, 3].map(|byte| memory.read(at + place + byte));
-        let is_whole = word(0) == MAGIC && u32::from_le_bytes(word(HEAD - 4)) == sum.finalize();
-        let [low, high, ..] = word(8);
-        let head = Head { number: u32::from_le_bytes(word(4)), serial: u16::from_le_bytes([low, high]), at: at + 12 };
-        is_whole.then_some(head)
-    };
-    [head(0), head(1)].into_iter().flatten().max_by_key(|head| head.number)
+/// The serial that a head begins with.
+fn serial_in(mut said: impl Iterator<Item = u8>) -> u16 {
+    u16::from_le_bytes([0; SERIAL].map(|_| said.next().unwrap_or(0)))
 }
 
 impl<const S: usize> FloorJob<S> {
@@ -224,12 +193,10 @@ impl<const S: usize> FloorJob<S> {
         let origin = Some(self.frame.origin()).filter(|_| self.frame.is_aligned());
         let poses = [origin, self.home].into_iter().flat_map(pose_words);
         let [col, row] = self.sheet.picture.corner().map(i32::to_le_bytes);
-        let words = [MAGIC, number.to_le_bytes(), [low, high, 0, 0], map.to_le_bytes(), errand].into_iter();
+        let words = [[low, high, 0, 0], map.to_le_bytes(), errand].into_iter();
         let words = words.chain(poses).chain([col, row, self.tally.swept().to_le_bytes()]).flatten();
-        let mut sum = CRC.digest();
-        let bytes = words.chain(self.progress().seconds_in.into_iter().flat_map(u16::to_le_bytes));
-        put(memory, head_at(number), bytes.inspect(|byte| sum.update(&[*byte])));
-        put(memory, head_at(number) + HEAD - 4, sum.finalize().to_le_bytes());
+        let seconds_in = self.progress().seconds_in.into_iter().flat_map(u16::to_le_bytes);
+        HEADS.write(number, words.chain(seconds_in), memory);
     }
 
     /// A job that knows nothing yet becomes the one that was saved in the kept map of this number, about to go on where the robot is.
@@ -237,9 +204,11 @@ impl<const S: usize> FloorJob<S> {
     /// # Errors
     /// The memory has no floor job in that map: it still knows nothing.
     pub(crate) fn restore(&mut self, map: u32, memory: &impl LastingMemory) -> Result<(), FloorRecordError> {
-        let Head { serial, at, .. } = newest(memory).ok_or(FloorRecordError::Nothing)?;
-        let mut bytes = (at..).map(|place| memory.read(place));
+        let number = HEADS.newest(memory).ok_or(FloorRecordError::Nothing)?;
+        let mut bytes = HEADS.said(number, memory);
         let mut word = || [0_u8; 4].map(|_| bytes.next().unwrap_or(0));
+        let [low, high, ..] = word();
+        let serial = u16::from_le_bytes([low, high]);
         if word() != map.to_le_bytes() {
             return Err(FloorRecordError::OtherMap);
         }
@@ -284,9 +253,8 @@ fn pose_of(words: [[u8; 4]; 3]) -> Option<Pose> {
 mod tests {
     use super::super::FloorConfig;
     use super::*;
+    use crate::in_turn::Failing;
     use crate::rig::default_rig;
-
-    type Memory = [u8; FLOOR_RECORD_BYTES];
 
     fn blank() -> FloorJob<8> {
         FloorJob::new(FloorConfig::default(), &default_rig())
@@ -341,36 +309,17 @@ mod tests {
         let (mut memory, mut notes, mut job) = ([0; FLOOR_RECORD_BYTES], Notes::NEW, job(1));
         assert_eq!(blank().restore(7, &memory), Err(FloorRecordError::Nothing));
         save(&mut job, &mut notes, &mut memory);
-        let first = newest(&memory).unwrap().number;
+        let first = HEADS.newest(&memory).unwrap();
         job.home = Some(Pose::new(9.0, 9.0, 0.0));
         save(&mut job, &mut notes, &mut memory);
-        let at = head_at(newest(&memory).unwrap().number);
-        for place in at..at + HEAD {
+        let at = HEADS.at(HEADS.newest(&memory).unwrap());
+        for place in at..at + HEADS.len {
             let mut damaged = memory;
             damaged[place] ^= 0x10;
-            assert_eq!(newest(&damaged).unwrap().number, first, "byte {place}");
+            assert_eq!(HEADS.newest(&damaged).unwrap(), first, "byte {place}");
         }
         notes.wipe(&mut memory);
         assert_eq!(blank().restore(7, &memory), Err(FloorRecordError::Nothing));
-    }
-
-    /// A memory whose power fails after so many bytes.
-    struct Failing {
-        memory: Memory,
-        left: usize,
-    }
-
-    impl LastingMemory for Failing {
-        fn read(&self, place: usize) -> u8 {
-            self.memory.read(place)
-        }
-
-        fn write(&mut self, place: usize, byte: u8) {
-            if self.left > 0 {
-                self.left -= 1;
-                self.memory.write(place, byte);
-            }
-        }
     }
 
     #[test]
