@@ -200,6 +200,8 @@ impl<const S: usize> FloorJob<S> {
         if let Some(turned_rad) = self.frame.align(grid_rad) {
             self.sheet.clear();
             self.near.turn(turned_rad);
+            self.trail = Trail::new();
+            self.tally.clear();
             self.last = None;
             self.route.clear();
             self.is_noted = false;

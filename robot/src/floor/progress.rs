@@ -159,6 +159,11 @@ impl Tally {
         self.swept = self.swept.saturating_add(new_quarters.into());
     }
 
+    /// Nothing is swept after all.
+    pub(super) fn clear(&mut self) {
+        self.swept = 0;
+    }
+
     /// So many quarters were not swept after all.
     pub(super) fn take_back(&mut self, quarters: u16) {
         self.swept = self.swept.saturating_sub(quarters.into());

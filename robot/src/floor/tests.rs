@@ -1,12 +1,35 @@
 //! The floor job by itself, without a home around it.
 
+use super::swept::CELLS;
 use super::*;
 use crate::condition::Condition;
+use crate::contact::Contacts;
+use crate::pilot::memory::Cell;
 use crate::wild::Wild;
 
 #[test]
 fn the_job_of_the_robot_fits_in_12_kib() {
     assert!(size_of::<FloorJob<8>>() <= 12_288, "{}", size_of::<FloorJob<8>>());
+}
+
+#[test]
+fn floor_swept_before_the_grid_was_known_counts_once() {
+    let mut job: FloorJob<8> = FloorJob::new(FloorConfig::default(), &crate::rig::default_rig());
+    let sweep = |job: &mut FloorJob<8>, steps: core::ops::Range<u16>| {
+        for step in steps {
+            let pose = Pose::new(0.02 * f32::from(step), 0.0, 0.0);
+            let (contacts, condition) = (Contacts::default(), Condition::default());
+            job.step(&Senses { time_us: 40_000 * u64::from(step), pose, ranges_m: [None; 8], contacts, condition });
+        }
+    };
+    sweep(&mut job, 0..100);
+    job.align(0.3);
+    assert_eq!((job.progress().swept_m2, job.trail.last_m()), (0.0, None));
+    sweep(&mut job, 0..100);
+    let cells = (0..CELLS as i16).flat_map(|row| (0..CELLS as i16).map(move |col| Cell { col, row }));
+    let swept: u32 = cells.map(|cell| 4 - job.sheet.swept.left_in(cell)).sum();
+    assert_eq!(job.tally.swept(), swept);
+    assert!(swept > 0);
 }
 
 #[test]
