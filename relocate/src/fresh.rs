@@ -4,10 +4,10 @@ use heapless::Vec;
 use slam_core::angle::sin_cos;
 use slam_core::kept::Kept;
 
-use crate::FRESH_SIDES;
 use crate::odds;
 use crate::order::descending;
 use crate::side::{ALPHA, Side, covariance_m2, find_sides};
+use crate::{FRESH_SIDES, LATELY_M};
 
 /// Entries of a symmetric matrix of so many rows, each once.
 const ENTRIES: usize = FRESH_SIDES * (FRESH_SIDES + 1) / 2;
@@ -51,7 +51,7 @@ impl Fresh {
 
     /// Takes in the walls of a map; false where none stands on a grid.
     pub(crate) fn take(&mut self, map: &dyn Kept) -> bool {
-        find_sides(map, &mut self.sides);
+        find_sides(map, LATELY_M, &mut self.sides);
         descending(&mut self.sides, Side::rank_m);
         self.quarters = 0;
         odds::weigh(&self.sides, &mut self.weights);

@@ -48,5 +48,9 @@ pub const COMPARISONS: u32 = 3_300;
 pub const KEPT_SIDES: usize = 64;
 /// Most walls of a fresh map that are matched: the longest.
 pub const FRESH_SIDES: usize = 16;
-/// Most points of the driven path that are held against kept walls.
-pub const PATH_POINTS: usize = 64;
+/// Path on which a fresh map is held against the kept one, metres: both are bent, the more the farther apart two walls are.
+pub(crate) const LATELY_M: f32 = 15.0;
+/// Distance between two points of the path that are held against kept walls, metres.
+pub(crate) const POINTS_M: f32 = 0.25;
+/// Most of these points.
+pub const PATH_POINTS: usize = (LATELY_M / POINTS_M) as usize;

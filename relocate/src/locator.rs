@@ -14,11 +14,11 @@ use heapless::Vec;
 use slam_core::kept::{Kept, LastPose};
 use slam_core::{Match, Pose, SecondCopy};
 
-use crate::PATH_POINTS;
 use crate::agreement::Agreement;
 use crate::copy;
 use crate::odds::{self, Displaced, Verdict};
 use crate::search::{Hypothesis, Progress, Search};
+use crate::{PATH_POINTS, POINTS_M};
 
 /// Path from one search to the next, metres.
 const SEARCH_EVERY_M: f32 = 0.5;
@@ -40,10 +40,6 @@ const DOUBT_M: f32 = 1.0;
 
 /// Readings are held against the map once on so much path, metres: a robot that stands sees the same thing again.
 const COUNTED_EVERY_M: f32 = 0.05;
-
-/// Distance between two points of the path that are held against kept walls, metres; twice as far each time when there is no
-/// room for more.
-const POINTS_M: f32 = 0.25;
 
 /// What a robot knows of where it is in the kept map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -130,7 +126,6 @@ pub struct Locator {
     trail: Vec<[f32; 2], PATH_POINTS>,
     /// Where the filter's frame was when the trail began.
     anchor: Option<Pose>,
-    spacing_m: f32,
     search: Search,
     is_searching: bool,
     begun: Begun,
@@ -153,7 +148,6 @@ impl Locator {
             next_search_m: 0.0,
             trail: Vec::new(),
             anchor: None,
-            spacing_m: POINTS_M,
             search: Search::IDLE,
             is_searching: false,
             begun: Begun::Anywhere,
@@ -173,7 +167,6 @@ impl Locator {
         (self.path_m, self.since_m, self.counted_m) = (0.0, 0.0, 0.0);
         self.next_search_m = 2.0 * SEARCH_EVERY_M;
         self.trail.clear();
-        self.spacing_m = POINTS_M;
         (self.is_searching, self.begun) = (false, Begun::Anywhere);
         (self.claim, self.verdict) = (None, None);
         self.agreement = Agreement::NEW;
@@ -301,19 +294,14 @@ impl Locator {
         self.since_m = self.path_m;
     }
 
-    /// Keeps a point of the path, every other one where there is no room.
+    /// Keeps a point of the path, in place of the oldest where there is no room.
     fn remember(&mut self, [x, y]: [f32; 2]) {
-        let is_far = |last: &[f32; 2]| slam_core::pose::length(last[0] - x, last[1] - y) > self.spacing_m;
+        let is_far = |last: &[f32; 2]| slam_core::pose::length(last[0] - x, last[1] - y) > POINTS_M;
         if !self.trail.last().is_none_or(is_far) {
             return;
         }
         if self.trail.is_full() {
-            let mut index = 0;
-            self.trail.retain(|_| {
-                index += 1;
-                index % 2 == 1
-            });
-            self.spacing_m *= 2.0;
+            self.trail.remove(0);
         }
         let _ = self.trail.push([x, y]);
     }

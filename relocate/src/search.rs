@@ -154,7 +154,7 @@ impl Search {
         if !self.fresh.take(fresh) {
             return false;
         }
-        find_sides(kept, &mut self.kept);
+        find_sides(kept, f32::INFINITY, &mut self.kept);
         self.of_any = odds::of_place(floor_m2(&self.kept));
         (self.of_place, self.near) = (self.of_any, None);
         let alpha_rad = fresh.mean(ALPHA);

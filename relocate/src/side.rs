@@ -197,18 +197,19 @@ pub(crate) fn covariance_m2(kept: &dyn Kept, a: &Side, b: &Side) -> f32 {
 /// The walls of a map that has a grid, those on it and the longest where there is no room for all.
 pub fn sides<const N: usize>(kept: &dyn Kept) -> Vec<Side, N> {
     let mut found = Vec::new();
-    find_sides(kept, &mut found);
+    find_sides(kept, f32::INFINITY, &mut found);
     found
 }
 
-/// The same, in place.
-pub(crate) fn find_sides<const N: usize>(kept: &dyn Kept, found: &mut Vec<Side, N>) {
+/// The same of those that were met within so many metres of path, as far as the map knows, in place.
+pub(crate) fn find_sides<const N: usize>(kept: &dyn Kept, within_m: f32, found: &mut Vec<Side, N>) {
     found.clear();
     let frame = kept.frame();
     if !frame.has_grid {
         return;
     }
-    let walls = (0..usize::from(frame.walls)).filter_map(|i| kept.wall(i));
+    let is_of_late = |i: &usize| kept.unseen_m(*i).is_none_or(|path_m| path_m < within_m);
+    let walls = (0..usize::from(frame.walls)).filter(is_of_late).filter_map(|i| kept.wall(i));
     for side in walls.filter_map(|wall| Side::of(kept, &wall)) {
         if let Err(side) = found.push(side) {
             let least = found.iter_mut().min_by(|a, b| a.rank_m().total_cmp(&b.rank_m()));

@@ -4,6 +4,7 @@ mod askew;
 mod copies;
 mod displaced;
 mod doubts;
+mod lately;
 
 use std::vec::Vec;
 
