@@ -13,8 +13,8 @@ use crate::filter::layout;
 use crate::geometry::angle::{sin_cos, wrap};
 use crate::geometry::line::Line;
 use crate::geometry::pose::Pose;
-use crate::holds::stillness::{Stillness, log_odds_of_staying};
-use crate::jolts::confirmation::{Confirmation, SURE};
+use crate::holds::stillness::{HELD, Stillness, log_odds_of_staying};
+use crate::jolts::confirmation::Confirmation;
 use crate::jolts::recent::{self, Recent};
 use crate::jolts::search::{Displacement, SLIP, Scene};
 use crate::measurement::beam::Beam;
@@ -49,6 +49,9 @@ const SENSOR_SAYS: f32 = 6.0;
 /// Log odds by walls from which on a hold is claimed: more than the 3.9 that one look of one sensor says at most, so that it takes
 /// two. That holds are as rare as one in an hour of driving is left to the confirmation.
 const WORTH: f32 = 4.0;
+
+/// Log odds by readings of other places that confirm it: with those of the claim, as many as a robot that is held takes where no map tells.
+const CONFIRMED: f32 = HELD - WORTH;
 
 /// Log of the odds against its end from one look to the next: most last for some of them.
 const ENDS: f32 = 3.0;
@@ -329,7 +332,7 @@ impl<const S: usize> Holds<S> {
         let slipped = if stands > 0.0 { scene.improve(&moved, &Displacement::start(0), &SLIP).log_odds } else { 0.0 };
         let said = stands - slipped.max(0.0);
         // A robot taken to stand where it drives is silently wrong; one whose hold is found a little later is not.
-        let is_held = confirmation.verdict(said)? && said > SURE && self.stillness.is_witnessed();
+        let is_held = confirmation.verdict(said, CONFIRMED)? && said > CONFIRMED && self.stillness.is_witnessed();
         let found = is_held.then_some(*correction);
         self.begin_anew(is_held);
         found

@@ -23,7 +23,7 @@ pub const LOOK_RAD: f32 = 0.25;
 
 /// Log odds from which on the robot is held: one hold in an hour beforehand, in which a robot that cleans turns by a thousand radians
 /// (840 to 1,300 in four simulated homes), four thousand looks, and twenty to one after.
-const HELD: f32 = 8.3 + SURE;
+pub const HELD: f32 = 8.3 + SURE;
 
 /// What one sensor can say at most: it may be what it sees that turns with the robot, for as long as it does.
 const SENSOR_SAYS: f32 = 6.0;

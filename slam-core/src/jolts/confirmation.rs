@@ -43,12 +43,12 @@ impl Confirmation {
         self.onset
     }
 
-    /// Whether it is so, by the log odds that those readings have for it; none while they have not said enough. A robot that
+    /// Whether it is so, by the log odds that those readings have for it and those that it takes; none while they have not said enough. A robot that
     /// stands sees no other places, and it is. Readings of the same places may agree with what was found by them, and not be right: but
     /// where even they speak against it, it is not so.
-    pub fn verdict(&self, said: f32) -> Option<bool> {
+    pub fn verdict(&self, said: f32, takes: f32) -> Option<bool> {
         let is_elsewhere = self.moved_m > ELSEWHERE_M;
-        let is_decided = self.for_s > TRIAL_S || said < -SURE || is_elsewhere && said > SURE;
+        let is_decided = self.for_s > TRIAL_S || said < -SURE || is_elsewhere && said > takes;
         is_decided.then_some(said > 0.0 || !is_elsewhere && said >= -SURE)
     }
 }

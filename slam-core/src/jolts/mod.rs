@@ -192,7 +192,7 @@ impl Jolts {
         if let Some(([x_m, y_m], confirmation)) = trial.found {
             let found = trial.best.seen_from([moment.map.x_m - x_m, moment.map.y_m - y_m]);
             let readings = self.recent.since(confirmation.onset(), moment);
-            let is_confirmed = confirmation.verdict(scene.said_of(&readings, &found))?;
+            let is_confirmed = confirmation.verdict(scene.said_of(&readings, &found), SURE)?;
             self.give_up();
             return is_confirmed.then_some(found);
         }
