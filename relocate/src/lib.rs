@@ -46,11 +46,11 @@ pub use side::{Side, path_on_grid, sides};
 pub const COMPARISONS: u32 = 3_300;
 /// Most walls of a kept map that are matched.
 pub const KEPT_SIDES: usize = 64;
-/// Most walls of a fresh map that are matched: the longest.
+/// Most walls of a fresh map that are matched: the longest of those met of late.
 pub const FRESH_SIDES: usize = 16;
-/// Path on which a fresh map is held against the kept one, metres: both are bent, the more the farther apart two walls are.
+/// Length of the last path whose walls are held against the kept map, metres: both maps are bent, the more the farther apart two walls are.
 pub(crate) const LATELY_M: f32 = 15.0;
 /// Distance between two points of the path that are held against kept walls, metres.
 pub(crate) const POINTS_M: f32 = 0.25;
-/// Most of these points.
+/// Most points of the driven path that are held against kept walls.
 pub const PATH_POINTS: usize = (LATELY_M / POINTS_M) as usize;

@@ -201,7 +201,7 @@ pub fn sides<const N: usize>(kept: &dyn Kept) -> Vec<Side, N> {
     found
 }
 
-/// The same of those that were met within so many metres of path, as far as the map knows, in place.
+/// The same in place, without walls that the robot met longer ago than so much path, metres. Of a kept map that is not known, and all count.
 pub(crate) fn find_sides<const N: usize>(kept: &dyn Kept, within_m: f32, found: &mut Vec<Side, N>) {
     found.clear();
     let frame = kept.frame();

@@ -101,10 +101,16 @@ impl Kept for Map {
     }
 }
 
+/// A map that is right.
+const STRAIGHT: Map = Map { bend_m: 0.0, sigma_m: 0.0, is_common: true };
+
 fn search(kept: &Map, path_m: &[[f32; 2]]) -> Verdict {
-    let fresh = Map { bend_m: 0.0, sigma_m: 0.0, is_common: true };
+    search_of(&STRAIGHT, kept, path_m)
+}
+
+fn search_of(fresh: &dyn Kept, kept: &dyn Kept, path_m: &[[f32; 2]]) -> Verdict {
     let mut search = Search::IDLE;
-    assert!(search.begin(&fresh, kept, path_m), "a map with walls on a grid");
+    assert!(search.begin(fresh, kept, path_m), "a map with walls on a grid");
     while search.work(kept, 100) == Progress::Working {}
     search.verdict().expect("a place")
 }

@@ -94,7 +94,7 @@ const TAIL: &str = "
 Without a grid in either map there is no search. A claim needs odds of e^6.9, in two searches. Laid on one another by the truth, walls of the later
 drive stand where kept ones do, but maps of large places are bent: over the 28 m of intel-loops by up to 1.15 m, there all alike to 3 cm. So only what the later
 drive met on its last 15 m is held against the earlier map. In fr079-first the true place is often the best one, but its odds
-stay low, for half of the walls are in rooms that the earlier drive did not visit, which is what the walls of another building are like, too.
+stay low, for many walls are in rooms that the earlier drive did not visit, which is what the walls of another building are like, too.
 Of the first lap of intel-loops twelve of seventeen walls stand more than three degrees off the grid; of such walls of the later laps one in twenty is matched.
 
 Neither wean log has a truth; both drives begin at about one place, where the lasers of both see the same to 5 cm in the median, and in two replays that

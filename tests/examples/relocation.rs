@@ -10,7 +10,7 @@ use lab::evaluate::score::path;
 use lab::evaluate::statistics::{mean, median};
 use lab::input::rig_file::Robot;
 use lab::run::{Drive, Session};
-use relocate::{Event, Locator, Progress, Search, State, Step, Verdict};
+use relocate::{Event, Locator, PATH_POINTS, Progress, Search, State, Step, Verdict};
 use slam_core::{Config, HostSlam, angle};
 use tests::carries::{Driven, carried, drive, rig};
 
@@ -217,7 +217,9 @@ fn carry_there(there: &Home, kept: &Home, homes: &[Home], sensors: usize, seed: 
 /// A search of this map, in which the robot drove along this path, in a home's.
 fn verdict(slam: &HostSlam, home: &Home, trail_m: &[[f32; 2]]) -> Option<Verdict> {
     let mut search = Search::IDLE;
-    search.begin(slam, home.kept.slam(), trail_m);
+    // As much of the path as a robot keeps.
+    let of_late_m = &trail_m[trail_m.len().saturating_sub(PATH_POINTS)..];
+    search.begin(slam, home.kept.slam(), of_late_m);
     while search.work(home.kept.slam(), u32::MAX) == Progress::Working {}
     search.verdict()
 }

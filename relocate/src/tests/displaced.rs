@@ -3,7 +3,7 @@
 use slam_core::Pose;
 use slam_core::kept::{Kept, KeptFrame, KeptWall};
 
-use super::{INSIDE, Map};
+use super::{INSIDE, Map, STRAIGHT};
 use crate::odds::{self, Displaced};
 use crate::{Progress, Search, Verdict};
 
@@ -31,8 +31,6 @@ impl Kept for Begun {
     }
 }
 
-const MAP: Map = Map { bend_m: 0.0, sigma_m: 0.0, is_common: true };
-
 /// A search of a robot that its map has so far off, in this way; of one of whom that is not asked without it.
 fn search(off: Option<Pose>, by: Displaced) -> Verdict {
     search_from(Pose::ORIGIN, off, by)
@@ -41,8 +39,8 @@ fn search(off: Option<Pose>, by: Displaced) -> Verdict {
 /// The same of one that was switched on at this place of its kept map.
 fn search_from(start: Pose, off: Option<Pose>, by: Displaced) -> Verdict {
     // Both frames lie somewhere in that of the start.
-    let kept = Begun { map: MAP, at: Pose::new(3.0, -1.0, 0.7) };
-    let fresh = Begun { map: MAP, at: start.inverse().compose(&kept.at).compose(&off.unwrap_or(Pose::ORIGIN)) };
+    let kept = Begun { map: STRAIGHT, at: Pose::new(3.0, -1.0, 0.7) };
+    let fresh = Begun { map: STRAIGHT, at: start.inverse().compose(&kept.at).compose(&off.unwrap_or(Pose::ORIGIN)) };
     let mut search = Search::IDLE;
     assert!(search.begin(&fresh, &kept, &INSIDE), "a map with walls on a grid");
     if off.is_some() {

@@ -2,8 +2,8 @@
 
 use slam_core::kept::{Kept, KeptFrame, KeptWall};
 
-use super::{INSIDE, Map, WALLS};
-use crate::{LATELY_M, Progress, Search, Verdict};
+use super::{INSIDE, Map, STRAIGHT, WALLS, search_of};
+use crate::{LATELY_M, Verdict};
 
 /// A map of a robot that left the far room so much path ago, metres.
 struct Left {
@@ -36,11 +36,7 @@ impl Kept for Left {
 /// Where a robot is whose fresh map has the far room half a metre off and does not know it.
 fn search(ago_m: f32) -> Verdict {
     let bent = Left { map: Map { bend_m: 0.5, sigma_m: 0.01, is_common: true }, ago_m };
-    let kept = Map { bend_m: 0.0, sigma_m: 0.0, is_common: true };
-    let mut search = Search::IDLE;
-    assert!(search.begin(&bent, &kept, &INSIDE), "a map with walls on a grid");
-    while search.work(&kept, 100) == Progress::Working {}
-    search.verdict().expect("a place")
+    search_of(&bent, &STRAIGHT, &INSIDE)
 }
 
 #[test]

@@ -43,8 +43,8 @@ impl Confirmation {
         self.onset
     }
 
-    /// Whether it is so, by the log odds that those readings have for it and those that it takes; none while they have not said enough. A robot that
-    /// stands sees no other places, and it is. Readings of the same places may agree with what was found by them, and not be right: but
+    /// Whether it is so, by the log odds that those readings have for it; none while they are not more than it `takes`, nor speak against
+    /// it, nor the trial is over. A robot that stands sees no other places, and it is. Readings of the same places may agree with what was found by them, and not be right: but
     /// where even they speak against it, it is not so.
     pub fn verdict(&self, said: f32, takes: f32) -> Option<bool> {
         let is_elsewhere = self.moved_m > ELSEWHERE_M;
