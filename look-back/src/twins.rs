@@ -14,9 +14,17 @@ const FLUSH_M: f32 = 0.005;
 /// 99 % of a chi-square distribution with one degree of freedom.
 const GATE: f32 = 6.63;
 
-/// Gate for walls that were both seen at one place, over half a metre: five sigma. A door's leaf may have been moved there.
+/// Walls with the same face are about so far apart, metres: the depth of a room. Where what is known of two leaves them anywhere within
+/// it, one lies by chance where the other may be, and says nothing.
+const ROOM_M: f32 = 3.5;
+
+/// Gate for walls that were both seen at one place, over half a metre, and not both can be: five sigma. A door's leaf may have been moved
+/// there.
 const SHARED_GATE: f32 = 25.0;
 const SHARED_M: f32 = 0.5;
+
+/// Farther apart, the robot fits between two walls, and can have seen both, metres.
+const ROBOT_M: f32 = 0.35;
 
 /// Over a metre it is no door's leaf: where beams to one went through the other there cannot be two, within thirty sigma; what is
 /// farther away is a cupboard before a wall.
@@ -132,11 +140,12 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
         let along_m = 0.5 * (overlap_m[0] + overlap_m[1]);
         let apart_m = other.rho_m - dot(other.normal, line.at(along_m));
         let Some(variance) = self.variance_apart(along_m) else { return (PAIR_COST, None) };
-        let square = apart_m * apart_m / (variance + FLUSH_M * FLUSH_M);
+        let variance = variance + FLUSH_M * FLUSH_M;
+        let square = apart_m * apart_m / variance;
         let len = self.solver.system.len() as u32;
         let cost = PAIR_COST + len * len / 2;
         let is_near = apart_m.abs() <= REACH_M;
-        if square <= GATE && is_near {
+        if square <= GATE.min(likelier_one(variance)) && is_near {
             return (cost, Some((square, false)));
         }
         if square > HIDDEN_GATE {
@@ -146,8 +155,8 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
         let [on_a, on_b] = [0, 1].map(|i| self.pieces(i, overlap_m));
         let shared_m = PIECE_M.max((overlap_m[1] - overlap_m[0]) / PIECES) * (on_a & on_b).count_ones() as f32;
         let hides = || self.is_crossed(0, on_a, overlap_m) || self.is_crossed(1, on_b, overlap_m);
-        let may_be_one =
-            (shared_m >= HIDDEN_M && hides()) || (shared_m >= SHARED_M && is_near && square <= SHARED_GATE);
+        let is_shared = shared_m >= SHARED_M && is_near && square <= SHARED_GATE;
+        let may_be_one = (is_shared && apart_m.abs() < ROBOT_M) || ((is_shared || shared_m >= HIDDEN_M) && hides());
         (cost, may_be_one.then_some((square, square > GATE)))
     }
 
@@ -193,6 +202,12 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
             })
         })
     }
+}
+
+/// Squared distance over its variance up to which walls that are so well known, m^2, are likelier one than two: the density of the
+/// distance is above that of other walls.
+fn likelier_one(variance: f32) -> f32 {
+    libm::logf(ROOM_M * ROOM_M / (core::f32::consts::TAU * variance))
 }
 
 /// The piece of an overlap that a place is in.

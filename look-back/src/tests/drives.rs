@@ -232,3 +232,41 @@ fn a_wall_that_only_the_last_keyframe_sees_is_not_placed() {
     assert_eq!(variance(new), None);
     assert!((0..W).filter_map(variance).all(|variance_m2| variance_m2 < 0.01), "walls that were seen before are known");
 }
+
+/// Nothing but one wall ties what comes after a jolt to what was before.
+#[test]
+fn a_wall_after_a_jolt_is_not_any_wall_that_the_jolt_could_have_brought_there() {
+    for (second_m, expected) in [(1.48, 1), (0.5, 2)] {
+        let mut diary = SmallDiary::new(&DRIVE, Pose::ORIGIN);
+        let mut x_m = 0.0;
+        // Along a wall on the left; a jolt to the right by 1.2 m; back along a wall on the left.
+        for (forward_m, y_m, wall, left_m) in [(0.04, 0.0, 0, 0.3), (-0.04, -1.2, 1, second_m)] {
+            if wall == 1 {
+                diary.go_on_elsewhere(&Pose::new(x_m, y_m, 0.0));
+            }
+            for _ in 0..50 {
+                x_m += forward_m;
+                diary.travel(&Increment { forward_m, left_m: 0.0, turn_rad: 0.0 });
+                if diary.is_due() {
+                    diary.begin_keyframe(&Pose::new(x_m, y_m, 0.0));
+                }
+                for (sensor, ahead_m) in [(0, -0.2), (1, 0.2)] {
+                    let end_m = [ahead_m, left_m];
+                    diary.hit(&Hit {
+                        from_m: [0.0; 2],
+                        end_m,
+                        variance_m2: 1e-4,
+                        alike: 1.0,
+                        sensor,
+                        wall: Some(wall),
+                    });
+                }
+            }
+        }
+        assert_eq!(finish(&mut Small::new(), &mut diary, u32::MAX), Progress::Done);
+        let walls = diary.walls().filter(|(_, wall)| wall.hits > 0).count();
+        assert_eq!(walls, expected, "{second_m} m");
+        let y_m = diary.robot().y_m;
+        assert!((y_m + 1.2).abs() < 0.05, "{second_m} m: {y_m}");
+    }
+}

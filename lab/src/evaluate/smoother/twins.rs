@@ -11,9 +11,17 @@ const FLUSH_M: f64 = 0.005;
 /// 99 % of a chi-square distribution with one degree of freedom.
 const GATE: f64 = 6.63;
 
-/// Gate for walls that were both seen at one place, over half a metre: five sigma. A door's leaf may have been moved there.
+/// Walls with the same face are about so far apart, metres: the depth of a room. Where what is known of two leaves them anywhere within
+/// it, one lies by chance where the other may be, and says nothing.
+const ROOM_M: f64 = 3.5;
+
+/// Gate for walls that were both seen at one place, over half a metre, and not both can be: five sigma. A door's leaf may have been moved
+/// there.
 const SHARED_GATE: f64 = 25.0;
 const SHARED_M: f64 = 0.5;
+
+/// Farther apart, the robot fits between two walls, and can have seen both, metres.
+const ROBOT_M: f64 = 0.35;
 
 /// Over a metre it is no door's leaf: where beams to one went through the other there cannot be two. Thirty sigma, for an
 /// odometry worse than its rig file says had them 24 apart; what is farther away is a cupboard before a wall.
@@ -84,10 +92,16 @@ fn pair(graph: &Graph, a: &Seen, b: &Seen, crossed: &Crossed) -> Option<Pair> {
     let gate = match shared_m {
         HIDDEN_M.. if hides => HIDDEN_GATE,
         _ if apart_m.abs() > REACH_M => return None,
-        SHARED_M.. => SHARED_GATE,
-        _ => GATE,
+        SHARED_M.. if hides || apart_m.abs() < ROBOT_M => SHARED_GATE,
+        _ => GATE.min(likelier_one(variance)),
     };
     (square <= gate).then_some(Pair { kept: a.wall, gone: b.wall, off: square, apart: square > GATE })
+}
+
+/// Squared distance over its variance up to which walls that are so well known, m^2, are likelier one than two: the density of the
+/// distance is above that of other walls.
+fn likelier_one(variance: f64) -> f64 {
+    (ROOM_M * ROOM_M / (std::f64::consts::TAU * variance)).ln()
 }
 
 fn crossed(seen: &[Seen], beams: &[Beam]) -> Crossed {
