@@ -12,7 +12,7 @@ use crate::keyframe::Keyframe;
 use crate::look_back::LookBack;
 use crate::names::{NAMES, Name};
 use crate::rows;
-use crate::solve::Solver;
+use crate::solve::{FREE_RAD2, Solver};
 
 /// Residuals beyond five sigma are of something else.
 const GATE: f32 = 25.0;
@@ -140,7 +140,17 @@ fn calibration<const K: usize, const G: usize, const W: usize, const B: usize, c
     Calibration { distance: distance + by(DISTANCE), turn: turn + by(TURN), veer_rad_per_m: veer_rad_per_m + by(VEER) }
 }
 
+/// Variance of the grid's direction from which on no wall says what it is, rad^2: half of that of none. Those that were on it are not any more,
+/// and the filter is to found another one.
+const UNKNOWN_RAD2: f32 = 0.5 * FREE_RAD2;
+
 impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K, W, B, P> {
+    /// Direction of the grid, radians; none where no wall is on it.
+    pub(crate) fn grid<const G: usize>(&self, diary: &Diary<K, G, W>) -> Option<f32> {
+        let is_known = self.solver.system.covariance(ALPHA, ALPHA) < UNKNOWN_RAD2;
+        diary.alpha_rad.filter(|_| is_known)
+    }
+
     /// Hands what was found over to a filter, once it has arrived where that is.
     ///
     /// # Errors
@@ -153,6 +163,7 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K,
         epoch: u32,
     ) -> Result<(), NotTaken> {
         let solver = &self.solver;
+        diary.alpha_rad = self.grid(diary);
         let walls: Vec<PlacedWall, W> = gathered(solver.walls().filter_map(|index| placed(diary, solver, index)));
         let place = |wall: usize| solver.walls().position(|index| index == wall);
         let named = |name: &Name| Some((name.id, u8::try_from(place(name.wall.into())?).ok()?));

@@ -13,7 +13,7 @@ use crate::wall::Wall;
 
 /// Variances that keep what nothing is known of where it is: a wall's offset, m^2, and a direction, rad^2.
 const FREE_M2: f32 = 100.0;
-const FREE_RAD2: f32 = 1.0;
+pub const FREE_RAD2: f32 = 1.0;
 
 /// Largest turn of a pose in one step, radians: so far sines go with their derivatives. What would turn by more goes that far.
 pub const FURTHEST_RAD: f32 = 0.5;

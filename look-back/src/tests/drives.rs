@@ -270,3 +270,19 @@ fn a_wall_after_a_jolt_is_not_any_wall_that_the_jolt_could_have_brought_there() 
         assert!((y_m + 1.2).abs() < 0.05, "{second_m} m: {y_m}");
     }
 }
+
+/// The filter took walls for the grid's that turn out to be askew to it: no wall is left that says what its direction is.
+#[test]
+fn a_grid_without_a_wall_is_none() {
+    for (grid_rad, is_known) in [(0.01, true), (0.35, false)] {
+        let (mut robot, mut diary) = (Robot::new(6), SmallDiary::new(&DRIVE, Pose::ORIGIN));
+        robot.drive(&mut diary, 100);
+        diary.grid(grid_rad);
+        robot.drive(&mut diary, 600);
+        let mut look_back = Small::new();
+        assert_eq!(finish(&mut look_back, &mut diary, u32::MAX), Progress::Done);
+        let grid = look_back.grid(&diary);
+        assert_eq!(grid.is_some_and(|grid_rad| grid_rad.abs() < 0.02), is_known, "{grid:?}");
+        assert_eq!(grid.is_some(), is_known, "{grid:?}");
+    }
+}
