@@ -15,25 +15,25 @@ use robot::rig::BuiltIn;
 use slam_core::RangeInput;
 use wire::{Command, Frame, Place, PlaceState};
 
-/// Range sensors about which people stand, or not.
-struct Crowded<'a> {
+/// Range sensors that see the home, or anything else, as those of a robot that was carried elsewhere do.
+struct Astray<'a> {
     ranges: Ranges,
-    is_crowded: &'a Cell<bool>,
+    is_astray: &'a Cell<bool>,
     readings: u32,
 }
 
-impl RangeSensorBank<SENSORS> for Crowded<'_> {
+impl RangeSensorBank<SENSORS> for Astray<'_> {
     type Error = Infallible;
 
     async fn read(&mut self) -> [Result<RangeInput, Infallible>; SENSORS] {
         let seen = self.ranges.read().await;
-        let is_crowded = self.is_crowded.get();
+        let is_astray = self.is_astray.get();
         seen.map(|range| {
             self.readings = self.readings.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             match range {
-                // Something stands nearer than the wall, at another place each time.
-                Ok(RangeInput::Counts(counts)) if is_crowded => {
-                    let times = 1.2 + 0.8 * (self.readings >> 8) as f32 / (1 << 24) as f32;
+                // Something stands before the wall or behind it, at another place each time.
+                Ok(RangeInput::Counts(counts)) if is_astray => {
+                    let times = 0.5 + 1.5 * (self.readings >> 8) as f32 / (1 << 24) as f32;
                     Ok(RangeInput::Counts((f32::from(counts) * times).min(4000.0) as u16))
                 }
                 other => other,
@@ -49,14 +49,14 @@ fn place(said: &[Frame]) -> Option<Place> {
 
 #[test]
 fn a_contradicted_map_is_saved_before_it_is_forgotten() {
-    let (home, is_crowded) = (Home::new("flat", BuiltIn::Sharp), Cell::new(false));
-    let ranges = Crowded { ranges: Ranges(home.board.range_sensors()), is_crowded: &is_crowded, readings: 1 };
+    let (home, is_astray) = (Home::new("flat", BuiltIn::Sharp), Cell::new(false));
+    let ranges = Astray { ranges: Ranges(home.board.range_sensors()), is_astray: &is_astray, readings: 1 };
     home.run(BuiltIn::Sharp, ranges, |tasks| {
         home.command(Command::Start);
         tasks.drive(180.0);
         let driving = place(&home.heard()).expect("the place is told");
         assert_eq!((driving.state, driving.saves), (PlaceState::Fresh, 0), "nothing is saved while it drives");
-        is_crowded.set(true);
+        is_astray.set(true);
         let mut saved = None;
         let mut off_ms = 0;
         for _ in 0..6000 {
@@ -70,7 +70,7 @@ fn a_contradicted_map_is_saved_before_it_is_forgotten() {
         let saved = saved.expect("the map is saved");
         assert_eq!((saved.state, saved.saves, saved.failed, saved.lost), (PlaceState::Searching, 1, 0, 1));
         assert!(off_ms > 0, "with its motors off");
-        is_crowded.set(false);
+        is_astray.set(false);
         let before = home.truth();
         tasks.drive(10.0);
         let after = home.truth();

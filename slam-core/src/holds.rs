@@ -332,7 +332,7 @@ impl<const S: usize> Holds<S> {
         let slipped = if stands > 0.0 { scene.improve(&moved, &Displacement::start(0), &SLIP).log_odds } else { 0.0 };
         let said = stands - slipped.max(0.0);
         // A robot taken to stand where it drives is silently wrong; one whose hold is found a little later is not.
-        let is_held = confirmation.verdict(said, CONFIRMED)? && said > CONFIRMED && self.stillness.is_witnessed();
+        let is_held = confirmation.verdict(said, CONFIRMED)? && self.stillness.is_witnessed();
         let found = is_held.then_some(*correction);
         self.begin_anew(is_held);
         found

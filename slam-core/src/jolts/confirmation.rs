@@ -8,7 +8,7 @@ use crate::motion::step::Step;
 /// Once beams have moved by so much, metres, they meet other places of a wall.
 const ELSEWHERE_M: f32 = 0.25;
 
-/// Log of the odds at which it is decided, twenty to one.
+/// Log of the odds at which something is decided, twenty to one.
 pub const SURE: f32 = 3.0;
 
 /// For so long, seconds, readings may say so: a robot at walking pace has seen half a metre of other walls by then.
@@ -33,7 +33,7 @@ impl Confirmation {
     pub fn wait(&mut self, dt_s: f32, step: &Step, number: u32) {
         self.for_s += dt_s;
         self.moved_m += step.beams_moved_m();
-        if self.moved_m <= ELSEWHERE_M {
+        if self.stands() {
             self.onset = number;
         }
     }
@@ -43,12 +43,16 @@ impl Confirmation {
         self.onset
     }
 
-    /// Whether it is so, by the log odds that those readings have for it; none while they are not more than it `takes`, nor speak against
-    /// it, nor the trial is over. A robot that stands sees no other places, and it is. Readings of the same places may agree with what was found by them, and not be right: but
-    /// where even they speak against it, it is not so.
+    /// Whether it is confirmed, by the log odds that those readings have for it: more than it `takes`. None while they neither confirm it nor
+    /// speak against it at twenty to one, nor the trial is over.
     pub fn verdict(&self, said: f32, takes: f32) -> Option<bool> {
-        let is_elsewhere = self.moved_m > ELSEWHERE_M;
-        let is_decided = self.for_s > TRIAL_S || said < -SURE || is_elsewhere && said > takes;
-        is_decided.then_some(said > 0.0 || !is_elsewhere && said >= -SURE)
+        let is_decided = self.for_s > TRIAL_S || said < -SURE || !self.stands() && said > takes.max(SURE);
+        is_decided.then_some(said > takes)
+    }
+
+    /// Whether the robot sees no other places, for it stands. Readings of the same places may agree with what was found by them, and not
+    /// be right.
+    pub fn stands(&self) -> bool {
+        self.moved_m <= ELSEWHERE_M
     }
 }

@@ -27,7 +27,7 @@ const ELSE: f32 = 0.3;
 
 /// What a sensor's readings of one wall can say, as log odds: in one look of so many thousands it is not the robot that moved but what
 /// it sees, a chair, a bin, a curtain, a door. Another sensor sees another place of the wall.
-const WALL_SAYS: f32 = 9.0;
+pub const WALL_SAYS: f32 = 9.0;
 
 /// Turns with which the search begins, in tenths of a radian: neighbours are half of what a beam at half its span can be off
 /// and meet its wall.
