@@ -4,7 +4,7 @@ use crate::diary::Diary;
 use crate::frame::Frame;
 use crate::survey::{Cursor, SIGMAS, faces, through_m};
 
-/// A wall may go on so far beyond the groups that are on it, metres.
+/// A wall may go on so far beyond the groups that are on it, metres; what the filter took for no wall is so far inside its ends.
 const BEYOND_M: f32 = 0.125;
 
 /// Multiply-adds of a group and one wall.
@@ -49,6 +49,8 @@ impl<const W: usize> Labels<W> {
     ) -> Option<usize> {
         let group = diary.gains.correct(diary.groups.get(index)?);
         let (from_m, mean_m) = (frame.point(group.from_m), frame.point(group.mean_m));
+        // Near an end it may be the other face of a corner, and the filter found no wall that it is of.
+        let beyond_m = if group.wall().is_some() { BEYOND_M } else { -BEYOND_M };
         let mut nearest: Option<(usize, f32)> = None;
         for (i, wall) in diary.walls.iter().enumerate() {
             let Some(wall) = wall.as_ref().filter(|wall| wall.is_seen()) else { continue };
@@ -57,7 +59,7 @@ impl<const W: usize> Labels<W> {
                 continue;
             }
             let offset = group.offset(frame, &line);
-            let is_along = (wall.lo_m - BEYOND_M..=wall.hi_m + BEYOND_M).contains(&offset.along_m);
+            let is_along = (wall.lo_m - beyond_m..=wall.hi_m + beyond_m).contains(&offset.along_m);
             if is_along && offset.square < nearest.map_or(SIGMAS * SIGMAS, |(_, square)| square) {
                 nearest = Some((i, offset.square));
             }

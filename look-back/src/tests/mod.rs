@@ -2,6 +2,7 @@ mod drive;
 mod drives;
 mod groups;
 mod kepts;
+mod labelled;
 mod motions;
 mod presents;
 mod random;
