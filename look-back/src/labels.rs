@@ -4,7 +4,7 @@ use crate::diary::Diary;
 use crate::frame::Frame;
 use crate::survey::{Cursor, SIGMAS, faces, through_m};
 
-/// A wall may go on so far beyond the groups that are on it, metres; what the filter took for no wall is so far inside its ends.
+/// A group that is on a wall stays on it so far beyond its ends, metres; one that is on none comes onto it only so far inside them.
 const BEYOND_M: f32 = 0.125;
 
 /// Multiply-adds of a group and one wall.
@@ -49,7 +49,7 @@ impl<const W: usize> Labels<W> {
     ) -> Option<usize> {
         let group = diary.gains.correct(diary.groups.get(index)?);
         let (from_m, mean_m) = (frame.point(group.from_m), frame.point(group.mean_m));
-        // Near an end it may be the other face of a corner, and the filter found no wall that it is of.
+        // Near an end a group that nothing gave to a wall yet may be the other face of a corner.
         let beyond_m = if group.wall().is_some() { BEYOND_M } else { -BEYOND_M };
         let mut nearest: Option<(usize, f32)> = None;
         for (i, wall) in diary.walls.iter().enumerate() {

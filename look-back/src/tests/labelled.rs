@@ -6,13 +6,13 @@ use crate::group::Group;
 use crate::labels::Labels;
 use crate::wall::Wall;
 
-/// A hit of a drive's first keyframe, so far along the wall x = 1 whose extent is -1 to 1 m, that the filter took for this wall: which one it
-/// is of by the look back.
-fn label(along_m: f32, taken_for: Option<usize>) -> Option<usize> {
+/// The wall that the look back gives a hit to, which was on this one before. The hit lies so far along the wall x = 1, whose extent is -1 to
+/// 1 m.
+fn label(along_m: f32, before: Option<usize>) -> Option<usize> {
     let mut diary = Diary::<4, 4, 4>::new(&DRIVE, Pose::ORIGIN);
     diary.walls[0] = Some(Wall { rho_m: 1.0, lo_m: -1.0, hi_m: 1.0, hits: 20, is_placed: true, ..Wall::NEW });
     let mut group = Group::of([0.0, along_m], [1.0, along_m], 1e4, 1.0, 0);
-    group.set_wall(taken_for);
+    group.set_wall(before);
     assert!(diary.groups.push(group).is_ok());
     diary.keyframes[0].groups = 1;
     let mut labels = Labels::NEW;
