@@ -44,7 +44,10 @@ const HEAD: &str = "# Floors swept\n\n\
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     if arguments.first().is_some_and(|first| first == "mishaps") {
-        print!("{}", mishaps());
+        match &arguments[1..] {
+            [] => print!("{}", mishaps()),
+            [name, homes @ ..] => homes.iter().for_each(|home| print_mishap(name, home)),
+        }
         return;
     }
     if let Some((seeds, homes)) = arguments.split_first() {
@@ -192,6 +195,28 @@ impl Mishap {
         });
         drive.expect("the robot fits")
     }
+}
+
+/// How the job in the random home of this number ends where what the name begins with goes wrong.
+fn print_mishap(name: &str, home: &str) {
+    let mishap = Mishap::IN_RANDOM_HOMES.into_iter().find(|mishap| mishap.name().ends_with(name));
+    let mishap = mishap.unwrap_or_else(|| panic!("no {name:?} in {:?}", Mishap::IN_RANDOM_HOMES.map(Mishap::name)));
+    let Some(job) = mishap.at_random(home.parse().expect("a random home's number")) else {
+        return println!("{home}: nobody has room to walk");
+    };
+    let seconds = FloorState::ALL.iter().zip(job.progress.seconds_in).filter(|(_, seconds)| *seconds > 0);
+    let spent: Vec<String> = seconds.map(|(state, seconds)| format!("{} {seconds} s", state.name())).collect();
+    println!(
+        "{home}: {:?}, {:.1} % swept, overlap {:.2}, {:.1} min, home {:.2} m, off {:.2} m, gave up {}, {}",
+        job.progress.state,
+        100.0 * job.score.swept,
+        job.score.overlap,
+        job.minutes,
+        job.score.home_m,
+        job.worst_m,
+        job.lost,
+        spent.join(", "),
+    );
 }
 
 fn mishap_row(page: &mut String, name: &str, jobs: &[FloorDrive]) {

@@ -49,6 +49,8 @@ pub(crate) struct Cleaning<const S: usize> {
     is_carried: bool,
     /// Where it was in the last step, in the map and by the wheels alone.
     last: Option<[Pose; 2]>,
+    /// Where the map started, as it was last known.
+    started: Pose,
     /// Areas of the kept map as far as they were told, and the corner that comes next.
     bounds: Bounds,
     next_corner: u8,
@@ -64,6 +66,7 @@ impl<const S: usize> Cleaning<S> {
         searched_m: 0.0,
         is_carried: false,
         last: None,
+        started: Pose::ORIGIN,
         bounds: Bounds::NONE,
         next_corner: 0,
     };
@@ -179,12 +182,27 @@ impl<const S: usize> Cleaning<S> {
                     self.begin_anew();
                     self.job.go_home_to(home);
                 }
+                if map == Map::Own && is_located {
+                    self.follow_start(start);
+                }
                 return map;
             }
         }
         let map = if is_located { Map::Own } else { Map::Fresh };
         self.map = Some(map);
+        self.started = start;
         map
+    }
+
+    /// A map holds its walls where they were drawn: what moves, where it knows them better, is where it started, and home with that.
+    fn follow_start(&mut self, start: Pose) {
+        let before = core::mem::replace(&mut self.started, start);
+        let is_near = |home: &Pose| slam_core::pose::length(home.x_m - before.x_m, home.y_m - before.y_m) < MOVED_M;
+        if before != start
+            && let Some(home) = self.job.home().filter(is_near)
+        {
+            self.job.go_home_to(start.compose(&before.inverse()).compose(&home));
+        }
     }
 
     /// Whether it could have swept again what it knows on the path on which it looked for itself.
@@ -342,5 +360,26 @@ mod tests {
         let mut whole = Bounds::NONE;
         whole.add(AreaKind::KeepOut, &corners).unwrap();
         assert_eq!(cleaning.bounds, whole);
+    }
+
+    #[test]
+    fn home_is_where_the_map_knows_now_that_it_started() {
+        let mut robot = Robot::new();
+        robot.step(&FOUND);
+        let start = Pose::new(0.2, -0.1, 0.05);
+        robot.step(&Whereabouts { start, ..FOUND });
+        let home = robot.cleaning.job.home().expect("a home");
+        let off_m = slam_core::pose::length(home.x_m - start.x_m, home.y_m - start.y_m);
+        assert!(off_m < 0.06, "{home:?}: a step from it");
+        // In another frame than its own map's nothing moves it.
+        robot.step(&Whereabouts { start: Pose::new(5.0, 5.0, 0.0), ..LOST });
+        assert_eq!(robot.cleaning.job.home(), Some(home));
+        robot.step(&Whereabouts { start, ..FOUND });
+        assert_eq!(robot.cleaning.job.home(), Some(home));
+        // A robot that somebody set down elsewhere goes home to there.
+        let there = Pose::new(3.0, 2.0, 1.0);
+        robot.cleaning.job.go_home_to(there);
+        robot.step(&FOUND);
+        assert_eq!(robot.cleaning.job.home(), Some(there));
     }
 }
