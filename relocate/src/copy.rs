@@ -1,7 +1,8 @@
-//! A second copy of the home in one map: walls that lie to one another as older ones do, and askew to them.
+//! A second copy of the home in one map: walls that lie to one another as older ones do, and askew to them or shifted.
 //!
 //! Something turned the robot, and it drew what it came to again a second time. Where the walls drawn since some moment stand askew to the
-//! grid by one angle, that may be so, or the home has a wing that is built askew: what the older walls are says which.
+//! grid by one angle, that may be so, or the home has a wing that is built askew: what the older walls are says which. Or something pushed
+//! it along: then readings spoke against the older walls for a while, and the walls drawn since fit.
 
 use core::f32::consts::FRAC_PI_2;
 
@@ -61,9 +62,10 @@ fn within_quarter(angle_rad: f32) -> f32 {
     angle_rad - libm::roundf(angle_rad / FRAC_PI_2) * FRAC_PI_2
 }
 
-/// The walls since one of which those that stand askew like it outweigh those on the grid by most, by their lengths. None where they
-/// hardly do, and where the robot is not beside more of them than of older ones: it found itself back.
-pub(crate) fn find(map: &dyn Kept) -> Option<SecondCopy> {
+/// The walls since one of which those that stand askew like it outweigh those on the grid by most, by their lengths. Where they hardly do,
+/// those on the grid since the wall of this identifier, from which on readings spoke for the robot being elsewhere. None where the robot is
+/// not beside more of them than of older ones: it found itself back.
+pub(crate) fn find(map: &dyn Kept, doubted: Option<u16>) -> Option<SecondCopy> {
     let frame = map.frame();
     if !frame.has_grid {
         return None;
@@ -75,7 +77,7 @@ pub(crate) fn find(map: &dyn Kept) -> Option<SecondCopy> {
     }
     let mut best: Option<(f32, Line)> = None;
     for first in lines.iter().filter(|line| line.is_askew()) {
-        let copy = SecondCopy { since: first.id, grid: first.id };
+        let copy = SecondCopy { since: first.id, grid: Some(first.id) };
         let says = |line: &Line| {
             if line.is_along(first) {
                 line.length_m
@@ -90,17 +92,31 @@ pub(crate) fn find(map: &dyn Kept) -> Option<SecondCopy> {
             best = Some((sum_m, *first));
         }
     }
-    let (_, first) = best?;
-    let since = SecondCopy { since: first.id, grid: first.id };
+    let Some((_, first)) = best else {
+        return shifted(&lines, doubted?);
+    };
+    let since = SecondCopy { since: first.id, grid: Some(first.id) };
     let copied = || lines.iter().filter(|line| since.has(line.id) && line.is_along(&first));
-    let beside = copied().filter(|line| line.is_beside).count();
-    if beside <= lines.iter().filter(|line| !since.has(line.id) && line.is_beside).count() {
+    if !is_beside(&lines, copied(), &since) {
         return None;
     }
     // The direction that the others are nearest to.
     let apart = |line: &Line| copied().map(|other| other.length_m * line.apart_rad(other)).sum::<f32>();
     let grid = copied().map(|line| (apart(line), line.id)).min_by(|a, b| a.0.total_cmp(&b.0))?;
-    Some(SecondCopy { grid: grid.1, ..since })
+    Some(SecondCopy { grid: Some(grid.1), ..since })
+}
+
+/// The walls on the grid since that of this identifier: what pushes a robot along need not turn it.
+fn shifted(lines: &[Line], doubted: u16) -> Option<SecondCopy> {
+    let since = SecondCopy { since: doubted, grid: None };
+    let copied = lines.iter().filter(|line| since.has(line.id) && !line.is_askew());
+    is_beside(lines, copied, &since).then_some(since)
+}
+
+/// Whether the robot is beside more of these walls than of those before the copy.
+fn is_beside<'l>(lines: &[Line], copied: impl Iterator<Item = &'l Line>, since: &SecondCopy) -> bool {
+    let older = lines.iter().filter(|line| !since.has(line.id) && line.is_beside);
+    copied.filter(|line| line.is_beside).count() > older.count()
 }
 
 /// The walls of a second copy, or the older ones, as a map of their own.
@@ -116,7 +132,8 @@ pub(crate) struct Part<'m> {
 /// that one does not reach. None where the wall that the copy's grid is of is gone.
 pub(crate) fn parts<'m>(map: &'m dyn Kept, copy: &SecondCopy) -> Option<[Part<'m>; 2]> {
     let walls = || (0..usize::from(map.frame().walls)).filter_map(|i| map.wall(i));
-    let grid = walls().filter(|wall| wall.id == copy.grid).find_map(|wall| wall.direction.state())?;
+    let state_of = |id: u16| walls().filter(|wall| wall.id == id).find_map(|wall| wall.direction.state());
+    let grid = copy.grid.map_or(Some(ALPHA), state_of)?;
     let part = |is_copy, grid| Part { map, copy: *copy, is_copy, grid };
     let (copied, older) = (part(true, grid), part(false, ALPHA));
     let is_larger = 2 * walls().filter(|wall| copy.has(wall.id)).count() > walls().count();
@@ -165,4 +182,14 @@ pub(crate) fn begins_m(map: &dyn Kept, copy: &SecondCopy) -> [f32; 2] {
         let ((s, c), along_m) = (sin_cos(beta_rad), 0.5 * (wall.lo_m + wall.hi_m));
         [c * rho_m - s * along_m, s * rho_m + c * along_m]
     })
+}
+
+/// A shifted copy with the walls before it that were drawn after those which tell where it lies in the older ones: the robot was pushed
+/// before it drew the copy's first wall, and after it drew these.
+pub(crate) fn with_those_between(copy: &SecondCopy, found: &Match) -> SecondCopy {
+    let newest = found.pairs.map(|(_, older)| older).into_iter().max_by_key(|id| id.wrapping_sub(copy.since) as i16);
+    match (copy.grid, newest) {
+        (None, Some(newest)) => SecondCopy { since: newest.wrapping_add(1), ..*copy },
+        _ => *copy,
+    }
 }

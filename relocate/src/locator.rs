@@ -12,7 +12,7 @@
 
 use heapless::Vec;
 use slam_core::kept::{Kept, LastPose};
-use slam_core::{Match, Pose, SecondCopy};
+use slam_core::{Elsewhere, Match, Pose, SecondCopy};
 
 use crate::agreement::Agreement;
 use crate::copy;
@@ -83,8 +83,8 @@ pub struct Step {
     pub travelled_m: f32,
     /// Readings of walls that agreed with the map, and that are grossly off: [`agreement`](crate::agreement()).
     pub readings: [u8; 2],
-    /// Log of the odds that the robot is elsewhere, as its estimator has it.
-    pub log_odds_elsewhere: f32,
+    /// What speaks for the robot being elsewhere, as its estimator has it.
+    pub elsewhere: Elsewhere,
     /// It stands in a dock.
     pub is_docked: bool,
 }
@@ -196,7 +196,7 @@ impl Locator {
     /// of two matches may be made now. Where there is something to do, it is taken for done.
     pub fn step(&mut self, own: &dyn Kept, kept: Option<&dyn Kept>, step: &Step, comparisons: u32) -> Option<Event> {
         self.path_m += step.travelled_m;
-        let Some(kept) = kept else { return self.watch(own, comparisons) };
+        let Some(kept) = kept else { return self.watch(own, step.elsewhere.since, comparisons) };
         if self.state == State::Searching {
             if step.is_docked && kept.frame().has_dock && self.begun != Begun::Docked {
                 self.restart(State::Searching);
@@ -224,14 +224,14 @@ impl Locator {
             State::Tracking if self.agreement.is_poor() => self.become_state(State::Doubtful),
             State::Doubtful if self.agreement.is_good() => self.become_state(State::Tracking),
             // Much that hides walls is no reason to give them up, where it has been there all the time.
-            State::Doubtful if for_m > DOUBT_M && step.log_odds_elsewhere > CLAIM => return Some(self.lost()),
+            State::Doubtful if for_m > DOUBT_M && step.elsewhere.log_odds > CLAIM => return Some(self.lost()),
             _ => {}
         }
-        self.watch(own, comparisons)
+        self.watch(own, step.elsewhere.since, comparisons)
     }
 
-    /// Looks for a second copy of the walls in the robot's own map.
-    fn watch(&mut self, own: &dyn Kept, mut comparisons: u32) -> Option<Event> {
+    /// Looks for a second copy of the walls in the robot's own map, which may be what was drawn since the wall of an identifier.
+    fn watch(&mut self, own: &dyn Kept, doubted: Option<u16>, mut comparisons: u32) -> Option<Event> {
         if !self.is_searching && self.path_m < self.next_search_m {
             return None;
         }
@@ -239,7 +239,7 @@ impl Locator {
         let size = [frame.states, frame.next_id];
         if !self.is_searching {
             self.next_search_m = self.path_m + SEARCH_EVERY_M;
-            self.copy = copy::find(own).map(|copy| (copy, size));
+            self.copy = copy::find(own, doubted).map(|copy| (copy, size));
             let begun = self.copy.and_then(|(copy, _)| {
                 let [fewer, more] = copy::parts(own, &copy)?;
                 Some(self.search.begin_displaced(&fewer, &more, copy::begins_m(own, &copy)))
@@ -264,7 +264,8 @@ impl Locator {
         self.is_searching = false;
         let found = self.judge(&self.search.verdict()?)?;
         self.claim = None;
-        Some(Event::Copied(copy, copy::in_older(&parts, found)))
+        let found = copy::in_older(&parts, found);
+        Some(Event::Copied(copy::with_those_between(&copy, &found), found))
     }
 
     /// The robot does not know any more where it is: it was lifted.

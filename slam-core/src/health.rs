@@ -73,6 +73,16 @@ impl Asked {
     }
 }
 
+/// What speaks for the robot being elsewhere than its pose says.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Elsewhere {
+    /// Log of the odds, by what the readings of the last metres found of the map's walls; zero where nothing speaks for it. From 13.9 on the
+    /// map is given up.
+    pub log_odds: f32,
+    /// Identifier of the first wall drawn since, from odds of ten to one on.
+    pub since: Option<u16>,
+}
+
 /// What speaks for and against the estimate.
 #[derive(Clone, Copy, Debug)]
 pub struct HealthMonitor {
@@ -147,9 +157,9 @@ impl HealthMonitor {
         self.unheard = if self.odds < DOUBTED { next_wall } else { self.doubted };
     }
 
-    /// Log of the odds that the robot is elsewhere than the filter has it, by the readings of the last metres.
-    pub(crate) fn odds(&self) -> f32 {
-        self.odds
+    /// What speaks for the robot being elsewhere than the filter has it.
+    pub(crate) fn elsewhere(&self) -> Elsewhere {
+        Elsewhere { log_odds: self.odds, since: (self.odds >= DOUBTED).then_some(self.doubted) }
     }
 
     /// A beam that should have met this wall, at so far along it where that is told, metres, found this. Walls that share a bit say one

@@ -83,7 +83,7 @@ pub use filter::{covariance, ekf};
 pub use geometry::pose::Pose;
 pub use geometry::{angle, pose};
 pub use hand_over::{Calibration, HandOver, PlacedWall};
-pub use health::CONTRADICTED_M;
+pub use health::{CONTRADICTED_M, Elsewhere};
 pub use jolts::search::JOLT;
 pub use measurement::MeasurementSettings;
 pub use measurement::first_estimates::Linearisation;

@@ -201,9 +201,9 @@ impl Counters {
         count(&mut self.jolts, 1u8);
     }
 
-    /// Counts a second copy of the home that was given up.
-    pub(crate) fn add_second_copy(&mut self) {
-        count(&mut self.second_copies, 1u8);
+    /// Counts a second copy of the home that was given up, by whether it was turned.
+    pub(crate) fn add_second_copy(&mut self, is_turned: bool) {
+        count(if is_turned { &mut self.second_copies } else { &mut self.shifted_copies }, 1u8);
     }
 
     /// Counts a robot that is held from now on, and not one that no longer is.
@@ -279,6 +279,7 @@ impl Counters {
         restarts: 0,
         jolts: 0,
         second_copies: 0,
+        shifted_copies: 0,
         holds: 0,
         taken_over: 0,
         not_taken: [0; NotTaken::COUNT],
@@ -318,8 +319,10 @@ pub struct Counters {
     pub restarts: u32,
     /// Displacements of the robot that its wheels did not tell and its readings did.
     pub jolts: u32,
-    /// Times that the home was in the map twice, and the second copy given up.
+    /// Times that the home was in the map twice, turned, and the second copy given up.
     pub second_copies: u32,
+    /// The same of a part of it that was shifted, and not turned.
+    pub shifted_copies: u32,
     /// Times that something held the robot while its wheels turned.
     pub holds: u32,
     /// Hand-overs of look backs that were taken over.

@@ -1,21 +1,23 @@
 //! A second copy of the home in one map.
 //!
 //! Something turns the robot, and neither its wheels nor its readings tell: it goes on in the frame of that turn, and what it
-//! comes to again it draws again, askew. All of that fits, so that no reading speaks against it. Where the walls drawn since lie
-//! to one another as older ones do, the robot is beside those.
+//! comes to again it draws again, askew. All of that fits, so that no reading speaks against it. Or something pushes it along, and it
+//! has drawn again what is about it before enough readings said so. Where the walls drawn since lie to one another as older ones do,
+//! the robot is beside those.
 
+use crate::filter::layout::ALPHA;
 use crate::jolts::Jolts;
 use crate::kept::KeptWall;
 use crate::slam::Slam;
 use crate::take_up::{Match, Placement, Unfit};
 
-/// The walls of a map that were drawn since something turned the robot.
+/// The walls of a map that were drawn since something turned the robot, or pushed it along.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SecondCopy {
     /// Identifier of the first of them.
     pub since: u16,
-    /// Identifier of the one whose direction they have as their grid.
-    pub grid: u16,
+    /// Identifier of the one whose direction they have as their grid; none where that is the map's.
+    pub grid: Option<u16>,
 }
 
 impl SecondCopy {
@@ -33,7 +35,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     #[inline(never)]
     pub fn give_up_copy(&mut self, copy: &SecondCopy, found: &Match) -> Result<(), Unfit> {
         let wall_of = |id: u16| self.map.walls().iter().find(|wall| wall.id == id);
-        let grid = wall_of(copy.grid).and_then(|wall| wall.direction.state()).ok_or(Unfit::NoMatch)?;
+        let state_of = |id: u16| wall_of(id).and_then(|wall| wall.direction.state());
+        let grid = copy.grid.map_or(Some(ALPHA), state_of).ok_or(Unfit::NoMatch)?;
         let beside = self.beside(found, grid).ok_or(Unfit::NoMatch)?;
         let older = found.pairs.map(|(_, id)| wall_of(id).filter(|wall| !copy.has(wall.id)).map(KeptWall::of));
         let [Some(first), Some(second)] = older else { return Err(Unfit::NoMatch) };
@@ -42,7 +45,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.map.forget_some(&mut self.ekf, |wall| copy.has(wall.id));
         self.jolts = Jolts::NONE;
         self.map.begin_epoch();
-        self.counters.add_second_copy();
+        self.counters.add_second_copy(copy.grid.is_some());
         Ok(())
     }
 }

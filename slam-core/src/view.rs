@@ -4,6 +4,7 @@ use crate::config::Config;
 use crate::filter::layout::{self, ALPHA};
 use crate::geometry::angle::sin_cos;
 use crate::geometry::pose::Pose;
+use crate::health::Elsewhere;
 use crate::motion::Slip;
 use crate::report::{Counters, Health, StepReport};
 use crate::rig::{DriveModel, Rig};
@@ -233,10 +234,9 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.latency.state.map(|i| (self.ekf.mean(i), self.sigma(i)))
     }
 
-    /// Log of the odds that the robot is elsewhere than its pose says, by what the readings of the last metres found of the map's walls;
-    /// zero where nothing speaks for it. From 13.9 on the map is given up.
-    pub fn log_odds_elsewhere(&self) -> f32 {
-        self.monitor.odds()
+    /// What speaks for the robot being elsewhere than its pose says.
+    pub fn elsewhere(&self) -> Elsewhere {
+        self.monitor.elsewhere()
     }
 
     /// How the estimator is.

@@ -6,7 +6,7 @@ use lab::evaluate::score::path;
 use lab::evaluate::statistics::{self, max, median};
 use lab::recording::{Pose2, Recording};
 use relocate::{Event, Locator, State, Step};
-use slam_core::{Config, HostSlam};
+use slam_core::{Config, Elsewhere, HostSlam};
 use tests::real_logs::{CORRIDOR, CORRIDOR_5, DRONE_8, DRONE_12, FREIBURG, FREIBURG_WHEELS, HALLWAYS, INTEL, RealLog};
 use tests::trial::{Driven, LoadedLog, NOISES, Trial};
 
@@ -180,7 +180,7 @@ impl<'m> Stranger<'m> {
             position_m,
             travelled_m: travelled_m as f32,
             readings: [0; 2],
-            log_odds_elsewhere: 0.0,
+            elsewhere: Elsewhere::default(),
             is_docked: false,
         };
         let before = self.locator.verdict().copied();

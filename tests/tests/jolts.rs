@@ -47,7 +47,7 @@ fn lost_in_kept(plan: &Plan, kept: &HostSlam, seed: u64) -> (Option<f64>, u32) {
                 position_m,
                 travelled_m,
                 readings: agreement(report, kept.frame().next_id),
-                log_odds_elsewhere: slam.log_odds_elsewhere(),
+                elsewhere: slam.elsewhere(),
                 is_docked: false,
             },
             u32::MAX,

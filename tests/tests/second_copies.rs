@@ -22,6 +22,14 @@ fn job(home: u64, is_kicked: bool) -> FloorDrive {
     clean(&plan, SimOptions::default(), 1).expect("the robot fits")
 }
 
+/// The same with a push by half a metre.
+fn pushed(home: u64) -> FloorDrive {
+    let mut plan = plan_file::load(&format!("random-{home}")).expect("a random home");
+    let at_s = Rng::stream(home, "moment", 0).uniform(60.0, 420.0);
+    plan.mishaps.kicks.push(Kick { at_s, slide_m: 0.5, turn_rad: 0.0 });
+    clean(&plan, SimOptions::default(), 1).expect("the robot fits")
+}
+
 /// Floor jobs in these homes, in every fourth one where nobody kicks.
 fn jobs(is_kicked: bool) -> Vec<FloorDrive> {
     let every = if is_kicked { 1 } else { 4 };
@@ -44,6 +52,14 @@ fn kicks_that_no_reading_tells_are_told_by_walls_drawn_twice() {
 }
 
 #[test]
+fn a_push_that_no_reading_tells_is_told_by_walls_drawn_beside_the_older_ones() {
+    let job = pushed(45);
+    assert_eq!(job.second_copies, 1);
+    // Half a metre else.
+    assert!(job.score.home_m < 0.1, "{} m from home", job.score.home_m);
+}
+
+#[test]
 fn a_home_is_not_in_its_map_twice_where_nobody_kicks() {
     let copies: Vec<u32> = jobs(false).iter().map(|job| job.second_copies).collect();
     assert!(copies.iter().all(|copies| *copies == 0), "{copies:?}");
@@ -54,7 +70,7 @@ fn a_copy_whose_walls_are_not_there_is_refused_and_changes_nothing() {
     let plan = plan_file::load("flat").expect("a built-in plan");
     let mut slam = drive(&plan, &rig(8), 120.0, 1, |_| true);
     let walls: Vec<_> = slam.walls().map(|wall| wall.id).collect();
-    let (pose, copy) = (slam.pose(), SecondCopy { since: walls[walls.len() / 2], grid: 9999 });
+    let (pose, copy) = (slam.pose(), SecondCopy { since: walls[walls.len() / 2], grid: Some(9999) });
     let found = Match { quarters: 0, pairs: [(walls[walls.len() - 1], walls[0]); 2] };
     assert_eq!(slam.give_up_copy(&copy, &found), Err(Unfit::NoMatch));
     assert_eq!(slam.pose(), pose);

@@ -11,7 +11,7 @@ use home::{Drive, rig};
 use instruction_count::{Bench, finish};
 use kept_map::{Record, Writer};
 use relocate::{COMPARISONS, Locator, State, Step};
-use slam_core::{Config, RobotSlam};
+use slam_core::{Config, Elsewhere, RobotSlam};
 use static_cell::ConstStaticCell;
 
 static ESTIMATOR: ConstStaticCell<RobotSlam> = ConstStaticCell::new(RobotSlam::IDLE);
@@ -54,7 +54,7 @@ fn main() -> ! {
             position_m: [slam.state_mean(0), slam.state_mean(1)],
             travelled_m: 0.02,
             readings: [0, 0],
-            log_odds_elsewhere: 0.0,
+            elsewhere: Elsewhere::default(),
             is_docked: false,
         };
         let was_searching = locator.is_searching();

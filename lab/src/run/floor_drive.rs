@@ -24,7 +24,7 @@ pub struct FloorDrive {
     pub minutes: f64,
     /// Largest distance between estimated and true position where the robot claimed a place, metres.
     pub worst_m: f64,
-    /// How often its home was in its map twice.
+    /// How often its home, or a part of it, was in its map twice.
     pub second_copies: u32,
     /// How often it gave its place up.
     pub lost: usize,
@@ -65,12 +65,13 @@ pub fn clean_with(
         worst_m = step.error().map_or(worst_m, |error| worst_m.max(error.x_m.hypot(error.y_m)));
         meddle(&mut drive, step);
     }
+    let counters = session.slam().counters();
     Ok(FloorDrive {
         score: drive.floor().score(),
         progress: drive.progress().unwrap_or_default(),
         minutes: t_s / 60.0,
         worst_m,
-        second_copies: session.slam().counters().second_copies,
+        second_copies: counters.second_copies + counters.shifted_copies,
         lost: session.lost(),
         map: session.map(),
     })

@@ -263,7 +263,7 @@ impl Life {
             position_m: [slam.state_mean(0), slam.state_mean(1)],
             travelled_m: moved.x_m.hypot(moved.y_m) as f32,
             readings: record.as_ref().map_or([0; 2], |record| agreement(report, record.frame().next_id)),
-            log_odds_elsewhere: slam.log_odds_elsewhere(),
+            elsewhere: slam.elsewhere(),
             is_docked: self.is_docked,
         };
         let before = self.locator.verdict().copied();

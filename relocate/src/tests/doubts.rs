@@ -2,6 +2,8 @@
 
 use std::vec::Vec;
 
+use slam_core::Elsewhere;
+
 use super::Map;
 use crate::locator::CLAIM;
 use crate::{Event, Locator, State, Step};
@@ -10,13 +12,13 @@ use crate::{Event, Locator, State, Step};
 const STEP_M: f32 = 0.06;
 
 /// Drives so many steps with readings that agree with the kept map, and that do not; what there was to do.
-fn drive(locator: &mut Locator, steps: usize, readings: [u8; 2], log_odds_elsewhere: f32) -> Option<Event> {
+fn drive(locator: &mut Locator, steps: usize, readings: [u8; 2], log_odds: f32) -> Option<Event> {
     let map = Map { bend_m: 0.0, sigma_m: 0.0, is_common: true };
     let step = |number| Step {
         position_m: [STEP_M * number as f32, 0.0],
         travelled_m: STEP_M,
         readings,
-        log_odds_elsewhere,
+        elsewhere: Elsewhere { log_odds, since: None },
         is_docked: false,
     };
     (0..steps).find_map(|number| locator.step(&map, Some(&map), &step(number), 0))
@@ -47,7 +49,7 @@ fn a_searching_robot_that_comes_to_stand_in_a_dock_begins_its_fresh_map_there_on
         position_m: [0.0; 2],
         travelled_m: 0.0,
         readings: [0; 2],
-        log_odds_elsewhere: 0.0,
+        elsewhere: Elsewhere::default(),
         is_docked,
     };
     let mut locator = Locator::new(State::Searching);

@@ -98,7 +98,7 @@ fn readings_of_one_kind_in_a_stretch_say_so_and_of_two_nothing() {
     let odds = |readings: &[Outcome]| {
         let mut monitor = in_map();
         assert_eq!(drive(&mut monitor, 0..40, readings), None);
-        monitor.odds()
+        monitor.elsewhere().log_odds
     };
     let one = odds(&[IS_OFF]);
     assert!(one > 0.0);
@@ -125,16 +125,16 @@ fn the_same_thing_says_so_once_however_often_the_robot_comes_by() {
     let off = [FITS, IS_OFF, passed(3), hidden(4), passed(5)];
     let mut monitor = in_map();
     assert_eq!(drive_by(&mut monitor, 0..100_000, &off, 100), None, "a metre, a thousand times");
-    let told = monitor.odds();
+    let told = monitor.elsewhere().log_odds;
     assert!(told > 0.0);
     assert_eq!(drive_by(&mut monitor, 100_000..100_100, &off, 100), None);
-    assert_eq!(monitor.odds(), told);
+    assert_eq!(monitor.elsewhere().log_odds, told);
     // But what fitted there before, and does not now, is new.
     let mut monitor = in_map();
     assert_eq!(drive_by(&mut monitor, 0..1000, &[FITS, fits(2), fits(3), fits(4), fits(5)], 100), None);
-    assert_eq!(monitor.odds(), 0.0);
+    assert_eq!(monitor.elsewhere().log_odds, 0.0);
     assert_eq!(drive_by(&mut monitor, 1000..1100, &off, 100), None);
-    assert!(monitor.odds() > 0.9 * told);
+    assert!(monitor.elsewhere().log_odds > 0.9 * told);
 }
 
 #[test]

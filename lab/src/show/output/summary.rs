@@ -223,6 +223,7 @@ fn counters(recording: &Recording) -> Value {
         "restarts": counters.restarts,
         "jolts": counters.jolts,
         "second_copies": counters.second_copies,
+        "shifted_copies": counters.shifted_copies,
         "holds": counters.holds,
         "frozen": counters.frozen,
     })
