@@ -1,6 +1,7 @@
 //! Writes `docs/results/floor.md`: `cargo run --release --package lab --example floor_jobs`. With `-- SEEDS HOME...`, as in
 //! `-- 11-13 flat random-101`, it prints the rows of these homes instead, and what the path was driven for; with
-//! `-- mishaps` the tables of what goes wrong alone.
+//! `-- mishaps` the tables of what goes wrong alone; with `-- mishaps WHAT HOME...`, as in `-- mishaps "a kick" 61 62`, how the jobs
+//! in these random homes end, of that row of the second table whose name has WHAT in it.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -46,7 +47,8 @@ fn main() {
     if arguments.first().is_some_and(|first| first == "mishaps") {
         match &arguments[1..] {
             [] => print!("{}", mishaps()),
-            [name, homes @ ..] => homes.iter().for_each(|home| print_mishap(name, home)),
+            [what] => panic!("{what:?} goes wrong in no home: say in which, as in -- mishaps {what:?} 61 62"),
+            [what, homes @ ..] => homes.iter().for_each(|home| print_mishap(what, home)),
         }
         return;
     }
@@ -197,15 +199,13 @@ impl Mishap {
     }
 }
 
-/// How the job in the random home of this number ends where what the name begins with goes wrong.
-fn print_mishap(name: &str, home: &str) {
-    let mishap = Mishap::IN_RANDOM_HOMES.into_iter().find(|mishap| mishap.name().ends_with(name));
-    let mishap = mishap.unwrap_or_else(|| panic!("no {name:?} in {:?}", Mishap::IN_RANDOM_HOMES.map(Mishap::name)));
+/// How the job in the random home of this number ends where this goes wrong.
+fn print_mishap(what: &str, home: &str) {
+    let mishap = Mishap::IN_RANDOM_HOMES.into_iter().find(|mishap| mishap.name().contains(what));
+    let mishap = mishap.unwrap_or_else(|| panic!("no {what:?} in {:?}", Mishap::IN_RANDOM_HOMES.map(Mishap::name)));
     let Some(job) = mishap.at_random(home.parse().expect("a random home's number")) else {
         return println!("{home}: nobody has room to walk");
     };
-    let seconds = FloorState::ALL.iter().zip(job.progress.seconds_in).filter(|(_, seconds)| *seconds > 0);
-    let spent: Vec<String> = seconds.map(|(state, seconds)| format!("{} {seconds} s", state.name())).collect();
     println!(
         "{home}: {:?}, {:.1} % swept, overlap {:.2}, {:.1} min, home {:.2} m, off {:.2} m, gave up {}, {}",
         job.progress.state,
@@ -215,8 +215,15 @@ fn print_mishap(name: &str, home: &str) {
         job.score.home_m,
         job.worst_m,
         job.lost,
-        spent.join(", "),
+        time_spent(&job),
     );
+}
+
+/// How long a job was in each state.
+fn time_spent(job: &FloorDrive) -> String {
+    let seconds = FloorState::ALL.iter().zip(job.progress.seconds_in).filter(|(_, seconds)| *seconds > 0);
+    let spent: Vec<String> = seconds.map(|(state, seconds)| format!("{} {seconds} s", state.name())).collect();
+    spent.join(", ")
 }
 
 fn mishap_row(page: &mut String, name: &str, jobs: &[FloorDrive]) {
@@ -268,9 +275,7 @@ fn print_home(home: &str, seeds: std::ops::RangeInclusive<u64>) {
         let _ = write!(text, "{} {:.1}/{:.2}  ", way.doing, way.path_m, way.new_m2);
     }
     for job in &jobs {
-        let seconds = FloorState::ALL.iter().zip(job.progress.seconds_in).filter(|(_, seconds)| *seconds > 0);
-        let _ = write!(text, "\n{:?} off by {:.2} m, ", job.progress.state, job.worst_m);
-        seconds.for_each(|(state, seconds)| text.push_str(&format!("{} {seconds} s, ", state.name())));
+        let _ = write!(text, "\n{:?} off by {:.2} m, {}", job.progress.state, job.worst_m, time_spent(job));
     }
     println!("{text}");
 }

@@ -12,29 +12,27 @@ use tests::carries::{drive, rig};
 /// Random homes, one drive each.
 const HOMES: [std::ops::Range<u64>; 2] = [401..441, 441..481];
 
-/// The floor job in this home, with a kick by 10 cm and 15 degrees at a moment between one minute and seven, or without.
-fn job(home: u64, is_kicked: bool) -> FloorDrive {
-    let mut plan = plan_file::load(&format!("random-{home}")).expect("a random home");
-    if is_kicked {
-        let at_s = Rng::stream(home, "moment", 0).uniform(60.0, 420.0);
-        plan.mishaps.kicks.push(Kick { at_s, slide_m: 0.1, turn_rad: 15_f64.to_radians() });
-    }
-    clean(&plan, SimOptions::default(), 1).expect("the robot fits")
-}
+/// How far a kick moves the robot, metres, and turns it, degrees.
+const KICK: (f64, f64) = (0.1, 15.0);
+const PUSH: (f64, f64) = (0.5, 0.0);
 
-/// The same with a push by half a metre.
-fn pushed(home: u64) -> FloorDrive {
+/// The floor job in this home, with such a kick at a moment between one minute and seven, or without.
+fn job(home: u64, kick: Option<(f64, f64)>) -> FloorDrive {
     let mut plan = plan_file::load(&format!("random-{home}")).expect("a random home");
-    let at_s = Rng::stream(home, "moment", 0).uniform(60.0, 420.0);
-    plan.mishaps.kicks.push(Kick { at_s, slide_m: 0.5, turn_rad: 0.0 });
+    plan.mishaps.kicks.extend(kick.map(|(slide_m, turn_deg)| Kick {
+        at_s: Rng::stream(home, "moment", 0).uniform(60.0, 420.0),
+        slide_m,
+        turn_rad: turn_deg.to_radians(),
+    }));
     clean(&plan, SimOptions::default(), 1).expect("the robot fits")
 }
 
 /// Floor jobs in these homes, in every fourth one where nobody kicks.
 fn jobs(is_kicked: bool) -> Vec<FloorDrive> {
     let every = if is_kicked { 1 } else { 4 };
-    let of =
-        move |homes: std::ops::Range<u64>| homes.step_by(every).map(|home| job(home, is_kicked)).collect::<Vec<_>>();
+    let of = move |homes: std::ops::Range<u64>| {
+        homes.step_by(every).map(|home| job(home, is_kicked.then_some(KICK))).collect::<Vec<_>>()
+    };
     let halves = HOMES.map(|homes| thread::spawn(move || of(homes)));
     halves.into_iter().flat_map(|half| half.join().expect("no panic")).collect()
 }
@@ -53,7 +51,7 @@ fn kicks_that_no_reading_tells_are_told_by_walls_drawn_twice() {
 
 #[test]
 fn a_push_that_no_reading_tells_is_told_by_walls_drawn_beside_the_older_ones() {
-    let job = pushed(45);
+    let job = job(45, Some(PUSH));
     assert_eq!(job.second_copies, 1);
     // Half a metre else.
     assert!(job.score.home_m < 0.1, "{} m from home", job.score.home_m);
