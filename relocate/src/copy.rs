@@ -132,8 +132,7 @@ pub(crate) struct Part<'m> {
 /// that one does not reach. None where the wall that the copy's grid is of is gone.
 pub(crate) fn parts<'m>(map: &'m dyn Kept, copy: &SecondCopy) -> Option<[Part<'m>; 2]> {
     let walls = || (0..usize::from(map.frame().walls)).filter_map(|i| map.wall(i));
-    let state_of = |id: u16| walls().filter(|wall| wall.id == id).find_map(|wall| wall.direction.state());
-    let grid = copy.grid.map_or(Some(ALPHA), state_of)?;
+    let grid = copy.grid_state(walls().map(|wall| (wall.id, wall.direction)))?;
     let part = |is_copy, grid| Part { map, copy: *copy, is_copy, grid };
     let (copied, older) = (part(true, grid), part(false, ALPHA));
     let is_larger = 2 * walls().filter(|wall| copy.has(wall.id)).count() > walls().count();
@@ -187,9 +186,9 @@ pub(crate) fn begins_m(map: &dyn Kept, copy: &SecondCopy) -> [f32; 2] {
 /// A shifted copy with the walls before it that were drawn after those which tell where it lies in the older ones: the robot was pushed
 /// before it drew the copy's first wall, and after it drew these.
 pub(crate) fn with_those_between(copy: &SecondCopy, found: &Match) -> SecondCopy {
-    let newest = found.pairs.map(|(_, older)| older).into_iter().max_by_key(|id| id.wrapping_sub(copy.since) as i16);
-    match (copy.grid, newest) {
-        (None, Some(newest)) => SecondCopy { since: newest.wrapping_add(1), ..*copy },
-        _ => *copy,
+    if copy.grid.is_some() {
+        return *copy;
     }
+    let [one, other] = found.pairs.map(|(_, older)| copy.since.wrapping_sub(older));
+    SecondCopy { since: copy.since.wrapping_sub(one.min(other)).wrapping_add(1), ..*copy }
 }

@@ -154,7 +154,7 @@ impl HealthMonitor {
         if self.odds == 0.0 {
             self.doubted = next_wall;
         }
-        self.unheard = if self.odds < DOUBTED { next_wall } else { self.doubted };
+        self.unheard = self.elsewhere().since.unwrap_or(next_wall);
     }
 
     /// What speaks for the robot being elsewhere than the filter has it.

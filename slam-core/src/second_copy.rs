@@ -10,6 +10,7 @@ use crate::jolts::Jolts;
 use crate::kept::KeptWall;
 use crate::slam::Slam;
 use crate::take_up::{Match, Placement, Unfit};
+use crate::walls::wall::Direction;
 
 /// The walls of a map that were drawn since something turned the robot, or pushed it along.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +26,15 @@ impl SecondCopy {
     pub fn has(&self, wall: u16) -> bool {
         wall.wrapping_sub(self.since) as i16 >= 0
     }
+
+    /// The index of the state that is their grid's direction, in a map of walls with these identifiers and directions; none where the wall
+    /// that it is of is gone.
+    pub fn grid_state(&self, mut walls: impl Iterator<Item = (u16, Direction)>) -> Option<usize> {
+        match self.grid {
+            None => Some(ALPHA),
+            Some(grid) => walls.find(|(id, _)| *id == grid)?.1.state(),
+        }
+    }
 }
 
 impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, W, B, ROWS> {
@@ -35,8 +45,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     #[inline(never)]
     pub fn give_up_copy(&mut self, copy: &SecondCopy, found: &Match) -> Result<(), Unfit> {
         let wall_of = |id: u16| self.map.walls().iter().find(|wall| wall.id == id);
-        let state_of = |id: u16| wall_of(id).and_then(|wall| wall.direction.state());
-        let grid = copy.grid.map_or(Some(ALPHA), state_of).ok_or(Unfit::NoMatch)?;
+        let walls = self.map.walls().iter().map(|wall| (wall.id, wall.direction));
+        let grid = copy.grid_state(walls).ok_or(Unfit::NoMatch)?;
         let beside = self.beside(found, grid).ok_or(Unfit::NoMatch)?;
         let older = found.pairs.map(|(_, id)| wall_of(id).filter(|wall| !copy.has(wall.id)).map(KeptWall::of));
         let [Some(first), Some(second)] = older else { return Err(Unfit::NoMatch) };
