@@ -80,7 +80,7 @@ fn a_group_that_another_sensor_tells_goes_on_with_its_gain() {
     gains.values[..2].copy_from_slice(&[1.02, 0.99]);
     let own = Group::of([0.1, 0.0], [1.3, 0.2], 1e4, 1.0, 1);
     let told = gains.told_by(0, &own);
-    assert_eq!(told.sensor, 0);
+    assert_eq!(told.sensor(), 0);
     for common in [1.0, 0.97, 1.03] {
         let mut later = gains;
         later.values[..2].iter_mut().for_each(|gain| *gain *= common);
