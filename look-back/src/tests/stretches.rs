@@ -43,9 +43,9 @@ fn look(x_m: f64, beam: f64) -> Option<(u16, f64)> {
 fn a_shelf_stays_before_its_wall() {
     let (mut random, mut diary) = (Random(1), SmallDiary::new(&DRIVE, Pose::ORIGIN));
     let mut look_back = Small::new();
-    let (mut x_m, mut ahead) = (0.0, 0.04);
+    let (mut x_m, mut ahead) = (0.0f64, 0.04);
     for step in 0..2000 {
-        ahead = if x_m > 2.5 || x_m < -2.5 { -0.04 * f64::signum(x_m) } else { ahead };
+        ahead = if x_m.abs() > 2.5 { -0.04 * x_m.signum() } else { ahead };
         x_m += ahead;
         diary.travel(&Increment { forward_m: ahead as f32, left_m: 0.0, turn_rad: 0.0 });
         if diary.is_due() {
