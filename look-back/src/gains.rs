@@ -42,7 +42,7 @@ impl Gains {
 
     /// Whether two groups' hits can be put together: those of one sensor, or of sensors whose gains are known.
     pub fn go_together(&self, a: &Group, b: &Group) -> bool {
-        a.sensor() == b.sensor() || (self.of(a.sensor()).is_none() && self.of(b.sensor()).is_none())
+        a.is_by_sensor_of(b) || (self.of(b.sensor()).is_none() && self.of(a.sensor()).is_none())
     }
 
     /// A group where its hits are by the present gains.

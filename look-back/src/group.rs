@@ -72,6 +72,16 @@ impl Group {
         self.maker & !SEVERAL
     }
 
+    /// Whether the hits of both are of one sensor, on one stretch or on several.
+    pub fn is_by_sensor_of(&self, other: &Group) -> bool {
+        self.maker == other.maker
+    }
+
+    /// Whether both are on one wall, or on none.
+    pub fn is_on_wall_of(&self, other: &Group) -> bool {
+        self.label == other.label
+    }
+
     /// The same hits, with the gain of another one.
     pub fn by_sensor(&self, sensor: u8) -> Self {
         Self { maker: self.maker & SEVERAL | sensor & !SEVERAL, ..*self }
@@ -120,9 +130,16 @@ impl Group {
             return false;
         }
         let [dx, dy] = [0, 1].map(|i| self.mean_m[i] - other.mean_m[i]);
-        let reach_m = |group: &Group| libm::sqrtf(3.0 * (group.scatter[0] + group.scatter[2]) / group.weight);
-        let apart_m = reach_m(self) + reach_m(other) + SPACING_M;
-        dx * dx + dy * dy <= apart_m * apart_m
+        let apart_m2 = dx * dx + dy * dy;
+        let reach_m2 = |group: &Group| 3.0 * (group.scatter[0] + group.scatter[2]) / group.weight;
+        let [one_m2, other_m2] = [reach_m2(self), reach_m2(other)];
+        let squares = one_m2 + other_m2 + SPACING_M * SPACING_M;
+        // The square of a sum of three is between the sum of their squares and three times that: mostly no root is needed.
+        apart_m2 <= squares
+            || (apart_m2 <= 3.0 * squares && {
+                let reach_m = libm::sqrtf(one_m2) + libm::sqrtf(other_m2) + SPACING_M;
+                apart_m2 <= reach_m * reach_m
+            })
     }
 
     /// Takes in another one on the same wall and in the same frame, as its own sensor would have reported it.

@@ -79,14 +79,20 @@ fn join(groups: &mut [Group], own: usize, gains: &Gains, apart: &Frame) -> u16 {
 /// Which of those before it a group is added to: the one that it is one stretch of its wall with, else the one of several stretches, else
 /// the last where there are two on its wall.
 fn fellow<'a>(before: &'a mut [Group], group: &Group) -> Option<&'a mut Group> {
-    let wall = group.wall()?;
-    let on_wall = |other: &Group| other.hits > 0 && other.wall() == Some(wall);
-    let place = |is: &dyn Fn(&Group) -> bool| before.iter().rposition(|other| on_wall(other) && is(other));
-    let at = place(&|other| other.is_one_stretch_with(group)).or_else(|| place(&|other| !other.is_stretch())).or_else(
-        || {
-            let last = place(&|_| true)?;
-            before.iter().take(last).any(on_wall).then_some(last)
-        },
-    )?;
-    before.get_mut(at)
+    group.wall()?;
+    let (mut several, mut last, mut others) = (None, None, 0);
+    for (at, other) in before.iter().enumerate().rev() {
+        if other.hits == 0 || !other.is_on_wall_of(group) {
+            continue;
+        }
+        if other.is_one_stretch_with(group) {
+            return before.get_mut(at);
+        }
+        if !other.is_stretch() {
+            several.get_or_insert(at);
+        }
+        last.get_or_insert(at);
+        others += 1;
+    }
+    before.get_mut(several.or(last.filter(|_| others > 1))?)
 }

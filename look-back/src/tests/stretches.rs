@@ -1,6 +1,7 @@
 use slam_core::{Increment, Pose};
 
 use super::drive::DRIVE;
+use super::groups::gains;
 use super::random::Random;
 use crate::gains::Gains;
 use crate::group::Group;
@@ -41,7 +42,8 @@ fn look(x_m: f64, beam: f64) -> Option<(u16, f64)> {
 
 #[test]
 fn a_shelf_stays_before_its_wall() {
-    let (mut random, mut diary) = (Random(1), SmallDiary::new(&DRIVE, Pose::ORIGIN));
+    let (mut random, mut diary) = (Random(1), SmallDiary::IDLE);
+    diary.begin(&DRIVE, gains(BEAMS.len()), Pose::ORIGIN);
     let mut look_back = Small::new();
     let (mut x_m, mut ahead) = (0.0f64, 0.04);
     for step in 0..2000 {
