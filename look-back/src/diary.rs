@@ -236,8 +236,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     /// is then known, on average over both sides, to a twelfth of the odometry's variance between two keyframes.
     /// On a wall it is mostly the group that its sensor's last hit went to.
     fn put(&mut self, one: &Group) {
-        let sensor = usize::from(one.sensor());
-        let last = self.last_groups.get(sensor).map_or(0, |place| usize::from(*place));
+        let last = self.last_groups.get(usize::from(one.sensor)).map_or(0, |place| usize::from(*place));
         let Self { keyframes, groups, gains, ahead, .. } = self;
         let count = if self.is_ahead { *ahead } else { keyframes.last().map_or(0, |last| last.groups) };
         let before = groups.len().saturating_sub(count.into());
@@ -248,7 +247,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         if let Some(group) = open.get_mut(place) {
             group.add(one);
         }
-        if let (Some(last), Ok(place)) = (self.last_groups.get_mut(sensor), u8::try_from(place)) {
+        if let (Some(last), Ok(place)) = (self.last_groups.get_mut(usize::from(one.sensor)), u8::try_from(place)) {
             *last = place;
         }
     }
@@ -386,7 +385,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
 /// Whether a hit belongs to a group: on one wall, and of one sensor where its gain is not known; or on none and near.
 fn is_of(group: &Group, one: &Group, gains: &Gains) -> bool {
     let near = |axis: usize| (group.mean_m[axis] - one.mean_m[axis]).abs() < ONE_THING_M;
-    group.is_on_wall_of(one)
-        && (group.is_by_sensor_of(one) || (one.wall().is_some() && gains.go_together(group, one)))
+    group.wall() == one.wall()
+        && (group.sensor == one.sensor || (one.wall().is_some() && gains.go_together(group, one)))
         && (one.wall().is_some() || (near(0) && near(1)))
 }

@@ -9,4 +9,3 @@ mod random;
 mod readings;
 mod sizes;
 mod steps;
-mod stretches;
