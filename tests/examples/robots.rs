@@ -18,7 +18,7 @@ const HEAD: &str = "\
 Printed by `cargo run --release --package tests --example robots`. Each robot maps one random home for ten minutes, with nothing disturbed: robot and drive 501 the home `random-501`, and so
 on to 560, without and with [hand-overs](../explanation/look-back.md#handing-over). The robot is drawn about the built-in ones:
 
-- four to eight sensors, on a circle of 2 to 14 cm radius: ahead and to the sides, then between them and behind, each turned by up to 8 degrees;
+- four to eight sensors on a circle of 2 to 14 cm radius, each turned by up to 8 degrees: one ahead, one to each side, the others between these or behind;
 - wheels: a track of 15 to 30 cm, known to 0, 2 or 5 mm; ticks of 0.1 to 1 mm; scales known to 0.5, 1 or 2 %; a noise of 0.5 to 3 x 10^-5 m^2/m;
 - odometry: scale known to 2 or 5 %; a noise of 1 or 3 x 10^-4 m^2/m and rad^2/m, 2 or 5 x 10^-4 rad^2/rad; a drift of 0, 0.5 or 1 degree a metre, 1 sigma;
 - sensors that report metres: up to 1.2, 2, 3 or 4 m (VL53L0X to VL53L1X), noise 5, 10 or 20 mm and 0, 1 or 3 % of the range. Analogue ones are the built-in robot's.
@@ -91,8 +91,7 @@ fn drive(kind: &str, hand_overs: bool, number: u64) -> [f64; 4] {
 
 /// A robot about this built-in one.
 fn robot(kind: &str, number: u64) -> Robot {
-    let built_in = if kind == "sharp" { lab::input::built_in_robot() } else { lab::input::robot(Path::new(kind)) };
-    let mut robot = built_in.expect("a built-in robot").0;
+    let mut robot = lab::input::robot(Path::new(kind)).expect("a built-in robot").0;
     let mut rng = Rng::stream(number, "robot", 0);
     robot.rig.drive = match robot.rig.drive {
         DriveModel::Wheels { .. } => DriveModel::Wheels {

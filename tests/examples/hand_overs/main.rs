@@ -77,8 +77,7 @@ fn main() {
 }
 
 fn robot(rig: &str) -> Robot {
-    let built_in = if rig == "sharp" { lab::input::built_in_robot() } else { lab::input::robot(Path::new(rig)) };
-    built_in.expect("a built-in rig").0
+    lab::input::robot(Path::new(rig)).expect("a built-in rig").0
 }
 
 fn config(robot: &Robot, hand_overs: bool) -> Config {
