@@ -236,18 +236,24 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     /// is then known, on average over both sides, to a twelfth of the odometry's variance between two keyframes.
     /// On a wall it is mostly the group that its sensor's last hit went to.
     fn put(&mut self, one: &Group) {
-        let last = self.last_groups.get(usize::from(one.sensor)).map_or(0, |place| usize::from(*place));
+        let sensor = usize::from(one.sensor());
+        let last = self.last_groups.get(sensor).map_or(0, |place| usize::from(*place));
         let Self { keyframes, groups, gains, ahead, .. } = self;
         let count = if self.is_ahead { *ahead } else { keyframes.last().map_or(0, |last| last.groups) };
         let before = groups.len().saturating_sub(count.into());
         let open = groups.get_mut(before..).unwrap_or_default();
-        let is_last = one.wall().is_some() && open.get(last).is_some_and(|group| is_of(group, one, gains));
-        let place = if is_last { Some(last) } else { open.iter().position(|group| is_of(group, one, gains)) };
+        let place = if one.wall().is_none() {
+            open.iter().position(|group| group.is_like(one) && is_near(group, one))
+        } else if open.get(last).is_some_and(|group| group.is_like(one)) {
+            Some(last)
+        } else {
+            open.iter().position(|group| group.is_on_wall_of(one) && gains.go_together(group, one))
+        };
         let Some(place) = place else { return self.open_group(*one) };
         if let Some(group) = open.get_mut(place) {
-            group.add(one);
+            if group.sensor() == one.sensor() { group.add(one) } else { group.take_in(*one, gains) }
         }
-        if let (Some(last), Ok(place)) = (self.last_groups.get_mut(usize::from(one.sensor)), u8::try_from(place)) {
+        if let (Some(last), Ok(place)) = (self.last_groups.get_mut(sensor), u8::try_from(place)) {
             *last = place;
         }
     }
@@ -382,10 +388,8 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     }
 }
 
-/// Whether a hit belongs to a group: on one wall, and of one sensor where its gain is not known; or on none and near.
-fn is_of(group: &Group, one: &Group, gains: &Gains) -> bool {
+/// Whether hits that no wall explains may be on one thing.
+fn is_near(group: &Group, one: &Group) -> bool {
     let near = |axis: usize| (group.mean_m[axis] - one.mean_m[axis]).abs() < ONE_THING_M;
-    group.wall() == one.wall()
-        && (group.sensor == one.sensor || (one.wall().is_some() && gains.go_together(group, one)))
-        && (one.wall().is_some() || (near(0) && near(1)))
+    near(0) && near(1)
 }

@@ -42,12 +42,12 @@ impl Gains {
 
     /// Whether two groups' hits can be put together: those of one sensor, or of sensors whose gains are known.
     pub fn go_together(&self, a: &Group, b: &Group) -> bool {
-        a.sensor == b.sensor || (self.of(a.sensor).is_none() && self.of(b.sensor).is_none())
+        a.is_by_sensor_of(b) || (self.of(b.sensor()).is_none() && self.of(a.sensor()).is_none())
     }
 
     /// A group where its hits are by the present gains.
     pub fn correct(&self, group: &Group) -> Group {
-        let Some((_, gain)) = self.of(group.sensor) else { return *group };
+        let Some((_, gain)) = self.of(group.sensor()) else { return *group };
         let inverse = 1.0 / gain;
         let [x, y] = [0, 1].map(|i| group.from_m[i] + inverse * (group.mean_m[i] - group.from_m[i]));
         let mut corrected = *group;
@@ -59,10 +59,10 @@ impl Gains {
     /// what that is known to be at present.
     pub fn told_by(&self, sensor: u8, group: &Group) -> Group {
         let gain = |sensor| self.of(sensor).map_or(1.0, |(_, gain)| gain);
-        let ratio = gain(sensor) / gain(group.sensor);
+        let ratio = gain(sensor) / gain(group.sensor());
         let mean_m = [0, 1].map(|i| group.from_m[i] + ratio * (group.mean_m[i] - group.from_m[i]));
-        let mut told = *group;
-        (told.mean_m, told.sensor) = (mean_m, sensor);
+        let mut told = group.by_sensor(sensor);
+        told.mean_m = mean_m;
         told
     }
 

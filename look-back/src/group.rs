@@ -3,7 +3,15 @@
 use core::num::NonZeroU8;
 
 use crate::frame::{Frame, dot};
+use crate::gains::Gains;
+use crate::keyframe::SPACING_M;
 use crate::wall::Line;
+
+/// Marks the sensor of hits on several stretches.
+const SEVERAL: u8 = 0x80;
+
+/// A sensor that no robot has: its gain is known.
+pub const NO_SENSOR: u8 = !SEVERAL;
 
 /// Hits on one surface, in their keyframe's frame: their weight, mean and scatter, kept as Welford (1962) does so that f32
 /// holds a scatter of millimetres at a distance of metres.
@@ -21,8 +29,8 @@ pub struct Group {
     pub scatter: [f32; 3],
     /// Hits; saturates.
     pub hits: u16,
-    /// The sensor of the first of them.
-    pub sensor: u8,
+    /// The sensor of the first of them, marked where they are on several stretches: a byte more for each would not fit on the robot.
+    maker: u8,
     label: Option<NonZeroU8>,
 }
 
@@ -47,7 +55,42 @@ impl Group {
     /// Of one hit: where its beam began and ended, metres, its weight, 1/m^2, and of how many it is one.
     pub fn of(from_m: [f32; 2], at_m: [f32; 2], weight: f32, alike: f32, sensor: u8) -> Self {
         let independent = 1.0 / alike;
-        Self { weight, independent, from_m, mean_m: at_m, scatter: [0.0; 3], hits: 1, sensor, label: None }
+        Self {
+            weight,
+            independent,
+            from_m,
+            mean_m: at_m,
+            scatter: [0.0; 3],
+            hits: 1,
+            maker: sensor & !SEVERAL,
+            label: None,
+        }
+    }
+
+    /// The sensor of the first of its hits, with whose gain it goes.
+    pub fn sensor(&self) -> u8 {
+        self.maker & !SEVERAL
+    }
+
+    /// Whether the hits of both are of one sensor, on one stretch or on several.
+    pub fn is_by_sensor_of(&self, other: &Group) -> bool {
+        self.maker == other.maker
+    }
+
+    /// Whether both are of one sensor and on one wall, or on none.
+    pub fn is_like(&self, other: &Group) -> bool {
+        let key = |group: &Group| u16::from_le_bytes([group.maker, group.label.map_or(0, NonZeroU8::get)]);
+        key(self) == key(other)
+    }
+
+    /// Whether both are on one wall, or on none.
+    pub fn is_on_wall_of(&self, other: &Group) -> bool {
+        self.label == other.label
+    }
+
+    /// The same hits, with the gain of another one.
+    pub fn by_sensor(&self, sensor: u8) -> Self {
+        Self { maker: self.maker & SEVERAL | sensor & !SEVERAL, ..*self }
     }
 
     /// The wall that it is on.
@@ -79,6 +122,38 @@ impl Group {
         self.weight = weight;
         self.independent += other.independent;
         self.hits = self.hits.saturating_add(other.hits);
+    }
+
+    /// Whether its hits are one stretch of a surface. Of stretches with something before the surface between them, the sums would have
+    /// one across it, and their mean beam would go through it.
+    pub fn is_stretch(&self) -> bool {
+        self.maker & SEVERAL == 0
+    }
+
+    /// Whether the hits of both are one stretch, for all that is between them.
+    pub fn is_one_stretch_with(&self, other: &Group) -> bool {
+        if !(self.is_stretch() && other.is_stretch()) {
+            return false;
+        }
+        let [dx, dy] = [0, 1].map(|i| self.mean_m[i] - other.mean_m[i]);
+        let apart_m2 = dx * dx + dy * dy;
+        let reach_m2 = |group: &Group| 3.0 * (group.scatter[0] + group.scatter[2]) / group.weight;
+        let [one_m2, other_m2] = [reach_m2(self), reach_m2(other)];
+        let squares = one_m2 + other_m2 + SPACING_M * SPACING_M;
+        // The square of a sum of three is between the sum of their squares and three times that: mostly no root is needed.
+        apart_m2 <= squares
+            || (apart_m2 <= 3.0 * squares && {
+                let reach_m = libm::sqrtf(one_m2) + libm::sqrtf(other_m2) + SPACING_M;
+                apart_m2 <= reach_m * reach_m
+            })
+    }
+
+    /// Takes in another one on the same wall and in the same frame, as its own sensor would have reported it.
+    pub fn take_in(&mut self, other: Group, gains: &Gains) {
+        if !self.is_one_stretch_with(&other) {
+            self.maker |= SEVERAL;
+        }
+        self.add(&gains.told_by(self.sensor(), &other));
     }
 
     /// The same group in the frame that `frame` is given in.
@@ -113,8 +188,9 @@ impl Group {
         }
     }
 
-    /// How far from its mean a group reaches along a line where its hits are spread evenly, metres.
+    /// How far from its mean a group reaches along a line, metres: where its hits are spread evenly, or half of them at each end.
     pub fn reach_m(&self, offset: &Offset) -> f32 {
-        libm::sqrtf(3.0 * offset.along / self.weight)
+        let squares = if self.is_stretch() { 3.0 } else { 1.0 };
+        libm::sqrtf(squares * offset.along / self.weight)
     }
 }

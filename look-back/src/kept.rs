@@ -5,7 +5,7 @@ use slam_core::{Pose, SURFACE_M, angle};
 
 use crate::diary::Diary;
 use crate::frame::dot;
-use crate::group::Group;
+use crate::group::{Group, NO_SENSOR};
 use crate::keyframe::Keyframe;
 use crate::names::Name;
 use crate::wall::Wall;
@@ -24,9 +24,6 @@ const LEAST_HALF_M: f32 = 0.05;
 
 /// From so far before a wall it is seen, metres: any distance, but on the side that is seen.
 const BEFORE_M: f32 = 0.1;
-
-/// A sensor that no robot has: its gain is known.
-const NO_SENSOR: u8 = u8::MAX;
 
 /// What a number is the sum of: states of the filter, and its derivatives by them.
 type Terms = [(usize, f32)];

@@ -5,7 +5,7 @@ use slam_core::{Calibration, Pose};
 use crate::frame::relative;
 
 /// A new keyframe after so much path, metres.
-const SPACING_M: f32 = 0.25;
+pub(crate) const SPACING_M: f32 = 0.25;
 
 /// Or so much turning, radians.
 const SPACING_RAD: f32 = 0.2;

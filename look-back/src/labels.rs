@@ -65,7 +65,8 @@ impl<const W: usize> Labels<W> {
             }
             let far_m = SIGMAS * libm::sqrtf(group.variance());
             let is_within = |along_m: f32| (wall.lo_m..=wall.hi_m).contains(&along_m);
-            if offset.behind_m > far_m
+            if group.is_stretch()
+                && offset.behind_m > far_m
                 && through_m(from_m, mean_m, &line).is_some_and(is_within)
                 && let Some(through) = self.through.get_mut(i)
             {

@@ -151,7 +151,7 @@ pub fn of_group(group: &Group, gains: &Gains, pose: &Pose, frame: &Frame, wall: 
     let group = gains.correct(group);
     let way = frame.turn([group.mean_m[0] - group.from_m[0], group.mean_m[1] - group.from_m[1]]);
     let offset = group.offset(frame, &line);
-    let by_gain = match gains.of(group.sensor) {
+    let by_gain = match gains.of(group.sensor()) {
         Some((number, gain)) => (GAINS + number, (dot(line.normal, way) - offset.behind_m) / gain),
         None => NONE,
     };

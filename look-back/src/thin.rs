@@ -58,23 +58,41 @@ pub fn thin(
     true
 }
 
-/// Brings the groups past the first `own` into the frame of those. By then the gains are known well enough: hits are where these
-/// put them. What is on one wall becomes one, and is left without hits. How many these are.
+/// Brings the groups past the first `own` into the frame of those, and adds those that are on one wall, so that two of it are left at most.
+/// Groups that were added to others are left without hits; how many these are.
 fn join(groups: &mut [Group], own: usize, gains: &Gains, apart: &Frame) -> u16 {
     let mut gone = 0;
     for i in 0..groups.len() {
         let Some((before, [group, ..])) = groups.split_at_mut_checked(i) else { break };
-        // Those of the first keyframe were kept apart for their gains only.
-        let joins = i >= own || gains.of(group.sensor).is_some();
         if i >= own {
             *group = group.moved(apart);
         }
-        let is_same = |other: &&mut Group| other.hits > 0 && group.wall().is_some() && other.wall() == group.wall();
-        if let Some(same) = before.iter_mut().find(is_same).filter(|_| joins) {
-            same.add(&gains.told_by(same.sensor, group));
+        if let Some(other) = fellow(before, group) {
+            other.take_in(*group, gains);
             group.hits = 0;
             gone += 1;
         }
     }
     gone
+}
+
+/// Which of those before it a group is added to: the one that it is one stretch of its wall with, else the one of several stretches, else
+/// the last where there are two on its wall.
+fn fellow<'a>(before: &'a mut [Group], group: &Group) -> Option<&'a mut Group> {
+    group.wall()?;
+    let (mut several, mut last, mut others) = (None, None, 0);
+    for (at, other) in before.iter().enumerate().rev() {
+        if other.hits == 0 || !other.is_on_wall_of(group) {
+            continue;
+        }
+        if other.is_one_stretch_with(group) {
+            return before.get_mut(at);
+        }
+        if !other.is_stretch() {
+            several.get_or_insert(at);
+        }
+        last.get_or_insert(at);
+        others += 1;
+    }
+    before.get_mut(several.or(last.filter(|_| others > 1))?)
 }

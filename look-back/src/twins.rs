@@ -5,7 +5,7 @@ use heapless::Vec;
 use crate::diary::Diary;
 use crate::frame::{Frame, dot};
 use crate::solve::Solver;
-use crate::survey::{is_on, through_m};
+use crate::survey::{SIGMAS, is_on, through_m};
 use crate::wall::Wall;
 
 /// Two stretches of one wall are flush to within this, metres.
@@ -168,16 +168,19 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
         Some(self.solver.system.variance(&[(b, 1.0), (b + 1, arm_b), (a, -1.0), (a + 1, -arm_a)]))
     }
 
-    /// In which pieces of an overlap hits are on one of the two.
+    /// In which pieces of an overlap hits are on one of the two. Those that may be on the other as well do not tell, nor do those on
+    /// several stretches.
     fn pieces(&self, i: usize, overlap_m: [f32; 2]) -> u128 {
-        let Some(&(index, wall)) = self.walls.get(i) else { return 0 };
-        let line = wall.line();
+        let [Some(&(index, wall)), Some(&(_, other))] = [i, 1 - i].map(|i| self.walls.get(i)) else { return 0 };
+        let (line, other) = (wall.line(), other.line());
         let mut pieces = 0;
         for (key, groups) in self.diary.sightings() {
-            for group in groups.iter().filter(|group| group.wall() == Some(index)) {
+            let frame = Frame::of(&key.pose);
+            for group in groups.iter().filter(|group| group.wall() == Some(index) && group.is_stretch()) {
                 let group = &self.diary.gains.correct(group);
-                let offset = group.offset(&Frame::of(&key.pose), &line);
-                if !is_on(group, &offset) {
+                let offset = group.offset(&frame, &line);
+                let may_be_other = group.offset(&frame, &other).square < SIGMAS * SIGMAS;
+                if may_be_other || !is_on(group, &offset) {
                     continue;
                 }
                 let reach_m = group.reach_m(&offset);
@@ -189,12 +192,12 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
         pieces
     }
 
-    /// Whether beams to the other went through one of the two where hits are on it.
+    /// Whether beams to the other went through one of the two where hits are on it and on both sides of that.
     fn is_crossed(&self, i: usize, pieces: u128, overlap_m: [f32; 2]) -> bool {
         let [Some(&(_, wall)), Some(&(other, _))] = [i, 1 - i].map(|i| self.walls.get(i)) else { return false };
-        let line = wall.line();
+        let (line, pieces) = (wall.line(), pieces & pieces << 1 & pieces >> 1);
         self.diary.sightings().any(|(key, groups)| {
-            groups.iter().filter(|group| group.wall() == Some(other)).any(|group| {
+            groups.iter().filter(|group| group.wall() == Some(other) && group.is_stretch()).any(|group| {
                 let (frame, group) = (Frame::of(&key.pose), self.diary.gains.correct(group));
                 let through = through_m(frame.point(group.from_m), frame.point(group.mean_m), &line);
                 let at = through.map(|along_m| piece(overlap_m, along_m)).and_then(|at| u32::try_from(at).ok());

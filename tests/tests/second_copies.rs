@@ -51,10 +51,16 @@ fn kicks_that_no_reading_tells_are_told_by_walls_drawn_twice() {
 
 #[test]
 fn a_push_that_no_reading_tells_is_told_by_walls_drawn_beside_the_older_ones() {
-    let job = job(45, Some(PUSH));
-    assert_eq!(job.second_copies, 1);
-    // Half a metre else.
-    assert!(job.score.home_m < 0.1, "{} m from home", job.score.home_m);
+    // Most are told by the readings of the moment, one in sixteen by nothing else.
+    let halves =
+        [41..57, 57..73].map(|homes| thread::spawn(|| homes.map(|home| job(home, Some(PUSH))).collect::<Vec<_>>()));
+    let jobs = halves.into_iter().flat_map(|half| half.join().expect("no panic"));
+    let told: Vec<_> = jobs.filter(|job| job.second_copies > 0).collect();
+    assert!(!told.is_empty());
+    for job in told {
+        // Half a metre else.
+        assert!(job.score.home_m < 0.1, "{} m from home", job.score.home_m);
+    }
 }
 
 #[test]

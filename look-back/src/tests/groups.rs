@@ -59,7 +59,7 @@ fn groups_put_together_are_the_group_of_all_hits() {
     assert!((first.mean_m[0] - all.mean_m[0]).abs() < 1e-6 && (first.independent - 8.5).abs() < 1e-6);
 }
 
-fn gains(sensors: usize) -> Gains {
+pub fn gains(sensors: usize) -> Gains {
     let mount = Mount { x_m: 0.0, y_m: 0.0, bearing_rad: 0.0 };
     let model = RangeModel::Metric { noise_m: 0.01, noise_rel: 0.0 };
     let sensor = RangeSensor { mount, min_m: 0.1, max_m: 2.0, max_incidence_rad: 1.2, gain_sigma: 0.01, model };
@@ -70,7 +70,7 @@ fn gains(sensors: usize) -> Gains {
         scale_sigma: 0.0,
         noise_m2_per_m: 1e-5,
     };
-    Gains::of_rig::<2>(&Rig { drive, adc: None, sensors: core::iter::repeat_n(sensor, sensors).collect() })
+    Gains::of_rig::<8>(&Rig { drive, adc: None, sensors: core::iter::repeat_n(sensor, sensors).collect() })
 }
 
 /// Groups of two sensors put together: later on both go with the gain of one, as far as the gains have one size in common.
@@ -80,7 +80,7 @@ fn a_group_that_another_sensor_tells_goes_on_with_its_gain() {
     gains.values[..2].copy_from_slice(&[1.02, 0.99]);
     let own = Group::of([0.1, 0.0], [1.3, 0.2], 1e4, 1.0, 1);
     let told = gains.told_by(0, &own);
-    assert_eq!(told.sensor, 0);
+    assert_eq!(told.sensor(), 0);
     for common in [1.0, 0.97, 1.03] {
         let mut later = gains;
         later.values[..2].iter_mut().for_each(|gain| *gain *= common);

@@ -9,3 +9,4 @@ mod random;
 mod readings;
 mod sizes;
 mod steps;
+mod stretches;
