@@ -104,7 +104,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         }
         let [origin, whole, ..] = self.keyframes.as_mut_slice() else { return };
         origin.hold_map();
-        whole.part_from(robot, &self.calibration);
+        whole.part_from(robot, &self.calibration, None);
         for (index, slot) in self.walls.iter_mut().enumerate() {
             let Some(kept) = map.wall(index) else { break };
             let wall = drawn(map, &kept);

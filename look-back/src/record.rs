@@ -1,7 +1,8 @@
 //! The estimator's side: what one step of the filter writes down.
 
 use slam_core::{
-    BUILT_RELIEF_M, Increment, Outcome, Pose, RangeModel, RangeSensor, ReadingReport, SURFACE_M, Slam, StepReport,
+    BUILT_RELIEF_M, Increment, Mishap, Outcome, Pose, RangeModel, RangeSensor, ReadingReport, SURFACE_M, Slam,
+    StepReport,
 };
 
 use crate::diary::{Diary, Hit};
@@ -60,7 +61,7 @@ const FOUND_OUT_M: f32 = 0.5;
 impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     /// The robot was found elsewhere in the same map: how it came there the odometry did not sense, nor what it did before that was
     /// found out. `filter` is the filter's pose there.
-    pub(crate) fn go_on_elsewhere(&mut self, filter: &Pose) {
+    pub(crate) fn go_on_elsewhere(&mut self, filter: &Pose, by: Mishap) {
         self.drop_ahead();
         self.begin_keyframe(filter);
         self.revision = self.revision.wrapping_add(1);
@@ -72,7 +73,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
                 break;
             }
             path_m += key.path_m;
-            key.part_from(&next, calibration);
+            key.part_from(&next, calibration, Some(by));
             next = key.pose;
         }
     }

@@ -79,6 +79,7 @@ pub use births::BirthSettings;
 pub use births::cluster::Clustering;
 pub use births::dbscan;
 pub use config::Config;
+pub use displacement::Mishap;
 pub use filter::{covariance, ekf};
 pub use geometry::pose::Pose;
 pub use geometry::{angle, pose};

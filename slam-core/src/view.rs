@@ -1,6 +1,7 @@
 //! What the estimator shows of itself.
 
 use crate::config::Config;
+use crate::displacement::Mishap;
 use crate::filter::layout::{self, ALPHA};
 use crate::geometry::angle::sin_cos;
 use crate::geometry::pose::Pose;
@@ -132,9 +133,9 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.map.epoch()
     }
 
-    /// Whether the map is that of the epoch before this one, and the robot was found elsewhere in it.
-    pub fn is_elsewhere(&self) -> bool {
-        self.map.is_elsewhere()
+    /// What brought the robot elsewhere, where the map is that of the epoch before this one and the robot was found elsewhere in it.
+    pub fn elsewhere_by(&self) -> Option<Mishap> {
+        self.map.elsewhere_by()
     }
 
     /// The estimated pose in the filter's frame, which the map frame and the anchor do not move.

@@ -2,7 +2,7 @@
 
 use std::vec::Vec;
 
-use slam_core::{Calibration, DriveModel, Increment, Pose};
+use slam_core::{Calibration, DriveModel, Increment, JOLT, Mishap, Pose};
 
 use super::random::Random;
 use crate::Diary;
@@ -111,14 +111,27 @@ fn many_stretches_end_where_the_calibration_has_them_whole_turns_and_all() {
 
 #[test]
 fn a_motion_with_a_part_that_is_not_known_is_not_known() {
-    let mut unknown = stretch([0.25, 0.1]);
-    unknown.part_from(&Pose::new(0.3, -0.2, 0.4), &Calibration::EXACT);
-    let known = stretch([0.25, 0.1]);
-    for (first, second) in [(known, unknown), (unknown, known), (unknown, unknown)] {
-        let [_, heading_rad2] = Odometry::of(&DRIVE).variances(&first);
-        let both = first.over(&second, &Calibration::EXACT, heading_rad2);
-        let [position_m2, heading_rad2] = Odometry::of(&DRIVE).variances(&both);
-        assert!(position_m2 >= 0.25 && heading_rad2 >= 0.25, "{position_m2} {heading_rad2}");
+    let parted = |by| {
+        let mut parted = stretch([0.25, 0.1]);
+        parted.part_from(&Pose::new(0.3, -0.2, 0.4), &Calibration::EXACT, by);
+        parted
+    };
+    let (known, kicked) = (stretch([0.25, 0.1]), parted(Some(Mishap::Jolt)));
+    let [held, taken_up] = [Some(Mishap::Hold), None].map(parted);
+    let kick = [JOLT[0] * JOLT[0], JOLT[2] * JOLT[2]];
+    for (parts, least) in [
+        ([known, kicked], kick),
+        ([kicked, kicked], kick),
+        ([known, held], [0.25; 2]),
+        ([kicked, held], [0.25; 2]),
+        ([known, taken_up], [0.25; 2]),
+    ] {
+        for [first, second] in [parts, [parts[1], parts[0]]] {
+            let [_, heading_rad2] = Odometry::of(&DRIVE).variances(&first);
+            let both = first.over(&second, &Calibration::EXACT, heading_rad2);
+            let variances = Odometry::of(&DRIVE).variances(&both);
+            assert!((0..2).all(|i| variances[i] >= least[i] && variances[i] < 1.1 * least[i]), "{variances:?}");
+        }
     }
 }
 
