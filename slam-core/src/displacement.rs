@@ -8,18 +8,10 @@ use crate::holds::Correction;
 use crate::jolts::Jolts;
 use crate::jolts::recent::Moment;
 use crate::jolts::search::Scene;
+use crate::motion::Mishap;
 use crate::rig::DriveModel;
 use crate::sample::RangeInput;
 use crate::slam::Slam;
-
-/// What the wheels did not tell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mishap {
-    /// Something moved the robot besides its wheels.
-    Jolt,
-    /// The robot did not move with its wheels.
-    Hold,
-}
 
 /// The motion Jacobian of a robot that stays.
 const UNMOVED: MotionJacobian = {

@@ -1,12 +1,11 @@
 //! What the estimator shows of itself.
 
 use crate::config::Config;
-use crate::displacement::Mishap;
 use crate::filter::layout::{self, ALPHA};
 use crate::geometry::angle::sin_cos;
 use crate::geometry::pose::Pose;
 use crate::health::Elsewhere;
-use crate::motion::Slip;
+use crate::motion::{Mishap, Slip};
 use crate::report::{Counters, Health, StepReport};
 use crate::rig::{DriveModel, Rig};
 use crate::sensing::latency::Timing;

@@ -1,10 +1,10 @@
 //! The list of walls: adding, removing, and what happens when it is full.
 
-use crate::displacement::Mishap;
 use crate::filter::ekf::{EkfView, Jacobian};
 use crate::filter::layout::{ALPHA, THETA};
 use crate::geometry::line::Line;
 use crate::geometry::pose::Pose;
+use crate::motion::Mishap;
 use crate::walls::anchor::Anchor;
 use crate::walls::decision::relative_variance;
 use crate::walls::exactness::Exactness;
