@@ -77,7 +77,7 @@ impl Group {
         self.maker == other.maker
     }
 
-    /// Whether both are of one sensor and on one wall, or on none.
+    /// Whether both are of one sensor and on one wall, or on none: as one number, for each hit of a step is held against many groups.
     pub fn is_like(&self, other: &Group) -> bool {
         let key = |group: &Group| u16::from_le_bytes([group.maker, group.label.map_or(0, NonZeroU8::get)]);
         key(self) == key(other)
@@ -148,7 +148,8 @@ impl Group {
             })
     }
 
-    /// Takes in another one on the same wall and in the same frame, as its own sensor would have reported it.
+    /// Takes in another one on the same wall and in the same frame, as its own sensor would have reported it. It comes by
+    /// value: a hit whose address is passed on is in memory where it is added, too.
     pub fn take_in(&mut self, other: Group, gains: &Gains) {
         if !self.is_one_stretch_with(&other) {
             self.maker |= SEVERAL;

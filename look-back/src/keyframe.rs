@@ -112,6 +112,7 @@ impl Keyframe {
         let arm_m = [x_m - end.x_m, y_m - end.y_m];
         let square_m2 = arm_m[0] * arm_m[0] + arm_m[1] * arm_m[1];
         let onward_m2 = (end.x_m * arm_m[0] + end.y_m * arm_m[1]).max(0.0);
+        // Of two that were not sensed the mark of the one that is known less is the greater.
         let unsensed = [self, next].into_iter().filter(|key| key.unsensed().is_some()).map(|key| key.swing).max();
         let swing_m2 = self.swing_m2() + next.swing_m2() + heading_rad2 * (square_m2 + onward_m2);
         Self {
