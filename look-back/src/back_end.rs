@@ -107,12 +107,10 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
                 Phase::Arriving | Phase::Ready => self.end_without_result(),
                 _ => {}
             }
+        } else if slam.is_elsewhere() && before.map(|epoch| epoch.wrapping_add(1)) == self.epoch {
+            self.diary.go_on_elsewhere(&slam.filter_pose());
         } else {
-            let is_next = before.map(|epoch| epoch.wrapping_add(1)) == self.epoch;
-            match slam.elsewhere_by().filter(|_| is_next) {
-                Some(by) => self.diary.go_on_elsewhere(&slam.filter_pose(), by),
-                None => self.begin_anew(slam),
-            }
+            self.begin_anew(slam);
         }
     }
 

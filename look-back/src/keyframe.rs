@@ -1,6 +1,6 @@
 //! A pose that is placed, and the odometry from it to the next.
 
-use slam_core::{Calibration, JOLT, Mishap, Pose};
+use slam_core::{Calibration, Pose};
 
 use crate::frame::relative;
 
@@ -13,18 +13,14 @@ const SPACING_RAD: f32 = 0.2;
 /// Unit of [`Keyframe::swing`], metres.
 const SWING_M: f32 = 1e-4;
 
-/// Of motions that the odometry did not sense: the robot was held while its wheels turned, or found itself in a kept map; or it was kicked.
-const UNKNOWN: u16 = u16::MAX;
-const KICKED: u16 = u16::MAX - 1;
+/// Marks a motion that the odometry did not sense, for the robot was kicked, or held while its wheels turned: what follows is how well it is
+/// known, 1-sigma, seven bits of [`UNSENSED_M`] and eight of [`UNSENSED_RAD`].
+const UNSENSED: u16 = 0x8000;
+const UNSENSED_M: f32 = 0.01;
+const UNSENSED_RAD: f32 = 0.01;
 
 /// Of no motion: from where a kept map's frame is to where the map as a whole is in it.
-const HOLDS_MAP: u16 = u16::MAX - 2;
-
-/// Variance of where such a motion ends, m^2, and of its turn, rad^2, about what the filter found. A kick is known to the size of what is
-/// looked for, as it may have been another one or none; a hold to decimetres, by how far the wheels turned meanwhile. Left open altogether,
-/// all that comes later could slide along the walls of before, until what stands beside a wall is taken for the wall.
-const KICKED_VARIANCES: [f32; 2] = [JOLT[0] * JOLT[0], JOLT[2] * JOLT[2]];
-const UNKNOWN_VARIANCES: [f32; 2] = [0.25, 0.25];
+const HOLDS_MAP: u16 = u16::MAX;
 
 /// A pose that is placed, and the odometry from it to the next.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +38,7 @@ pub struct Keyframe {
     /// Groups seen from it; they follow each other in the diary.
     pub groups: u16,
     /// 1-sigma of where the motion ends by the errors of headings on the way, tenths of a millimetre. Two bytes, for which there
-    /// was room; saturates below those that say that the odometry did not sense the motion.
+    /// was room; or how well a motion is known that it did not sense.
     pub swing: u16,
 }
 
@@ -83,22 +79,20 @@ impl Keyframe {
 
     /// Variances of a motion that the odometry did not sense.
     fn unsensed(&self) -> Option<[f32; 2]> {
-        match self.swing {
-            UNKNOWN => Some(UNKNOWN_VARIANCES),
-            KICKED => Some(KICKED_VARIANCES),
-            _ => None,
-        }
+        let [of_m, of_rad] = [(self.swing >> 8) & 0x7f, self.swing & 0xff].map(f32::from);
+        let sigmas = [UNSENSED_M * of_m, UNSENSED_RAD * of_rad];
+        (self.swing & UNSENSED != 0 && !self.holds_map()).then_some(sigmas.map(|sigma| sigma * sigma))
     }
 
-    /// The odometry did not sense how the robot came from here to where it is next.
-    pub fn part_from(&mut self, next: &Pose, calibration: &Calibration, by: Option<Mishap>) {
+    /// The odometry did not sense how the robot came from here to where it is next, which is known to a 1-sigma, metres and radians.
+    pub fn part_from(&mut self, next: &Pose, calibration: &Calibration, known: [f32; 2]) {
         if self.holds_map() {
             return;
         }
         let Calibration { distance, turn, veer_rad_per_m } = *calibration;
         let Pose { x_m, y_m, theta_rad } = relative(&self.pose, next);
         self.motion = Pose::new(x_m / distance, y_m / distance, theta_rad / turn - veer_rad_per_m * self.path_m);
-        self.swing = if by == Some(Mishap::Jolt) { KICKED } else { UNKNOWN };
+        self.swing = unsensed(known);
     }
 
     /// The way over the next one to that one's next, the two as they lie to each other by the calibration. An error of the heading
@@ -112,16 +106,26 @@ impl Keyframe {
         let arm_m = [x_m - end.x_m, y_m - end.y_m];
         let square_m2 = arm_m[0] * arm_m[0] + arm_m[1] * arm_m[1];
         let onward_m2 = (end.x_m * arm_m[0] + end.y_m * arm_m[1]).max(0.0);
-        // Of two that were not sensed the mark of the one that is known less is the greater.
-        let unsensed = [self, next].into_iter().filter(|key| key.unsensed().is_some()).map(|key| key.swing).max();
+        let is_sensed = self.unsensed().or(next.unsensed()).is_none();
         let swing_m2 = self.swing_m2() + next.swing_m2() + heading_rad2 * (square_m2 + onward_m2);
         Self {
             // Whole turns count: scale and veer are those of all turning.
             motion: Pose { x_m, y_m, theta_rad: self.motion.theta_rad + next.motion.theta_rad },
             path_m: self.path_m + next.path_m,
             turning_rad: self.turning_rad + next.turning_rad,
-            swing: unsensed.unwrap_or(((libm::sqrtf(swing_m2) / SWING_M) as u16).min(HOLDS_MAP - 1)),
+            swing: if is_sensed {
+                ((libm::sqrtf(swing_m2) / SWING_M) as u16).min(UNSENSED - 1)
+            } else {
+                unsensed([swing_m2, self.unknown_rad2() + next.unknown_rad2()].map(libm::sqrtf))
+            },
             ..*self
         }
     }
+}
+
+/// What marks a motion that was not sensed and is known to a 1-sigma, metres and radians; saturates.
+fn unsensed([sigma_m, sigma_rad]: [f32; 2]) -> u16 {
+    let of_m = libm::roundf(sigma_m / UNSENSED_M).min(126.0) as u16;
+    let of_rad = libm::roundf(sigma_rad / UNSENSED_RAD).min(255.0) as u16;
+    UNSENSED | of_m << 8 | of_rad
 }

@@ -1,12 +1,12 @@
 //! The estimator's side: what one step of the filter writes down.
 
 use slam_core::{
-    BUILT_RELIEF_M, Increment, Mishap, Outcome, Pose, RangeModel, RangeSensor, ReadingReport, SURFACE_M, Slam,
-    StepReport,
+    BUILT_RELIEF_M, Increment, Outcome, Pose, RangeModel, RangeSensor, ReadingReport, SURFACE_M, Slam, StepReport,
 };
 
 use crate::diary::{Diary, Hit};
 use crate::frame::Frame;
+use crate::keyframe::Keyframe;
 use crate::power::power;
 
 /// Of so many readings of a sensor that reports metres, which say the same, one is one: as the estimator finds on real logs,
@@ -55,25 +55,33 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     }
 }
 
+/// How well a robot knows where it found itself elsewhere, metres and radians, 1-sigma: twice the size of what is looked for
+/// (`slam_core::JOLT`). Left open altogether, all that comes later could slide along the walls of before.
+pub(crate) const ELSEWHERE: [f32; 2] = [0.5, 0.5];
+
 /// Whoever moved the robot, or held it while its wheels turned, is found out within such a path, metres.
 const FOUND_OUT_M: f32 = 0.5;
 
 impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     /// The robot was found elsewhere in the same map: how it came there the odometry did not sense, nor what it did before that was
     /// found out. `filter` is the filter's pose there.
-    pub(crate) fn go_on_elsewhere(&mut self, filter: &Pose, by: Mishap) {
+    pub(crate) fn go_on_elsewhere(&mut self, filter: &Pose) {
         self.drop_ahead();
         self.begin_keyframe(filter);
         self.revision = self.revision.wrapping_add(1);
         let Self { keyframes, calibration, .. } = self;
         let Some((here, before)) = keyframes.split_last_mut() else { return };
-        let (mut next, mut path_m) = (here.pose, 0.0);
-        for key in before.iter_mut().rev() {
-            if path_m > FOUND_OUT_M {
-                break;
-            }
+        let mut path_m = 0.0;
+        let is_doubted = |key: &&Keyframe| {
+            let is_near = path_m <= FOUND_OUT_M;
             path_m += key.path_m;
-            key.part_from(&next, calibration, Some(by));
+            is_near
+        };
+        let doubted = before.iter().rev().take_while(is_doubted).count();
+        let known = ELSEWHERE.map(|sigma| sigma / libm::sqrtf(doubted as f32));
+        let mut next = here.pose;
+        for key in before.iter_mut().rev().take(doubted) {
+            key.part_from(&next, calibration, known);
             next = key.pose;
         }
     }

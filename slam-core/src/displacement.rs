@@ -8,7 +8,6 @@ use crate::holds::Correction;
 use crate::jolts::Jolts;
 use crate::jolts::recent::Moment;
 use crate::jolts::search::Scene;
-use crate::motion::Mishap;
 use crate::rig::DriveModel;
 use crate::sample::RangeInput;
 use crate::slam::Slam;
@@ -45,7 +44,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let [x_m, y_m, turn_rad] = found.by;
         let Pose { x_m: x, y_m: y, theta_rad } = moment.map;
         let pose = Pose { x_m: x + x_m, y_m: y + y_m, theta_rad: theta_rad + turn_rad };
-        self.put(pose, &found.covariance, Mishap::Jolt);
+        self.put(pose, &found.covariance);
         self.holds.forget();
         self.counters.add_jolt();
     }
@@ -59,7 +58,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let judged = || self.holds.judge(layout::pose(&self.ekf), self.counters.steps);
         let Some(found) = confirmed.or_else(judged) else { return };
         let sigma = found.sigma;
-        self.put(found.pose, &sigma.map(|a| sigma.map(|b| a * b)), Mishap::Hold);
+        self.put(found.pose, &sigma.map(|a| sigma.map(|b| a * b)));
         self.jolts = Jolts::NONE;
         self.counters.add_hold(found.is_held);
     }
@@ -72,12 +71,12 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.holds.confirm(&scene, self.jolts.recent(), &moment)
     }
 
-    /// Puts the robot elsewhere in the map, where this brought it, as well known as before but for this covariance.
-    fn put(&mut self, pose: Pose, covariance: &[[f32; 3]; 3], by: Mishap) {
+    /// Puts the robot elsewhere in the map, as well known as before but for this covariance.
+    fn put(&mut self, pose: Pose, covariance: &[[f32; 3]; 3]) {
         self.ekf.predict([pose.x_m, pose.y_m, pose.theta_rad], &UNMOVED, covariance);
         self.first.pose = pose;
         self.candidates.clear();
-        self.map.begin_epoch_elsewhere(by);
+        self.map.begin_epoch_elsewhere();
     }
 
     /// Moves the pose and the dead reckoning, and makes both less certain by a 1-sigma vector, both metres, in the frame of dead

@@ -88,7 +88,7 @@ pub use jolts::search::JOLT;
 pub use measurement::MeasurementSettings;
 pub use measurement::first_estimates::Linearisation;
 pub use motion::step::{SLIP_M2_PER_RAD, SLIP_RUNS};
-pub use motion::{Mishap, MotionSettings, Slip};
+pub use motion::{MotionSettings, Slip};
 pub use report::{Counters, Health, NotTaken, Outcome, ReadingReport, Refusal, StepReport};
 pub use rig::{Adc, DriveModel, Mount, RangeModel, RangeSensor, Rig, RigError, VEER_SIGMA};
 pub use sample::{Increment, Motion, RangeInput, Sample, Ticks};

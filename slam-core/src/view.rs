@@ -5,7 +5,7 @@ use crate::filter::layout::{self, ALPHA};
 use crate::geometry::angle::sin_cos;
 use crate::geometry::pose::Pose;
 use crate::health::Elsewhere;
-use crate::motion::{Mishap, Slip};
+use crate::motion::Slip;
 use crate::report::{Counters, Health, StepReport};
 use crate::rig::{DriveModel, Rig};
 use crate::sensing::latency::Timing;
@@ -132,9 +132,9 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.map.epoch()
     }
 
-    /// What brought the robot elsewhere, where the map is that of the epoch before this one and the robot was found elsewhere in it.
-    pub fn elsewhere_by(&self) -> Option<Mishap> {
-        self.map.elsewhere_by()
+    /// Whether the map is that of the epoch before this one, and the robot was found elsewhere in it.
+    pub fn is_elsewhere(&self) -> bool {
+        self.map.is_elsewhere()
     }
 
     /// The estimated pose in the filter's frame, which the map frame and the anchor do not move.

@@ -19,15 +19,6 @@ pub enum Slip {
     OfFloors,
 }
 
-/// What the wheels did not tell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mishap {
-    /// Something moved the robot besides its wheels.
-    Jolt,
-    /// The robot did not move with its wheels.
-    Hold,
-}
-
 /// How motion is predicted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -4,7 +4,6 @@ use crate::filter::ekf::{EkfView, Jacobian};
 use crate::filter::layout::{ALPHA, THETA};
 use crate::geometry::line::Line;
 use crate::geometry::pose::Pose;
-use crate::motion::Mishap;
 use crate::walls::anchor::Anchor;
 use crate::walls::decision::relative_variance;
 use crate::walls::exactness::Exactness;
@@ -50,8 +49,8 @@ pub struct MapInner<V: ?Sized> {
     next_id: u16,
     /// Changes with whatever makes poses and walls of the filter's frame others than they were.
     epoch: u32,
-    /// The last epoch that began as the robot was found elsewhere in the same map, and what had brought it there.
-    elsewhere: (u32, Mishap),
+    /// The last epoch that began as the robot was found elsewhere in the same map.
+    elsewhere: u32,
     /// The grid was founded.
     pub has_grid: bool,
     /// How likely that grid is exact, where walls are put on it once they are known to stand there.
@@ -76,7 +75,7 @@ impl<const W: usize> Map<W> {
     pub const EMPTY: Self = Self {
         next_id: 0,
         epoch: 0,
-        elsewhere: (0, Mishap::Jolt),
+        elsewhere: 0,
         has_grid: false,
         exactness: Exactness::UNKNOWN,
         frame: MapFrame::Start,
@@ -135,15 +134,14 @@ impl MapView {
     }
 
     /// The robot was found elsewhere in the same map, which begins an epoch.
-    pub fn begin_epoch_elsewhere(&mut self, by: Mishap) {
+    pub fn begin_epoch_elsewhere(&mut self) {
         self.begin_epoch();
-        self.elsewhere = (self.epoch, by);
+        self.elsewhere = self.epoch;
     }
 
-    /// What brought the robot elsewhere in the map, where it is that of the epoch before this one.
-    pub fn elsewhere_by(&self) -> Option<Mishap> {
-        let (epoch, by) = self.elsewhere;
-        (epoch == self.epoch).then_some(by)
+    /// Whether the map is that of the epoch before this one, in which the robot is elsewhere.
+    pub fn is_elsewhere(&self) -> bool {
+        self.elsewhere == self.epoch
     }
 
     /// Poses and walls are others than they were.
