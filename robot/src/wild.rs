@@ -26,6 +26,11 @@ impl Wild {
         self.bits().is_multiple_of(times)
     }
 
+    /// A number between -1 and 1.
+    pub fn share(&mut self) -> f32 {
+        (self.bits() % 2001) as f32 * 0.001 - 1.0
+    }
+
     /// A number or none, every other one as a range may be.
     pub fn value(&mut self) -> f32 {
         match self.bits() % 8 {

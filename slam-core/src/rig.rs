@@ -41,6 +41,19 @@ pub enum RangeModel {
     },
 }
 
+impl RangeModel {
+    /// 1-sigma of the noise of a range, both in metres.
+    pub fn noise_m(&self, range_m: f32) -> f32 {
+        match *self {
+            Self::Sharp { scale_m, exponent, noise_v } => {
+                let volts = libm::powf(range_m / scale_m, 1.0 / exponent);
+                (exponent * range_m * noise_v / volts).abs()
+            }
+            Self::Metric { noise_m, noise_rel } => crate::pose::length(noise_m, noise_rel * range_m),
+        }
+    }
+}
+
 /// One range sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -178,7 +178,7 @@ impl<const S: usize> FloorJob<S> {
         let until_us = senses.time_us.saturating_add(STANDS_US);
         for (index, at_m) in bounds.points_from(&senses.pose).enumerate() {
             if index % TURNS == usize::from(self.steps) % TURNS {
-                self.near.add(pose.transform(at_m), until_us, &pose, senses.time_us);
+                self.near.add(pose.transform(at_m), [0.0; 2], until_us, &pose, senses.time_us);
             }
         }
     }

@@ -54,20 +54,28 @@ impl<const S: usize> FloorJob<S> {
             // A place hardly wider than the body: it turns to where it cannot go.
             self.turn_sign = -self.turn_sign;
             self.give_up();
-            self.begin(Phase::Retreat { left_m: RETREAT_M }, now_us);
+            self.begin_retreat(now_us);
             return;
         }
         self.phase = Phase::Back;
         self.since_us = now_us;
     }
 
+    /// It ran into something here, or lost patience; whether it did so here before.
+    fn count_strike(&mut self, pose: &Pose) -> bool {
+        let [x_m, y_m] = self.struck_m;
+        let is_again = slam_core::pose::length(pose.x_m - x_m, pose.y_m - y_m) < AWAY_M;
+        if is_again {
+            self.strikes = self.strikes.saturating_add(1);
+        } else {
+            (self.struck_m, self.strikes) = ([pose.x_m, pose.y_m], 0);
+        }
+        is_again
+    }
+
     /// Remembers what was touched, and how often here; a point beyond it (metres) where that was not known to be near.
     fn strike(&mut self, contacts: &Contacts, pose: &Pose, now_us: u64) -> Option<[f32; 2]> {
-        let [dx, dy] = [pose.x_m - self.struck_m[0], pose.y_m - self.struck_m[1]];
-        self.strikes = if dx * dx + dy * dy < AWAY_M * AWAY_M { self.strikes.saturating_add(1) } else { 0 };
-        if self.strikes == 0 {
-            self.struck_m = [pose.x_m, pose.y_m];
-        }
+        self.count_strike(pose);
         let Contacts { bump_left, bump_right, .. } = *contacts;
         let bearing_rad = f32::from(i8::from(bump_left) - i8::from(bump_right)) * 0.6;
         let radius_m = self.config.drive.radius_m;
@@ -77,7 +85,13 @@ impl<const S: usize> FloorJob<S> {
         if self.near.touch(sector_rad, radius_m, pose, now_us) {
             return None;
         }
-        self.near.add(pose.transform([radius_m * c, radius_m * s]), now_us.saturating_add(FELT_US), pose, now_us);
+        self.near.add(
+            pose.transform([radius_m * c, radius_m * s]),
+            [0.0; 2],
+            now_us.saturating_add(FELT_US),
+            pose,
+            now_us,
+        );
         Some(pose.transform([(radius_m + 0.06) * c, (radius_m + 0.06) * s]))
     }
 
@@ -102,6 +116,11 @@ impl<const S: usize> FloorJob<S> {
     fn is_blocked_behind(&self, pose: &Pose, now_us: u64) -> bool {
         let behind = self.near.seen_from(pose, now_us).map(|[x_m, y_m]| [-x_m, -y_m]);
         free_ahead_m(behind, self.config.drive.radius_m) < 0.015
+    }
+
+    /// Goes back the way that it came.
+    pub(super) fn begin_retreat(&mut self, now_us: u64) {
+        self.begin(Phase::Retreat { left_m: RETREAT_M }, now_us);
     }
 
     /// Backwards along the way that it came, whatever it touches, and on with the errand from there.
@@ -155,9 +174,10 @@ impl<const S: usize> FloorJob<S> {
         }
     }
 
-    /// The way to what it is after leads nowhere: gives that up.
+    /// The way to what it is after leads nowhere: gives that up, and where it did so before, goes back the way that it came: there was room.
     pub(super) fn lose_patience(&mut self, pose: &Pose, now_us: u64) {
         self.moved = ([pose.x_m, pose.y_m], now_us);
+        let is_again = self.count_strike(pose);
         match self.phase {
             Phase::Home | Phase::Transit { aim: Aim::Place(_), .. } => self.return_again(now_us),
             _ => {
@@ -167,6 +187,9 @@ impl<const S: usize> FloorJob<S> {
         }
         if self.is_over() {
             return;
+        }
+        if is_again {
+            return self.begin_retreat(now_us);
         }
         self.resume = self.phase;
         self.phase = Phase::Back;

@@ -324,7 +324,15 @@ impl<const S: usize> FloorJob<S> {
             }
             if beam.age == 0 && (beam.range_m - before_m).abs() < STEADY_M {
                 let at_m = then.transform(beam.point_m(beam.range_m));
-                self.near.add(at_m, senses.time_us.saturating_add(SEEN_US), pose, senses.time_us);
+                let noise_m = [0, 1].map(|axis| beam.noise_m() * beam.direction[axis]);
+                let turned = Pose::new(0.0, 0.0, then.theta_rad);
+                self.near.add(
+                    at_m,
+                    turned.transform(noise_m),
+                    senses.time_us.saturating_add(SEEN_US),
+                    pose,
+                    senses.time_us,
+                );
             }
         }
     }
@@ -338,7 +346,7 @@ impl<const S: usize> FloorJob<S> {
         self.gained = self.gained.saturating_add(new);
         self.tally.add(new);
         if !matches!(self.phase, Phase::Retreat { .. }) {
-            self.trail.step([pose.x_m, pose.y_m], step_m);
+            self.trail.step([pose.x_m, pose.y_m]);
         }
         if let Phase::Lane(lane) = self.phase {
             self.trail.correct(lane.jump_m(&last, pose));

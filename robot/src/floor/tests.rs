@@ -33,6 +33,26 @@ fn floor_swept_before_the_grid_was_known_counts_once() {
 }
 
 #[test]
+fn where_nothing_leads_on_it_goes_back_the_way_that_it_came() {
+    let mut job: FloorJob<8> = FloorJob::new(FloorConfig::default(), &crate::rig::default_rig());
+    let (mut pose, mut jitter) = (Pose::default(), Wild::new());
+    for step in 0..3000_u64 {
+        let retreats = matches!(job.phase, Phase::Retreat { .. });
+        let seen = Pose { x_m: pose.x_m + 0.004 * jitter.share(), ..pose };
+        let (contacts, condition) = (Contacts::default(), Condition::default());
+        let speeds = job.step(&Senses { time_us: 40_000 * step, pose: seen, ranges_m: [None; 8], contacts, condition });
+        // A metre and a half along a corridor to where it is barred but for the way back.
+        let forward_m = 0.02 * (speeds.left_mps + speeds.right_mps);
+        if step < 100 {
+            pose.x_m += 0.015;
+        } else if retreats {
+            pose.x_m += forward_m;
+        }
+    }
+    assert!(pose.x_m < 0.9, "{pose:?}");
+}
+
+#[test]
 fn whatever_it_is_told_the_speeds_are_finite_and_limited() {
     let config = FloorConfig::default();
     let mut job: FloorJob<8> = FloorJob::new(config, &crate::rig::default_rig());

@@ -3,6 +3,8 @@
 //! Wheels do not move sideways. Where the pose does on a lane, it is corrected, and the robot was beside its lane for some time before:
 //! by all of the correction just now, by less the farther back.
 
+use slam_core::pose::length;
+
 use super::place::Place;
 use super::sheet::{Axis, Sheet};
 
@@ -34,9 +36,9 @@ impl Trail {
         Self { points: heapless::Deque::new(), since_m: f32::INFINITY }
     }
 
-    /// The robot moved by so much (metres) and is here.
-    pub(super) fn step(&mut self, at_m: [f32; 2], moved_m: f32) {
-        self.since_m += moved_m;
+    /// The robot is here, metres. Where it stands and turns, what its pose jitters by is no way.
+    pub(super) fn step(&mut self, at_m: [f32; 2]) {
+        self.since_m = self.last_m().map_or(APART_M, |[x_m, y_m]| length(at_m[0] - x_m, at_m[1] - y_m));
         if self.since_m < APART_M {
             return;
         }
@@ -106,7 +108,7 @@ mod tests {
         for step in 0..=400 {
             let at_m = [0.01 * step as f32, ROW_M];
             sheet.sweep(&Pose::new(at_m[0], at_m[1], 0.0));
-            trail.step(at_m, 0.01);
+            trail.step(at_m);
         }
         trail.correct(correction_m);
         let missed = trail.settle(Axis::X, 4.0, &mut sheet);

@@ -9,6 +9,9 @@ use super::memory::{Cell, Memory};
 const EMPTY_STEPS: u8 = 5;
 const EMPTY_M: f32 = 0.5;
 
+/// What is near the body ends beams of about this length, metres.
+const NEAR_M: f32 = 0.25;
+
 /// One sensor as the pilot sees it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Beam {
@@ -19,12 +22,14 @@ pub(crate) struct Beam {
     /// Last reading, metres, and the number of steps since.
     pub range_m: f32,
     pub age: u8,
+    /// 1-sigma of a reading of what is near the body, tenths of a millimetre; two bytes, for which there was room.
+    pub noise: u16,
 }
 
 impl Beam {
     /// Of no sensor.
     pub(crate) const NONE: Self =
-        Self { mount_m: [0.0; 2], direction: [0.0; 2], min_m: 0.0, max_m: 0.0, range_m: 0.0, age: u8::MAX };
+        Self { mount_m: [0.0; 2], direction: [0.0; 2], min_m: 0.0, max_m: 0.0, range_m: 0.0, age: u8::MAX, noise: 0 };
 
     /// The beams of a rig, none of them read yet.
     pub(crate) fn of_rig<const S: usize>(rig: &Rig<S>) -> [Beam; S] {
@@ -35,6 +40,7 @@ impl Beam {
             beam.direction = [c, s];
             beam.min_m = sensor.min_m;
             beam.max_m = sensor.max_m;
+            beam.noise = (1e4 * sensor.model.noise_m(NEAR_M)) as u16;
         }
         beams
     }
@@ -48,6 +54,11 @@ impl Beam {
             }
             _ => self.age = self.age.saturating_add(1),
         }
+    }
+
+    /// 1-sigma of a reading of what is near the body, metres.
+    pub(crate) fn noise_m(&self) -> f32 {
+        1e-4 * f32::from(self.noise)
     }
 
     /// A point on the beam in the robot's frame, metres.
