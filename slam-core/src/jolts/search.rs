@@ -2,6 +2,7 @@
 
 use crate::filter::ekf::EkfView;
 use crate::geometry::angle::sin_cos;
+use crate::geometry::pose::length;
 use crate::jolts::recent::{READINGS, Seen, Sighting};
 use crate::measurement::beam::{Beam, Prediction};
 use crate::measurement::data_association::density;
@@ -28,6 +29,9 @@ const ELSE: f32 = 0.3;
 /// What a sensor's readings of one wall can say, as log odds: in one look of so many thousands it is not the robot that moved but what
 /// it sees, a chair, a bin, a curtain, a door. Another sensor sees another place of the wall.
 pub const WALL_SAYS: f32 = 9.0;
+
+/// Readings that end nearer to each other are of one place, centimetres: about a chair's leg.
+const PLACE_CM: f32 = 5.0;
 
 /// Turns with which the search begins, in tenths of a radian: neighbours are half of what a beam at half its span can be off
 /// and meet its wall.
@@ -127,14 +131,27 @@ struct Said {
     of: Surface,
     log_odds: f32,
     readings: f32,
+    /// Number of its places that were seen, and where the last of them is, centimetres.
+    places: f32,
+    at_cm: [i16; 2],
 }
 
 impl Said {
-    /// All together. Where no wall was to be seen there is one that is not in the map yet: if its first reading fits by chance so do
-    /// the others, so that all say what one does.
+    /// With one more reading of it, which ended there, metres.
+    fn with(self, of: Surface, log_odds: f32, end_m: [f32; 2]) -> Self {
+        let end_cm = end_m.map(|at_m| libm::roundf(100.0 * at_m) as i16);
+        let [x_cm, y_cm] = [0, 1].map(|axis| f32::from(end_cm[axis]) - f32::from(self.at_cm[axis]));
+        let is_there = self.readings > 0.0 && length(x_cm, y_cm) < PLACE_CM;
+        let (places, at_cm) = if is_there { (self.places, self.at_cm) } else { (self.places + 1.0, end_cm) };
+        Self { of, log_odds: self.log_odds + log_odds, readings: self.readings + 1.0, places, at_cm }
+    }
+
+    /// All together, those of one place as one: whatever stands there was seen once, by as many readings as came meanwhile. Where no wall
+    /// was to be seen there is one that is not in the map yet: if its first reading fits by chance so do the others, so that all say what
+    /// one does.
     fn together(&self) -> f32 {
         match self.of.is_expected {
-            true => self.log_odds.clamp(-WALL_SAYS, WALL_SAYS),
+            true => (self.log_odds * self.places / self.readings).clamp(-WALL_SAYS, WALL_SAYS),
             false => self.log_odds / self.readings,
         }
     }
@@ -197,7 +214,7 @@ impl Scene<'_> {
             let place = all.iter().take(known).position(|said| said.of == of).unwrap_or(known);
             known = known.max(place + 1);
             if let Some(said) = all.get_mut(place) {
-                *said = Said { of, log_odds: said.log_odds + with - without, readings: said.readings + 1.0 };
+                *said = said.with(of, with - without, sighting.end_m());
             }
         }
         all.iter().take(known).map(Said::together).sum()
@@ -290,4 +307,21 @@ fn inverse(m: &[[f32; 3]; 3]) -> [[f32; 3]; 3] {
     };
     let inverse = 1.0 / determinant(m);
     core::array::from_fn(|i| core::array::from_fn(|j| inverse * cofactor(j, i)))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::jolts::search::{Said, Surface, WALL_SAYS};
+
+    #[test]
+    fn readings_of_one_place_say_what_one_does() {
+        let of = Surface { is_expected: true, ..Surface::default() };
+        let together = |ends_m: &[f32]| {
+            ends_m.iter().fold(Said::default(), |said, &end_m| said.with(of, 4.0, [1.0 + end_m, -2.0])).together()
+        };
+        assert_eq!(together(&[0.0; 8]), 4.0);
+        assert_eq!(together(&[0.0, 0.02, 0.04]), 4.0);
+        assert_eq!(together(&[0.0, 0.02, 0.1, 0.12]), 8.0);
+        assert_eq!(together(&[0.0, 0.1, 0.2, 0.3]), WALL_SAYS);
+    }
 }
