@@ -1,4 +1,4 @@
-//! Prints `docs/results/robots.md`: how robots drawn at random map homes drawn at random.
+//! Prints `docs/results/robots.md`: how robots drawn at random map and sweep homes drawn at random.
 //! `cargo run --release --package tests --example robots`.
 
 use std::convert::Infallible;
@@ -6,10 +6,13 @@ use std::path::Path;
 use std::thread;
 
 use hal_sim::SimOptions;
+use hal_sim::floor::FloorScore;
 use hal_sim::rng::Rng;
 use lab::evaluate::statistics::{mean, quantile};
 use lab::input::rig_file::Robot;
+use lab::input::settings::by_default;
 use lab::run::{Drive, Session};
+use robot::FloorState;
 use slam_core::{Config, DriveModel, Mount, RangeModel};
 
 const HEAD: &str = "\
@@ -27,6 +30,19 @@ The path's error is RMSE after the best alignment; a NEES of 3 is ideal. Walls m
 
 | robot | hand-overs | path, median | 90 % | worst | NEES, mean | 90 % | worst | missed | invented |
 |---|---|---|---|---|---|---|---|---|---|";
+
+const SWEEPING: &str = "
+## Sweeping the floor
+
+The same robots clean the floor of the same homes, with what the workbench does by default: hand-overs with analogue sensors. A robot is home
+where it says that it is done and is within 20 cm of its start. A hole is floor that was missed in one piece; overlap is the path over the least
+that the floor asks for. Means, with the worst in brackets.
+
+| robot | drives | done and home | swept, % | at least 95 % | largest hole, m2 | overlap | minutes |
+|---|---|---|---|---|---|---|---|";
+
+/// A floor job ends after so long.
+const MOST_MINUTES: f64 = 60.0;
 
 /// Robots and homes with these numbers.
 const NUMBERS: std::ops::RangeInclusive<u64> = 501..=560;
@@ -49,7 +65,7 @@ fn main() {
     println!("{HEAD}");
     for (kind, name) in KINDS {
         for (hand_overs, with) in [(false, "without"), (true, "with")] {
-            let drives = drives(kind, hand_overs);
+            let drives = in_all_homes(move |number| drive(kind, hand_overs, number));
             let of = |i: usize| drives.iter().map(|figures| figures[i]).collect::<Vec<f64>>();
             let share = |i: usize, share: f64| quantile(&of(i), share).expect("there are drives");
             let mean = |i: usize| mean(&of(i)).expect("there are drives");
@@ -66,17 +82,57 @@ fn main() {
             );
         }
     }
+    println!("{SWEEPING}");
+    for (kind, name) in KINDS {
+        print_jobs(name, &in_all_homes(move |number| job(kind, number)));
+    }
 }
 
-/// Path's error, metres, NEES, walls missed and invented, of all drives of a kind.
-fn drives(kind: &'static str, hand_overs: bool) -> Vec<[f64; 4]> {
+fn print_jobs(name: &str, jobs: &[FloorJob]) {
+    let both = |value: fn(&FloorJob) -> f64, worst: f64| {
+        let values: Vec<f64> = jobs.iter().map(value).collect();
+        (mean(&values).expect("there are jobs"), quantile(&values, worst).expect("there are jobs"))
+    };
+    let home = jobs.iter().filter(|job| job.is_done && job.score.home_m < 0.2).count();
+    let swept = jobs.iter().filter(|job| job.score.swept >= 0.95).count();
+    let (swept_mean, swept_least) = both(|job| 100.0 * job.score.swept, 0.0);
+    let (hole_m2, largest_m2) = both(|job| job.score.largest_hole_m2, 1.0);
+    let (overlap, most_overlap) = both(|job| job.score.overlap, 1.0);
+    let (minutes, most_minutes) = both(|job| job.minutes, 1.0);
+    println!(
+        "| {name} | {} | {home} | {swept_mean:.1} ({swept_least:.1}) | {swept} | {hole_m2:.2} ({largest_m2:.2}) \
+         | {overlap:.2} ({most_overlap:.2}) | {minutes:.1} ({most_minutes:.1}) |",
+        jobs.len(),
+    );
+}
+
+/// What became of one in each home, in two threads.
+fn in_all_homes<T: Send + 'static>(one: impl Fn(u64) -> T + Copy + Send + 'static) -> Vec<T> {
     let of = move |parity: u64| {
         let numbers = NUMBERS.filter(move |number| number % 2 == parity);
-        thread::spawn(move || numbers.map(|number| drive(kind, hand_overs, number)).collect::<Vec<_>>())
+        thread::spawn(move || numbers.map(one).collect::<Vec<_>>())
     };
     [0, 1].map(of).into_iter().flat_map(|half| half.join().expect("no panic")).collect()
 }
 
+/// How a floor job ended.
+struct FloorJob {
+    is_done: bool,
+    score: FloorScore,
+    minutes: f64,
+}
+
+fn job(kind: &str, number: u64) -> FloorJob {
+    let robot = robot(kind, number);
+    let home = hal_sim::plan_file::load(&format!("random-{number}")).expect("a random home");
+    let mut drive = Drive::cleaning(&home, &robot, SimOptions::default(), number).expect("the robot fits");
+    let mut session = Session::new(&robot, by_default(&robot.rig), "random").expect("a good rig");
+    drive.run(&mut session, 60.0 * MOST_MINUTES, |_, _, _| Ok::<(), Infallible>(())).expect("nothing can fail");
+    let is_done = drive.progress().is_some_and(|progress| progress.state == FloorState::Done);
+    FloorJob { is_done, score: drive.floor().score(), minutes: drive.simulation().time_s() / 60.0 }
+}
+
+/// Path's error, metres, NEES, walls missed and invented.
 fn drive(kind: &str, hand_overs: bool, number: u64) -> [f64; 4] {
     let robot = robot(kind, number);
     let home = hal_sim::plan_file::load(&format!("random-{number}")).expect("a random home");
