@@ -38,7 +38,7 @@ pub struct Keyframe {
     /// Groups seen from it; they follow each other in the diary.
     pub groups: u16,
     /// 1-sigma of where the motion ends by the errors of headings on the way, tenths of a millimetre. Two bytes, for which there
-    /// was room; or how well a motion is known that it did not sense.
+    /// was room; or, marked, how well a motion is known that the odometry did not sense.
     pub swing: u16,
 }
 

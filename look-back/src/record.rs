@@ -55,8 +55,8 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     }
 }
 
-/// How well a robot knows where it found itself elsewhere, metres and radians, 1-sigma: twice the size of what is looked for
-/// (`slam_core::JOLT`). Left open altogether, all that comes later could slide along the walls of before.
+/// How well a robot knows where it found itself elsewhere, metres and radians, 1-sigma, over all motions in doubt: twice the size of what is
+/// looked for (`slam_core::JOLT`). Left open altogether, all that comes later could slide along the walls of before.
 pub(crate) const ELSEWHERE: [f32; 2] = [0.5, 0.5];
 
 /// Whoever moved the robot, or held it while its wheels turned, is found out within such a path, metres.
@@ -78,6 +78,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
             is_near
         };
         let doubted = before.iter().rev().take_while(is_doubted).count();
+        // Their variances add up to its own.
         let known = ELSEWHERE.map(|sigma| sigma / libm::sqrtf(doubted as f32));
         let mut next = here.pose;
         for key in before.iter_mut().rev().take(doubted) {

@@ -49,7 +49,10 @@ impl RangeModel {
                 let volts = libm::powf(range_m / scale_m, 1.0 / exponent);
                 (exponent * range_m * noise_v / volts).abs()
             }
-            Self::Metric { noise_m, noise_rel } => crate::pose::length(noise_m, noise_rel * range_m),
+            Self::Metric { noise_m, noise_rel } => {
+                let proportional_m = noise_rel * range_m;
+                libm::sqrtf(noise_m * noise_m + proportional_m * proportional_m)
+            }
         }
     }
 }

@@ -6,12 +6,10 @@ use std::path::Path;
 use std::thread;
 
 use hal_sim::SimOptions;
-use hal_sim::floor::FloorScore;
 use hal_sim::rng::Rng;
 use lab::evaluate::statistics::{mean, quantile};
 use lab::input::rig_file::Robot;
-use lab::input::settings::by_default;
-use lab::run::{Drive, Session};
+use lab::run::{Drive, FloorDrive, Session, clean_by};
 use robot::FloorState;
 use slam_core::{Config, DriveModel, Mount, RangeModel};
 
@@ -40,9 +38,6 @@ that the floor asks for. Means, with the worst in brackets.
 
 | robot | drives | done and home | swept, % | at least 95 % | largest hole, m2 | overlap | minutes |
 |---|---|---|---|---|---|---|---|";
-
-/// A floor job ends after so long.
-const MOST_MINUTES: f64 = 60.0;
 
 /// Robots and homes with these numbers.
 const NUMBERS: std::ops::RangeInclusive<u64> = 501..=560;
@@ -88,12 +83,12 @@ fn main() {
     }
 }
 
-fn print_jobs(name: &str, jobs: &[FloorJob]) {
-    let both = |value: fn(&FloorJob) -> f64, worst: f64| {
+fn print_jobs(name: &str, jobs: &[FloorDrive]) {
+    let both = |value: fn(&FloorDrive) -> f64, worst: f64| {
         let values: Vec<f64> = jobs.iter().map(value).collect();
         (mean(&values).expect("there are jobs"), quantile(&values, worst).expect("there are jobs"))
     };
-    let home = jobs.iter().filter(|job| job.is_done && job.score.home_m < 0.2).count();
+    let home = jobs.iter().filter(|job| job.progress.state == FloorState::Done && job.score.home_m < 0.2).count();
     let swept = jobs.iter().filter(|job| job.score.swept >= 0.95).count();
     let (swept_mean, swept_least) = both(|job| 100.0 * job.score.swept, 0.0);
     let (hole_m2, largest_m2) = both(|job| job.score.largest_hole_m2, 1.0);
@@ -115,21 +110,9 @@ fn in_all_homes<T: Send + 'static>(one: impl Fn(u64) -> T + Copy + Send + 'stati
     [0, 1].map(of).into_iter().flat_map(|half| half.join().expect("no panic")).collect()
 }
 
-/// How a floor job ended.
-struct FloorJob {
-    is_done: bool,
-    score: FloorScore,
-    minutes: f64,
-}
-
-fn job(kind: &str, number: u64) -> FloorJob {
-    let robot = robot(kind, number);
+fn job(kind: &str, number: u64) -> FloorDrive {
     let home = hal_sim::plan_file::load(&format!("random-{number}")).expect("a random home");
-    let mut drive = Drive::cleaning(&home, &robot, SimOptions::default(), number).expect("the robot fits");
-    let mut session = Session::new(&robot, by_default(&robot.rig), "random").expect("a good rig");
-    drive.run(&mut session, 60.0 * MOST_MINUTES, |_, _, _| Ok::<(), Infallible>(())).expect("nothing can fail");
-    let is_done = drive.progress().is_some_and(|progress| progress.state == FloorState::Done);
-    FloorJob { is_done, score: drive.floor().score(), minutes: drive.simulation().time_s() / 60.0 }
+    clean_by(&robot(kind, number), &home, SimOptions::default(), number, None, |_, _| ()).expect("the robot fits")
 }
 
 /// Path's error, metres, NEES, walls missed and invented.

@@ -7,6 +7,7 @@ use robot::FloorProgress;
 use super::drive::Drive;
 use super::session::Session;
 use crate::input::built_in_robot;
+use crate::input::rig_file::Robot;
 use crate::input::settings::by_default;
 use crate::recording::Step;
 
@@ -49,15 +50,30 @@ pub fn clean_with(
     options: SimOptions,
     seed: u64,
     map: Option<Vec<u8>>,
-    mut meddle: impl FnMut(&mut Drive, &Step),
+    meddle: impl FnMut(&mut Drive, &Step),
 ) -> Result<FloorDrive, String> {
     let (robot, _) = built_in_robot().map_err(|error| error.to_string())?;
+    clean_by(&robot, plan, options, seed, map, meddle)
+}
+
+/// The same by this robot.
+///
+/// # Errors
+/// The rig is no good one, the robot does not fit where the plan puts it, or the map is none of its own.
+pub fn clean_by(
+    robot: &Robot,
+    plan: &Plan,
+    options: SimOptions,
+    seed: u64,
+    map: Option<Vec<u8>>,
+    mut meddle: impl FnMut(&mut Drive, &Step),
+) -> Result<FloorDrive, String> {
     let config = by_default(&robot.rig);
-    let mut session = Session::new(&robot, config, plan.name.clone()).map_err(|error| format!("{error:?}"))?;
+    let mut session = Session::new(robot, config, plan.name.clone()).map_err(|error| format!("{error:?}"))?;
     if let Some(map) = map {
         session.begin_in(map)?;
     }
-    let mut drive = Drive::cleaning(plan, &robot, options, seed).map_err(|error| error.to_string())?;
+    let mut drive = Drive::cleaning(plan, robot, options, seed).map_err(|error| error.to_string())?;
     let (mut t_s, mut worst_m) = (0.0, 0.0_f64);
     while t_s < 60.0 * MINUTES && !drive.is_over() {
         t_s = drive.step(&mut session).t_s;

@@ -16,7 +16,7 @@ use robot::FloorRecordError;
 
 pub use crate::recording::Job;
 pub use drive::Drive;
-pub use floor_drive::{FloorDrive, clean, clean_with};
+pub use floor_drive::{FloorDrive, clean, clean_by, clean_with};
 pub use life::{Place, Searched};
 pub use map_file::MapId;
 pub use relative::{RelativeReplay, RelativeSession, covariance_of, look_back, to_record, views};

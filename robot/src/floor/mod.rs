@@ -58,8 +58,6 @@ const BARREN_M: f32 = 1.0;
 const ELSEWHERE: f32 = 0.1;
 /// Path along an edge that a new quarter is worth, metres: one row of them, 13 a metre, is not enough to go on.
 const WORTH_M: f32 = 0.035;
-/// A point that a beam ended at is kept so long, microseconds.
-const SEEN_US: u64 = 8_000_000;
 /// Without coming 5 cm farther for so long, the way is given up, microseconds.
 const PATIENCE_US: u64 = 6_000_000;
 /// A beam's end counts where the one before was this near, metres: a spike has none.
@@ -323,16 +321,7 @@ impl<const S: usize> FloorJob<S> {
                 draw_beam(&mut self.sheet.picture, beam, &then, &self.config.drive, passed);
             }
             if beam.age == 0 && (beam.range_m - before_m).abs() < STEADY_M {
-                let at_m = then.transform(beam.point_m(beam.range_m));
-                let noise_m = [0, 1].map(|axis| beam.noise_m() * beam.direction[axis]);
-                let turned = Pose::new(0.0, 0.0, then.theta_rad);
-                self.near.add(
-                    at_m,
-                    turned.transform(noise_m),
-                    senses.time_us.saturating_add(SEEN_US),
-                    pose,
-                    senses.time_us,
-                );
+                self.near.see(beam, &then, pose, senses.time_us);
             }
         }
     }

@@ -25,6 +25,9 @@ const SLACK_M: f32 = 0.035;
 /// The body is led past what is so much within its side, metres: points are not known better.
 const BESIDE_M: f32 = 0.012;
 
+/// A point that a beam ended at is kept so long, microseconds.
+const SEEN_US: u64 = 8_000_000;
+
 /// A point, in the frame of the floor job.
 #[derive(Clone, Copy, Debug)]
 struct Point {
@@ -54,6 +57,14 @@ pub(super) struct Near {
 impl Near {
     pub(super) const fn new() -> Self {
         Self { points: [Point::NONE; POINTS] }
+    }
+
+    /// A beam ended that was read where the robot was `then`.
+    pub(super) fn see(&mut self, beam: &Beam, then: &Pose, pose: &Pose, now_us: u64) {
+        let at_m = then.transform(beam.point_m(beam.range_m));
+        let noise_m = [0, 1].map(|axis| beam.noise_m() * beam.direction[axis]);
+        let turned = Pose::new(0.0, 0.0, then.theta_rad);
+        self.add(at_m, turned.transform(noise_m), now_us.saturating_add(SEEN_US), pose, now_us);
     }
 
     /// Something is here (metres, frame of the job) until then at least, by a reading with noise of this 1-sigma along its beam (a vector in the

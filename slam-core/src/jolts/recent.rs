@@ -77,14 +77,6 @@ pub struct Sighting {
     pub seen: Seen,
 }
 
-impl Sighting {
-    /// Where the beam ended in the map, metres.
-    pub fn end_m(&self) -> [f32; 2] {
-        let Beam { origin, direction, .. } = self.beam;
-        [0, 1].map(|axis| origin[axis] + self.seen.range_m * direction[axis])
-    }
-}
-
 impl Recent {
     /// No readings.
     pub const NONE: Self = Self(Deque::new());

@@ -214,7 +214,7 @@ impl Scene<'_> {
             let place = all.iter().take(known).position(|said| said.of == of).unwrap_or(known);
             known = known.max(place + 1);
             if let Some(said) = all.get_mut(place) {
-                *said = said.with(of, with - without, sighting.end_m());
+                *said = said.with(of, with - without, sighting.beam.at(sighting.seen.range_m));
             }
         }
         all.iter().take(known).map(Said::together).sum()
