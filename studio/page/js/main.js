@@ -94,6 +94,8 @@ class Studio {
     for (const id of ["play", "step-back", "step-on", "time"]) document.getElementById(id).disabled = false;
     this.kinds = "";
     this.countedSteps = -1;
+    // With the first sample, so that what lies below the layers does not move under a pointer later.
+    this.counted = -Infinity;
     this.map.redrawHits();
   }
 
@@ -148,7 +150,7 @@ class Studio {
       this.tracedStep = clock.step;
       trace.show(clock.step);
     }
-    if (now - (this.counted ?? 0) > FIGURES_EVERY_MS && this.countedSteps !== live.run.count) {
+    if (now - this.counted > FIGURES_EVERY_MS && this.countedSteps !== live.run.count) {
       this.counted = now;
       this.countedSteps = live.run.count;
       this.showFigures();
