@@ -4,7 +4,7 @@
 use crate::floor::FloorRaster;
 use crate::mishap::free_place;
 use crate::options::SimOptions;
-use crate::plan::{Face, Person, Plan, Room, Round};
+use crate::plan::{Door, Face, Person, Plan, Room, Round};
 use crate::pose::Pose2;
 use crate::rig::BODY_RADIUS_M;
 use crate::rng::Rng;
@@ -62,6 +62,7 @@ impl Area {
 /// A home as it is drawn.
 struct Draft {
     rng: Rng,
+    whole: Area,
     rooms: Vec<Area>,
     /// Openings in walls.
     doors: Vec<Area>,
@@ -72,27 +73,20 @@ struct Draft {
 
 /// The home of this seed: 12 to 60 m^2, up to six rooms.
 pub fn random_home(seed: u64) -> Plan {
-    let mut rng = Rng::stream(seed, "home", 0);
-    let size_m = [rng.uniform(4.0, 9.0), rng.uniform(3.0, 6.5)];
-    let whole = Area { min_m: [0.0; 2], max_m: size_m };
-    let mut draft = Draft {
-        rng,
-        rooms: vec![whole],
-        doors: Vec::new(),
-        solid: Vec::new(),
-        furniture: Vec::new(),
-        legs: Vec::new(),
-    };
-    let wanted = 1 + (draft.rng.unit() * (size_m[0] * size_m[1] / 9.0)) as usize;
-    for _ in 0..DRAWS {
-        if draft.rooms.len() < wanted.min(6) {
-            draft.divide();
-        }
-    }
-    for room in 0..draft.rooms.len() {
-        draft.furnish(room);
-    }
-    draft.finish(seed, whole)
+    Draft::rooms(seed).furnished(seed)
+}
+
+/// One of the doors of the random home of this seed, drawn, its leaf shut between these times (seconds since the start); none in a home of
+/// one room.
+pub fn shut_door(seed: u64, closes_at_s: f64, opens_at_s: f64) -> Option<Door> {
+    let doors = Draft::rooms(seed).doors;
+    let Area { min_m, max_m } = *doors.get((Rng::stream(seed, "door", 0).unit() * doors.len() as f64) as usize)?;
+    // In the middle of the wall.
+    let thin = usize::from(max_m[1] - min_m[1] < max_m[0] - min_m[0]);
+    let (mut from_m, mut to_m) = (min_m, max_m);
+    from_m[thin] += 0.5 * WALL_M;
+    to_m[thin] -= 0.5 * WALL_M;
+    Some(Door { from_m, to_m, closes_at_s, opens_at_s })
 }
 
 /// Somebody who walks to and fro between three places of a home, a metre apart at least, drawn from a seed; the first of them is
@@ -153,6 +147,37 @@ pub fn with_dock(plan: &Plan, seed: u64) -> Option<Plan> {
 }
 
 impl Draft {
+    /// The rooms of the home of this seed, and the doors between them.
+    fn rooms(seed: u64) -> Self {
+        let mut rng = Rng::stream(seed, "home", 0);
+        let size_m = [rng.uniform(4.0, 9.0), rng.uniform(3.0, 6.5)];
+        let whole = Area { min_m: [0.0; 2], max_m: size_m };
+        let mut draft = Self {
+            rng,
+            whole,
+            rooms: vec![whole],
+            doors: Vec::new(),
+            solid: Vec::new(),
+            furniture: Vec::new(),
+            legs: Vec::new(),
+        };
+        let wanted = 1 + (draft.rng.unit() * (size_m[0] * size_m[1] / 9.0)) as usize;
+        for _ in 0..DRAWS {
+            if draft.rooms.len() < wanted.min(6) {
+                draft.divide();
+            }
+        }
+        draft
+    }
+
+    /// The same with furniture, and where the robot starts.
+    fn furnished(mut self, seed: u64) -> Plan {
+        for room in 0..self.rooms.len() {
+            self.furnish(room);
+        }
+        self.finish(seed)
+    }
+
     /// Divides the largest room by a wall with a door, if that leaves its doors and those of its neighbours free.
     fn divide(&mut self) {
         let area_m2 = |room: &Area| room.size_m(0) * room.size_m(1);
@@ -241,7 +266,8 @@ impl Draft {
         self.legs.extend(corners.map(|centre_m| Round { centre_m, radius_m }));
     }
 
-    fn finish(mut self, seed: u64, whole: Area) -> Plan {
+    fn finish(mut self, seed: u64) -> Plan {
+        let whole = self.whole;
         let ([x0, y0], [x1, y1]) = (whole.min_m, whole.max_m);
         let outline = [[x0, y0], [x1, y0], [x1, y1], [x0, y1]];
         let mut faces: Vec<Face> =

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use hal_sim::mishap::{Hold, Kick};
 use hal_sim::plan::{Battery, Door, Person, Plan};
-use hal_sim::random_home::somebody;
+use hal_sim::random_home::{shut_door, somebody};
 use hal_sim::rng::Rng;
 use hal_sim::{Pose2, SimOptions, plan_file};
 use lab::run::{FloorDrive, clean, clean_with};
@@ -22,12 +22,15 @@ const MISHAPS_HEAD: &str = "\n## When something goes wrong\n\n\
     | what | drives | done and back | swept, % | overlap | minutes | pose off, m |\n\
     |---|---|---|---|---|---|---|\n";
 const RANDOM_MISHAPS_HEAD: &str = "\n## The same in random homes\n\n\
-    The random homes 41 to 60, one drive each, the moment and the way of who walks drawn. Done and back is within 20 cm of the start by\n\
+    The random homes 41 to 60, one drive each, the moment, the door and the way of who walks drawn. Done and back is within 20 cm of the start by\n\
     the true pose. Mean, and in brackets the worst; of *pose off* the median and the worst. *Gave up* is in how many the robot\n\
     [gave its place up](../explanation/kept-map.md#a-map-that-the-readings-contradict) and looked for itself, *twice* in how many it found its home\n\
     [in its map twice](../explanation/kept-map.md#a-home-that-is-in-one-map-twice).\n\n\
     | what | drives | done and back | swept, % | at least 95 % swept | overlap | minutes | pose off, m | gave up | twice |\n\
     |---|---|---|---|---|---|---|---|---|---|\n";
+const KITCHEN_DOOR: Door = Door { from_m: [2.2, 3.35], to_m: [3.1, 3.35], closes_at_s: 0.0, opens_at_s: f64::INFINITY };
+/// A door is shut for so long, seconds.
+const SHUT_S: f64 = 300.0;
 const MISHAP_SEEDS: std::ops::RangeInclusive<u64> = 1..=3;
 
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=10;
@@ -96,6 +99,7 @@ enum Mishap {
     GivesWay,
     Pushes,
     Door,
+    ShutDoor,
     Slips,
     Kick,
     Push,
@@ -106,11 +110,12 @@ enum Mishap {
 }
 
 impl Mishap {
-    const ALL: [Self; 11] = [
+    const ALL: [Self; 12] = [
         Self::None,
         Self::GivesWay,
         Self::Pushes,
         Self::Door,
+        Self::ShutDoor,
         Self::Slips,
         Self::Kick,
         Self::Push,
@@ -120,7 +125,8 @@ impl Mishap {
         Self::Jammed,
     ];
 
-    const IN_RANDOM_HOMES: [Self; 6] = [Self::None, Self::GivesWay, Self::Pushes, Self::Kick, Self::Push, Self::Held];
+    const IN_RANDOM_HOMES: [Self; 7] =
+        [Self::None, Self::GivesWay, Self::Pushes, Self::ShutDoor, Self::Kick, Self::Push, Self::Held];
 
     fn name(self) -> &'static str {
         match self {
@@ -128,6 +134,7 @@ impl Mishap {
             Self::GivesWay => "somebody walks to and fro, and gives way",
             Self::Pushes => "somebody walks to and fro, and pushes it aside",
             Self::Door => "the door to the kitchen shuts for good",
+            Self::ShutDoor => "a door is shut for five minutes",
             Self::Slips => "a wheel slips by 2 cm every other metre",
             Self::Kick => "a kick, 10 cm and 15 degrees",
             Self::Push => "pushed aside once, by 50 cm",
@@ -148,29 +155,30 @@ impl Mishap {
                 gives_way: matches!(self, Self::GivesWay),
             });
         }
+        if matches!(self, Self::ShutDoor) {
+            plan.doors.push(Door { closes_at_s: 300.0, opens_at_s: 300.0 + SHUT_S, ..KITCHEN_DOOR });
+        }
         self.befalling(plan, 300.0, seed)
     }
 
-    /// In the random home of this number, at a moment between one minute and seven; none where nobody has room to walk.
+    /// In the random home of this number, at a moment between one minute and seven; none where nobody has room to walk, or no door is.
     fn at_random(self, home: u64) -> Option<FloorDrive> {
         let mut plan = plan_file::load(&format!("random-{home}")).expect("a random home");
         if matches!(self, Self::GivesWay | Self::Pushes) {
             plan.people.push(somebody(&plan, home, matches!(self, Self::GivesWay))?);
         }
         let at_s = Rng::stream(home, "moment", 0).uniform(60.0, 420.0);
+        if matches!(self, Self::ShutDoor) {
+            plan.doors.push(shut_door(home, at_s, at_s + SHUT_S)?);
+        }
         Some(self.befalling(plan, at_s, 1))
     }
 
     fn befalling(self, mut plan: Plan, at_s: f64, seed: u64) -> FloorDrive {
         let mut options = SimOptions::default();
         match self {
-            Self::None | Self::Lift | Self::GivesWay | Self::Pushes => {}
-            Self::Door => plan.doors.push(Door {
-                from_m: [2.2, 3.35],
-                to_m: [3.1, 3.35],
-                closes_at_s: at_s,
-                opens_at_s: f64::INFINITY,
-            }),
+            Self::None | Self::ShutDoor | Self::Lift | Self::GivesWay | Self::Pushes => {}
+            Self::Door => plan.doors.push(Door { closes_at_s: at_s, opens_at_s: f64::INFINITY, ..KITCHEN_DOOR }),
             Self::Slips => (options.drive.slips_per_m, options.drive.slip_m) = (0.5, 0.02),
             Self::Kick => plan.mishaps.kicks.push(Kick { at_s, slide_m: 0.1, turn_rad: 15_f64.to_radians() }),
             Self::Push => plan.mishaps.kicks.push(Kick { at_s, slide_m: 0.5, turn_rad: 0.0 }),
@@ -204,7 +212,7 @@ fn print_mishap(what: &str, home: &str) {
     let mishap = Mishap::IN_RANDOM_HOMES.into_iter().find(|mishap| mishap.name().contains(what));
     let mishap = mishap.unwrap_or_else(|| panic!("no {what:?} in {:?}", Mishap::IN_RANDOM_HOMES.map(Mishap::name)));
     let Some(job) = mishap.at_random(home.parse().expect("a random home's number")) else {
-        return println!("{home}: nobody has room to walk");
+        return println!("{home}: nobody has room to walk, or it has no door");
     };
     println!(
         "{home}: {:?}, {:.1} % swept, overlap {:.2}, {:.1} min, home {:.2} m, off {:.2} m, gave up {}, {}",

@@ -61,6 +61,35 @@ fn without_a_dock_a_flat_battery_leads_back_to_the_start() {
     assert!(drive.score.home_m <= 0.2, "{} m from where it started", drive.score.home_m);
 }
 
+/// Two rooms with a door between them, which shuts behind the robot.
+const TWO_ROOMS: &str = "[start]\nx_m = 1.0\ny_m = 1.0\n\
+    [[outline]]\npoints_m = [[0.0, 0.0], [6.0, 0.0], [6.0, 3.0], [0.0, 3.0]]\n\
+    [[box]]\nmin_m = [3.4, 0.0]\nmax_m = [3.5, 0.6]\n[[box]]\nmin_m = [3.4, 1.4]\nmax_m = [3.5, 3.0]\n\
+    [[door]]\nfrom_m = [3.45, 0.6]\nto_m = [3.45, 1.4]\ncloses_at_s = 20\n";
+
+#[test]
+fn a_robot_that_was_shut_in_sweeps_the_rest_when_the_door_opens() {
+    // While it still sweeps the room it is shut in, when it looks for a way home, and when it has looked for one for minutes.
+    for (opens_at_s, seed) in [(150, 1), (250, 2), (250, 3), (400, 1)] {
+        let name = format!("open at {opens_at_s} s, seed {seed}");
+        let plan = format!("{TWO_ROOMS}opens_at_s = {opens_at_s}\n");
+        let plan = plan_file::parse("home.toml", "home", &plan).expect("a good plan");
+        let drive = clean(&plan, SimOptions::default(), seed).expect("the robot fits");
+        assert_eq!(drive.progress.state, FloorState::Done, "{name}");
+        assert!(drive.score.swept >= 0.96, "{name}: {} of the floor", drive.score.swept);
+        assert!(drive.score.home_m <= 0.2, "{name}: {} m from where it started", drive.score.home_m);
+        assert!(drive.minutes < 15.0, "{name}: {} minutes", drive.minutes);
+    }
+}
+
+#[test]
+fn a_robot_that_is_shut_in_for_good_says_so_in_the_end() {
+    let plan = plan_file::parse("home.toml", "home", TWO_ROOMS).expect("a good plan");
+    let drive = clean(&plan, SimOptions::default(), 1).expect("the robot fits");
+    assert_eq!(drive.progress.state, FloorState::Away);
+    assert!(drive.minutes < 20.0, "{} minutes", drive.minutes);
+}
+
 #[test]
 fn a_jammed_robot_stalls_stands_and_goes_on_when_it_is_free() {
     let mut plan = plan_file::load("room").expect("a built-in plan");

@@ -147,8 +147,8 @@ impl<const S: usize> FloorJob<S> {
 
     fn arrive_in_dock(&mut self, now_us: u64) {
         match self.errand {
-            Errand::Finish => self.begin(Phase::Over { is_home: true }, now_us),
-            Errand::Sweep | Errand::Recharge => self.begin(Phase::Charge, now_us),
+            Errand::Finish(_) => self.begin(Phase::Over { is_home: true }, now_us),
+            Errand::Sweep { .. } | Errand::Recharge => self.begin(Phase::Charge, now_us),
         }
     }
 
@@ -157,7 +157,7 @@ impl<const S: usize> FloorJob<S> {
         if !condition.is_charging {
             self.begin(Phase::Dock { stage: Stage::Pressing, tries: 0 }, now_us);
         } else if self.battery_v.is_nan() || self.battery_v > self.config.full_v {
-            self.errand = Errand::Sweep;
+            self.errand = Errand::Sweep { again: false };
             self.begin(Phase::Undock, now_us);
         }
         (0.0, 0.0)
@@ -172,7 +172,7 @@ impl<const S: usize> FloorJob<S> {
         // A mean over two seconds: motors that start pull the voltage down.
         self.battery_v += 0.02 * (battery_v - self.battery_v);
         let is_sweeping = !matches!(self.phase, Phase::Over { .. } | Phase::Charge | Phase::Paused | Phase::Lost);
-        if self.errand == Errand::Sweep && self.battery_v < self.config.low_v && is_sweeping {
+        if self.errand.is_to_sweep() && self.battery_v < self.config.low_v && is_sweeping {
             self.errand = Errand::Recharge;
             self.go_about(now_us);
         }

@@ -11,15 +11,30 @@ use crate::pilot::Senses;
 use crate::traits::WheelSpeeds;
 
 /// What the job is about.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Errand {
-    /// To sweep the floor.
-    #[default]
-    Sweep,
+    /// To sweep the floor, and whether it was on its way home for good before.
+    Sweep { again: bool },
     /// To go home with floor left to sweep, since the battery is nearly empty.
     Recharge,
     /// To go home for good.
-    Finish,
+    Finish(Way),
+}
+
+impl Errand {
+    pub(super) fn is_to_sweep(self) -> bool {
+        matches!(self, Errand::Sweep { .. })
+    }
+}
+
+/// The way home.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Way {
+    Open,
+    /// What opens it may lead to floor that was left, too.
+    Barred,
+    /// That was swept; it is not looked for once more.
+    SweptAgain,
 }
 
 /// A pose that moved by more than this, or turned by more, between two steps has jumped: metres and radians.
@@ -59,8 +74,8 @@ impl<const S: usize> FloorJob<S> {
     /// Where the errand leads.
     pub(super) fn aim(&self) -> Aim {
         match self.errand {
-            Errand::Sweep => Aim::Floor,
-            Errand::Recharge | Errand::Finish => self.aim_home(),
+            Errand::Sweep { .. } => Aim::Floor,
+            Errand::Recharge | Errand::Finish(_) => self.aim_home(),
         }
     }
 

@@ -144,7 +144,7 @@ impl<const S: usize> FloorJob<S> {
         last: None,
         home: None,
         has_dock: false,
-        errand: Errand::Sweep,
+        errand: Errand::Sweep { again: false },
         astray: Astray::NEW,
         battery_v: f32::NAN,
         traction: Traction::new(),
@@ -344,7 +344,9 @@ impl<const S: usize> FloorJob<S> {
             self.holds = 0;
         }
         let spent_m = if self.areas.is_elsewhere { ELSEWHERE * step_m } else { step_m };
-        self.credit_m = (self.credit_m - spent_m + WORTH_M * f32::from(new)).min(self.credit_m.max(self.barren_m()));
+        // On the way home an edge leads past what bars it, whatever there is to sweep.
+        let earned_m = if self.errand.is_to_sweep() { WORTH_M * f32::from(new) } else { 0.0 };
+        self.credit_m = (self.credit_m - spent_m + earned_m).min(self.credit_m.max(self.barren_m()));
         let ([x_m, y_m], _) = self.moved;
         if slam_core::pose::length(pose.x_m - x_m, pose.y_m - y_m) > 0.05 {
             self.moved = ([pose.x_m, pose.y_m], time_us);

@@ -13,7 +13,7 @@
 
 use slam_core::Pose;
 
-use super::errand::Errand;
+use super::errand::{Errand, Way};
 use super::frame::Frame;
 use super::sheet::Sheet;
 use super::swept::CELLS;
@@ -184,9 +184,9 @@ impl<const S: usize> FloorJob<S> {
 
     fn note_head(&self, map: u32, number: u32, serial: u16, memory: &mut impl LastingMemory) {
         let errand = match self.errand {
-            Errand::Sweep => 0,
+            Errand::Sweep { .. } => 0,
             Errand::Recharge => 1,
-            Errand::Finish => 2,
+            Errand::Finish(_) => 2,
         };
         let errand = [errand, u8::from(self.has_dock), self.retries, 0];
         let [low, high] = serial.to_le_bytes();
@@ -214,9 +214,9 @@ impl<const S: usize> FloorJob<S> {
         }
         let [errand, has_dock, retries, _] = word();
         self.errand = match errand {
-            0 => Errand::Sweep,
+            0 => Errand::Sweep { again: false },
             1 => Errand::Recharge,
-            2 => Errand::Finish,
+            2 => Errand::Finish(Way::Open),
             _ => return Err(FloorRecordError::Value),
         };
         self.frame = Frame::at(pose_of([(); 3].map(|()| word())));

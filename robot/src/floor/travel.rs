@@ -5,11 +5,11 @@ use slam_core::angle::wrap;
 
 use super::areas::within_picture;
 use super::dock::Stage;
-use super::errand::Errand;
+use super::errand::{Errand, Way};
 use super::near::free_ahead_m;
 use super::swept::CELLS;
 use super::wave::{Aim, Slice, Target};
-use super::{FloorJob, Phase};
+use super::{FloorJob, FloorProgress, Phase};
 use crate::pilot::memory::Cell;
 use crate::pilot::search::is_passable;
 use crate::pilot::steer::limited;
@@ -32,6 +32,8 @@ const MAX_RETURNS: u8 = 12;
 const DOUBTED_RETURNS: u8 = 4;
 /// Home is this near, metres.
 const HOME_M: f32 = 0.03;
+/// What the brush sweeps at a time, metres.
+const BRUSH_M: f32 = 0.25;
 
 impl<const S: usize> FloorJob<S> {
     pub(super) fn plan(&mut self, aim: Aim, time_us: u64) {
@@ -82,6 +84,7 @@ impl<const S: usize> FloorJob<S> {
         }
         match self.wave.search(&mut self.sheet, aim) {
             Slice::More => {}
+            Slice::Found(_) if self.leads_to_what_was_left() => self.sweep_again(now_us),
             Slice::Found(target) => {
                 if self.target.replace(target) != Some(target) {
                     (self.gained, self.blocked) = (0, 0);
@@ -99,20 +102,29 @@ impl<const S: usize> FloorJob<S> {
         (0.0, 0.0)
     }
 
-    /// The way home is blocked: what the bumper felt may be gone, and every second time it looks from farther along the walls.
+    /// The way home is blocked: what the bumper felt may be gone, and every second time it looks from farther along the walls. Walls that
+    /// led to new floor lead on.
     pub(super) fn return_again(&mut self, now_us: u64) {
-        self.retries = self.retries.saturating_add(1);
+        let leads_on = core::mem::take(&mut self.gained) > 0;
+        if !leads_on {
+            self.retries = self.retries.saturating_add(1);
+        }
         self.blocked = 0;
+        if self.errand == Errand::Finish(Way::Open) {
+            self.errand = Errand::Finish(Way::Barred);
+        }
         match self.retries {
             0..=DOUBTED_RETURNS => self.sheet.picture.forget_visits(),
             _ => self.sheet.picture.doubt_obstacles(),
         }
         if self.retries > MAX_RETURNS {
             self.begin(Phase::Over { is_home: false }, now_us);
-        } else if self.retries.is_multiple_of(2) {
+        } else if leads_on || self.retries.is_multiple_of(2) {
             self.begin_edge(1.0, now_us);
             self.credit_m = POCKET_M;
         } else {
+            // Where it was before it knew its grid is not in the picture.
+            self.areas.dares = self.retries > 1;
             self.go_about(now_us);
         }
     }
@@ -120,6 +132,22 @@ impl<const S: usize> FloorJob<S> {
     /// Whether to look for a way through places that seem too narrow: a door may look so, by bumps and by cells that its frame shares.
     fn may_squeeze(&self, aim: Aim) -> bool {
         (aim != Aim::Floor || self.is_much_left()) && self.squeezes < MAX_SQUEEZES
+    }
+
+    /// Whether the way home that was found opened after it had been barred, with much floor left.
+    fn leads_to_what_was_left(&self) -> bool {
+        self.errand == Errand::Finish(Way::Barred) && !self.areas.dares && self.is_worth_more()
+    }
+
+    fn sweep_again(&mut self, now_us: u64) {
+        self.errand = Errand::Sweep { again: true };
+        self.go_about(now_us);
+    }
+
+    /// Whether much is left, and it drove less than it would take to sweep all that it has seen twice: it is to come home in the end, too.
+    fn is_worth_more(&self) -> bool {
+        let FloorProgress { swept_m2, left_m2, .. } = self.tally.progress(self.state());
+        left_m2 > SQUEEZE_M2 && BRUSH_M * self.path_m < 2.0 * (swept_m2 + left_m2)
     }
 
     fn is_much_left(&self) -> bool {
@@ -152,8 +180,16 @@ impl<const S: usize> FloorJob<S> {
                 self.sheet.swept.set(self.sheet.picture.cell_at(x_m, y_m), false);
             }
             self.plan(Aim::Floor, now_us);
+        } else if self.retries == 1 && self.is_worth_more() {
+            // What bars the way may have been seen from elsewhere than the robot believed.
+            self.retries = 2;
+            self.squeezes = 0;
+            self.sheet.picture.doubt_obstacles();
+            self.plan(Aim::Floor, now_us);
         } else {
-            self.errand = Errand::Finish;
+            let is_again = self.errand == Errand::Sweep { again: true };
+            self.errand = Errand::Finish(if is_again { Way::SweptAgain } else { Way::Open });
+            self.gained = 0;
             self.areas.turn_home();
             self.go_about(now_us);
         }
@@ -214,6 +250,7 @@ impl<const S: usize> FloorJob<S> {
     pub(super) fn arrive(&mut self, target: Target, pose: &Pose, now_us: u64) {
         let dared = self.areas.settle();
         match target {
+            Target::Place(_) if self.leads_to_what_was_left() => self.sweep_again(now_us),
             Target::Place(_) if self.has_dock => {
                 self.begin(Phase::Dock { stage: Stage::Staging, tries: 0 }, now_us);
             }
