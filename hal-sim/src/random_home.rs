@@ -325,4 +325,23 @@ mod tests {
             assert!(floor_m2 > 0.5 * rooms_m2, "{seed}: {floor_m2} of {rooms_m2} m2");
         }
     }
+
+    #[test]
+    fn a_shut_door_keeps_the_robot_from_the_rooms_behind_it() {
+        let floor_m2 = |plan: &Plan| FloorRaster::new(plan, 0.17, plan.start).score().floor_m2;
+        let mut shut = 0;
+        for seed in 1..=40 {
+            let mut plan = random_home(seed);
+            let open_m2 = floor_m2(&plan);
+            let door = shut_door(seed, 0.0, f64::INFINITY);
+            assert_eq!(door.is_none(), plan.rooms.len() == 1, "{seed}");
+            plan.doors.extend(door);
+            // A room has two square metres of floor, and that of the robot stays in reach.
+            let left_m2 = floor_m2(&plan);
+            assert!(left_m2 > 1.0, "{seed}: {left_m2} of {open_m2} m2");
+            assert!(door.is_none() || left_m2 < open_m2 - 1.0, "{seed}: {left_m2} of {open_m2} m2");
+            shut += usize::from(door.is_some());
+        }
+        assert!(shut > 15, "{shut} homes have doors");
+    }
 }
