@@ -9,7 +9,7 @@ use std::path::Path;
 
 use hal_sim::mishap::{Hold, Kick};
 use hal_sim::plan::{Battery, Door, Person, Plan};
-use hal_sim::random_home::{shut_door, somebody};
+use hal_sim::random_home::{shut_door, somebody, with_dock};
 use hal_sim::rng::Rng;
 use hal_sim::{Pose2, SimOptions, plan_file};
 use lab::run::{FloorDrive, clean, clean_with};
@@ -102,6 +102,7 @@ enum Mishap {
     ShutDoor,
     Slips,
     Kick,
+    KickFromDock,
     Push,
     Lift,
     Battery,
@@ -125,8 +126,16 @@ impl Mishap {
         Self::Jammed,
     ];
 
-    const IN_RANDOM_HOMES: [Self; 7] =
-        [Self::None, Self::GivesWay, Self::Pushes, Self::ShutDoor, Self::Kick, Self::Push, Self::Held];
+    const IN_RANDOM_HOMES: [Self; 8] = [
+        Self::None,
+        Self::GivesWay,
+        Self::Pushes,
+        Self::ShutDoor,
+        Self::Kick,
+        Self::KickFromDock,
+        Self::Push,
+        Self::Held,
+    ];
 
     fn name(self) -> &'static str {
         match self {
@@ -137,6 +146,7 @@ impl Mishap {
             Self::ShutDoor => "a door is shut for five minutes",
             Self::Slips => "a wheel slips by 2 cm every other metre",
             Self::Kick => "a kick, 10 cm and 15 degrees",
+            Self::KickFromDock => "such a kick, and a battery for 20 minutes, half full, and a dock",
             Self::Push => "pushed aside once, by 50 cm",
             Self::Lift => "lifted for 5 s, put back 3 cm and 3 degrees off",
             Self::Battery => "the battery lasts 10 minutes, a dock charges it in 5",
@@ -161,11 +171,14 @@ impl Mishap {
         self.befalling(plan, 300.0, seed)
     }
 
-    /// In the random home of this number, at a moment between one minute and seven; none where nobody has room to walk, or no door is.
+    /// In the random home of this number, at a moment between one minute and seven; none where nobody has room to walk, or there is no door or dock.
     fn at_random(self, home: u64) -> Option<FloorDrive> {
         let mut plan = plan_file::load(&format!("random-{home}")).expect("a random home");
         if matches!(self, Self::GivesWay | Self::Pushes) {
             plan.people.push(somebody(&plan, home, matches!(self, Self::GivesWay))?);
+        }
+        if matches!(self, Self::KickFromDock) {
+            plan = with_dock(&plan, home)?;
         }
         let at_s = Rng::stream(home, "moment", 0).uniform(60.0, 420.0);
         if matches!(self, Self::ShutDoor) {
@@ -180,7 +193,11 @@ impl Mishap {
             Self::None | Self::ShutDoor | Self::Lift | Self::GivesWay | Self::Pushes => {}
             Self::Door => plan.doors.push(Door { closes_at_s: at_s, opens_at_s: f64::INFINITY, ..KITCHEN_DOOR }),
             Self::Slips => (options.drive.slips_per_m, options.drive.slip_m) = (0.5, 0.02),
-            Self::Kick => plan.mishaps.kicks.push(Kick { at_s, slide_m: 0.1, turn_rad: 15_f64.to_radians() }),
+            Self::Kick => plan.mishaps.kicks.push(kick(at_s)),
+            Self::KickFromDock => {
+                plan.mishaps.kicks.push(kick(at_s));
+                plan.battery = Some(Battery { charge: 0.5, lasts_min: 20.0, charges_min: 5.0 });
+            }
             Self::Push => plan.mishaps.kicks.push(Kick { at_s, slide_m: 0.5, turn_rad: 0.0 }),
             Self::Battery => {
                 // At the southern wall, which it looks to.
@@ -207,12 +224,16 @@ impl Mishap {
     }
 }
 
+fn kick(at_s: f64) -> Kick {
+    Kick { at_s, slide_m: 0.1, turn_rad: 15_f64.to_radians() }
+}
+
 /// How the job in the random home of this number ends where this goes wrong.
 fn print_mishap(what: &str, home: &str) {
     let mishap = Mishap::IN_RANDOM_HOMES.into_iter().find(|mishap| mishap.name().contains(what));
     let mishap = mishap.unwrap_or_else(|| panic!("no {what:?} in {:?}", Mishap::IN_RANDOM_HOMES.map(Mishap::name)));
     let Some(job) = mishap.at_random(home.parse().expect("a random home's number")) else {
-        return println!("{home}: nobody has room to walk, or it has no door");
+        return println!("{home}: nobody has room to walk, or it has no door or dock");
     };
     println!(
         "{home}: {:?}, {:.1} % swept, overlap {:.2}, {:.1} min, home {:.2} m, off {:.2} m, gave up {}, {}",

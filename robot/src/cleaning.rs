@@ -168,19 +168,14 @@ impl<const S: usize> Cleaning<S> {
                 self.job.go_on_in(&now_in_fresh, &senses.pose);
                 self.job.go_home_to(moved.unwrap_or(start));
             }
-            (Some(Map::Fresh), _) if senses.contacts.lifted => self.begin_anew(),
+            (Some(Map::Fresh), _) if senses.contacts.lifted => self.begin_anew(None),
             (Some(Map::Own), _) if !is_located && self.is_worth_less_than_the_search() => {
-                let home = self.job.home().filter(|_| !self.is_carried);
-                self.begin_anew();
-                if let Some(home) = home {
-                    self.job.go_home_to(home);
-                }
+                self.begin_anew(self.job.home().filter(|_| !self.is_carried));
             }
-            _ if is_elsewhere => self.begin_anew(),
+            _ if is_elsewhere => self.begin_anew(None),
             (Some(map), _) => {
-                if let Some(home) = self.job.home().filter(|_| is_redrawn) {
-                    self.begin_anew();
-                    self.job.go_home_to(home);
+                if is_redrawn {
+                    self.begin_anew(self.job.home());
                 }
                 if map == Map::Own && is_located {
                     self.follow_start(start);
@@ -210,7 +205,9 @@ impl<const S: usize> Cleaning<S> {
         self.job.progress().swept_m2 < BRUSH_M * self.searched_m
     }
 
-    fn begin_anew(&mut self) {
+    /// Begins anew, with home, and the dock if it is there, where it was; none: here.
+    fn begin_anew(&mut self, home: Option<Pose>) {
+        let has_dock = self.job.began_in_dock().is_some();
         match self.job.state() {
             FloorState::Done | FloorState::Unreached | FloorState::Flat | FloorState::Away => {}
             FloorState::Paused => {
@@ -218,6 +215,9 @@ impl<const S: usize> Cleaning<S> {
                 self.job.pause();
             }
             _ => self.job.begin_anew(),
+        }
+        if let Some(home) = home {
+            self.job.take_home(home, has_dock);
         }
         self.searched_m = 0.0;
         (self.bounds, self.next_corner) = (Bounds::NONE, 0);

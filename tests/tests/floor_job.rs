@@ -1,7 +1,8 @@
 //! The floor job by what it leaves: swept floor, and a robot that is back.
 
-use hal_sim::mishap::{Hold, Kidnap};
+use hal_sim::mishap::{Hold, Kick, Kidnap};
 use hal_sim::plan::Battery;
+use hal_sim::random_home::{random_home, with_dock};
 use hal_sim::{ClosedLoop, Estimate, Pose2, SimOptions, Simulation, default_rig, nominal_ranges, plan_file};
 use lab::input::built_in_robot;
 use lab::run::{clean, clean_with};
@@ -49,6 +50,22 @@ fn a_flat_battery_is_charged_in_the_dock_and_the_job_goes_on() {
     assert!(seconds_in(FloorState::Charging) > 60, "{:?}", drive.progress);
     assert!(drive.score.swept >= 0.96, "{} of the floor", drive.score.swept);
     assert!(drive.score.home_m <= 0.05, "{} m from the dock", drive.score.home_m);
+}
+
+/// A kick leaves the pose wrong by a decimetre and more, and the map redrawn: the dock is where it was.
+#[test]
+fn a_kicked_robot_finds_its_dock_and_goes_on() {
+    let homes = 301..=312u64;
+    let docked = homes.clone().filter(|home| {
+        let plan = random_home(*home);
+        let mut plan = with_dock(&plan, *home).expect("there is room for a dock");
+        plan.battery = Some(Battery { charge: 0.4, lasts_min: 20.0, charges_min: 5.0 });
+        plan.mishaps.kicks.push(Kick { at_s: 120.0, slide_m: 0.1, turn_rad: 15_f64.to_radians() });
+        let drive = clean(&plan, SimOptions::default(), 1).expect("the robot fits");
+        drive.progress.state == FloorState::Done && drive.score.home_m <= 0.05 && drive.score.swept >= 0.95
+    });
+    let docked = docked.count();
+    assert!(docked >= 11, "{docked} of {}", homes.count());
 }
 
 #[test]

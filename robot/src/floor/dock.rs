@@ -25,8 +25,11 @@ const PRESS_FROM_M: f32 = 0.02;
 const PRESS_M: f32 = 0.1;
 /// No part of docking takes longer, microseconds.
 const LONGEST_US: u64 = 20_000_000;
-/// How far beside the dock's middle each try aims, metres: a wrong pose is off by a centimetre or two.
-const ASIDE_M: [f32; 3] = [0.0, 0.02, -0.02];
+/// How far beside the dock's middle each try aims, metres, in rounds of three: a pose is off by a centimetre or two, and by more after a kick,
+/// but the readings of each try make it better.
+const ASIDE_M: [[f32; 3]; 3] = [[0.0, 0.02, -0.02], [0.0, 0.05, -0.05], [0.0, 0.08, -0.08]];
+/// After so many ways home and rounds it is not in the dock.
+const MAX_ROUNDS: u8 = 6;
 
 /// A part of docking.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,7 +90,8 @@ impl<const S: usize> FloorJob<S> {
         }
         let next = |stage| Phase::Dock { stage, tries };
         let [before_m, left_m, off_rad] = self.before_dock(pose);
-        let aside_m = ASIDE_M.get(usize::from(tries)).copied().unwrap_or(0.0);
+        let round = ASIDE_M[usize::from(self.retries) % ASIDE_M.len()];
+        let aside_m = round.get(usize::from(tries)).copied().unwrap_or(0.0);
         let elapsed_us = now_us.saturating_sub(self.since_us);
         let straight = (3.0 * -off_rad - 10.0 * (left_m - aside_m).clamp(-0.05, 0.05)).clamp(-0.5, 0.5);
         if elapsed_us > LONGEST_US {
@@ -136,10 +140,16 @@ impl<const S: usize> FloorJob<S> {
         }
     }
 
+    /// After three tries it comes anew, every second time from farther along the walls, which tell it where it is.
     fn try_again(&mut self, tries: u8, now_us: u64) {
         let tries = tries + 1;
-        if usize::from(tries) < ASIDE_M.len() {
+        if usize::from(tries) < ASIDE_M[0].len() {
             self.begin(Phase::Dock { stage: Stage::Staging, tries }, now_us);
+        } else if self.retries < MAX_ROUNDS {
+            let errand = self.errand;
+            self.return_again(now_us);
+            // Nothing barred the way.
+            self.errand = errand;
         } else {
             self.begin(Phase::Over { is_home: false }, now_us);
         }

@@ -57,6 +57,11 @@ impl<const S: usize> FloorJob<S> {
         self.home = Some(home);
     }
 
+    /// The same of a job that was begun anew, which knows of no dock: whether one is there.
+    pub(crate) fn take_home(&mut self, home: Pose, has_dock: bool) {
+        (self.home, self.has_dock) = (Some(home), has_dock);
+    }
+
     /// Stops on request: the robot stands until [`FloorJob::resume`].
     pub fn pause(&mut self) {
         if !self.is_over() {
