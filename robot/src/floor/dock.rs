@@ -168,6 +168,8 @@ impl<const S: usize> FloorJob<S> {
             self.begin(Phase::Dock { stage: Stage::Pressing, tries: 0 }, now_us);
         } else if self.battery_v.is_nan() || self.battery_v > self.config.full_v {
             self.errand = Errand::Sweep { again: false };
+            // What barred its ways before may be gone.
+            self.retries = 0;
             self.begin(Phase::Undock, now_us);
         }
         (0.0, 0.0)
