@@ -14,14 +14,11 @@
 use slam_core::{Pose, Rig};
 
 use crate::condition::Condition;
-use crate::floor::{Bounds, FloorConfig, FloorJob, FloorProgress, FloorRecordError, FloorState, Notes};
+use crate::floor::{BRUSH_M, Bounds, FloorConfig, FloorJob, FloorProgress, FloorRecordError, FloorState, Notes};
 use crate::job::{AreaCorner, Whereabouts};
 use crate::pilot::Senses;
 use crate::pilot::beam::Beam;
 use crate::traits::{LastingMemory, WheelSpeeds};
-
-/// Width of the brush, metres: so much floor a metre of path sweeps.
-const BRUSH_M: f32 = 0.25;
 
 /// A dock that is farther than this from where the map began was moved, metres: fresh maps are off by less where they are found.
 const MOVED_M: f32 = 0.3;

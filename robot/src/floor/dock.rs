@@ -146,10 +146,7 @@ impl<const S: usize> FloorJob<S> {
         if usize::from(tries) < ASIDE_M[0].len() {
             self.begin(Phase::Dock { stage: Stage::Staging, tries }, now_us);
         } else if self.retries < MAX_ROUNDS {
-            let errand = self.errand;
-            self.return_again(now_us);
-            // Nothing barred the way.
-            self.errand = errand;
+            self.come_again(now_us);
         } else {
             self.begin(Phase::Over { is_home: false }, now_us);
         }

@@ -31,9 +31,9 @@ impl Errand {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Way {
     Open,
-    /// What opens it may lead to floor that was left, too.
+    /// No way was found, or it was blocked: what opens it may lead to floor that was left, too.
     Barred,
-    /// That was swept; it is not looked for once more.
+    /// It was barred before, and floor that was left was swept since: that is done once.
     SweptAgain,
 }
 
@@ -57,7 +57,7 @@ impl<const S: usize> FloorJob<S> {
         self.home = Some(home);
     }
 
-    /// The same of a job that was begun anew, which knows of no dock: whether one is there.
+    /// Home is there, in the map frame, and whether it is a dock: for a job that was begun anew, which knows of none.
     pub(crate) fn take_home(&mut self, home: Pose, has_dock: bool) {
         (self.home, self.has_dock) = (Some(home), has_dock);
     }

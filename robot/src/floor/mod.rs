@@ -48,6 +48,7 @@ pub use progress::{FloorProgress, FloorState};
 pub(crate) use record::Notes;
 pub use record::{FLOOR_RECORD_BYTES, FloorRecordError};
 use sheet::{Axis, QUARTER_M, Sheet};
+pub(crate) use swept::BRUSH_M;
 use traction::Traction;
 use trail::Trail;
 use wave::{Aim, Route, Target, Wave};

@@ -5,6 +5,9 @@ use crate::pilot::memory::{Cell, incoming, moved_origin, stored};
 /// Cells along an edge of the picture.
 pub(super) const CELLS: usize = 80;
 
+/// Width of the brush, metres: so much floor a metre of path sweeps.
+pub(crate) const BRUSH_M: f32 = 0.25;
+
 /// A quarter of a cell, counted from the picture's lower corner; it may lie outside.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Quarter {

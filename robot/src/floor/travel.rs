@@ -7,7 +7,7 @@ use super::areas::within_picture;
 use super::dock::Stage;
 use super::errand::{Errand, Way};
 use super::near::free_ahead_m;
-use super::swept::CELLS;
+use super::swept::{BRUSH_M, CELLS};
 use super::wave::{Aim, Slice, Target};
 use super::{FloorJob, FloorProgress, Phase};
 use crate::pilot::memory::Cell;
@@ -32,8 +32,6 @@ const MAX_RETURNS: u8 = 12;
 const DOUBTED_RETURNS: u8 = 4;
 /// Home is this near, metres.
 const HOME_M: f32 = 0.03;
-/// What the brush sweeps at a time, metres.
-const BRUSH_M: f32 = 0.25;
 
 impl<const S: usize> FloorJob<S> {
     pub(super) fn plan(&mut self, aim: Aim, time_us: u64) {
@@ -102,17 +100,22 @@ impl<const S: usize> FloorJob<S> {
         (0.0, 0.0)
     }
 
-    /// The way home is blocked: what the bumper felt may be gone, and every second time it looks from farther along the walls. Walls that
-    /// led to new floor lead on.
+    /// The way home is blocked.
     pub(super) fn return_again(&mut self, now_us: u64) {
+        if self.errand == Errand::Finish(Way::Open) {
+            self.errand = Errand::Finish(Way::Barred);
+        }
+        self.come_again(now_us);
+    }
+
+    /// Looks for home anew: what the bumper felt may be gone, and every second time it looks from farther along the walls. Walls that led to
+    /// new floor lead on.
+    pub(super) fn come_again(&mut self, now_us: u64) {
         let leads_on = core::mem::take(&mut self.gained) > 0;
         if !leads_on {
             self.retries = self.retries.saturating_add(1);
         }
         self.blocked = 0;
-        if self.errand == Errand::Finish(Way::Open) {
-            self.errand = Errand::Finish(Way::Barred);
-        }
         match self.retries {
             0..=DOUBTED_RETURNS => self.sheet.picture.forget_visits(),
             _ => self.sheet.picture.doubt_obstacles(),
@@ -146,12 +149,12 @@ impl<const S: usize> FloorJob<S> {
 
     /// Whether much is left, and it drove less than it would take to sweep all that it has seen twice: it is to come home in the end, too.
     fn is_worth_more(&self) -> bool {
-        let FloorProgress { swept_m2, left_m2, .. } = self.tally.progress(self.state());
-        left_m2 > SQUEEZE_M2 && BRUSH_M * self.path_m < 2.0 * (swept_m2 + left_m2)
+        let FloorProgress { swept_m2, left_m2, .. } = self.progress();
+        self.is_much_left() && BRUSH_M * self.path_m < 2.0 * (swept_m2 + left_m2)
     }
 
     fn is_much_left(&self) -> bool {
-        self.tally.progress(self.state()).left_m2 > SQUEEZE_M2
+        self.progress().left_m2 > SQUEEZE_M2
     }
 
     /// Takes the way to the target from the search: a step of its own, since it may be long.
