@@ -179,7 +179,7 @@ impl<const S: usize> FloorJob<S> {
         self.moved = ([pose.x_m, pose.y_m], now_us);
         let is_again = self.count_strike(pose);
         match self.phase {
-            Phase::Home | Phase::Transit { aim: Aim::Place(_), .. } => self.return_again(now_us),
+            Phase::Home | Phase::Dock { .. } | Phase::Transit { aim: Aim::Place(_), .. } => self.return_again(now_us),
             _ => {
                 self.give_up();
                 self.plan(Aim::Floor, now_us);

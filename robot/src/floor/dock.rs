@@ -9,27 +9,36 @@ use slam_core::angle::wrap;
 
 use super::{Errand, FloorJob, Phase};
 use crate::condition::Condition;
+use crate::contact::Contacts;
+use crate::pilot::Senses;
 
 /// The place in front of the dock is so far out, metres.
 const STAGING_M: f32 = 0.6;
 /// The robot is there when it is this near, metres, and looks to the dock within this angle, radians.
 const THERE_M: f32 = 0.02;
 const ALIGNED_RAD: f32 = 0.02;
+/// On its way to the dock it comes to its line from so far beside it, metres.
+const SHIFT_M: f32 = 0.1;
 /// It stands there for so long, microseconds: a dozen readings of each sensor.
 const SETTLE_US: u64 = 600_000;
-/// Speed towards the dock, and against it, m/s.
+/// Speed towards the dock, back from it after a try in vain, and against it, m/s.
 const APPROACH_MPS: f32 = 0.08;
+const BACK_MPS: f32 = 0.12;
 const PRESS_MPS: f32 = 0.04;
-/// It presses from so far before the dock, metres, over so much path.
+/// It presses from so far before the dock, metres, over so much path in the first round; against what closes no contact for so long,
+/// microseconds.
 const PRESS_FROM_M: f32 = 0.02;
 const PRESS_M: f32 = 0.1;
+const TOUCH_US: u64 = 1_500_000;
 /// No part of docking takes longer, microseconds.
 const LONGEST_US: u64 = 20_000_000;
-/// How far beside the dock's middle each try aims, metres, in rounds of three: a pose is off by a centimetre or two, and by more after a kick,
-/// but the readings of each try make it better.
-const ASIDE_M: [[f32; 3]; 3] = [[0.0, 0.02, -0.02], [0.0, 0.05, -0.05], [0.0, 0.08, -0.08]];
-/// After so many ways home and rounds it is not in the dock.
-const MAX_ROUNDS: u8 = 6;
+/// Three tries make a round: at the dock's middle, and beside it to either side, in the first round by so much, metres: the contacts of a dock
+/// meet a few centimetres to each side of it. A pose is off by a centimetre or two, and by more after a kick, but the readings of each
+/// try make it better.
+const ASIDE_M: f32 = 0.05;
+const TRIES: u8 = 3;
+/// Each round goes farther by as much, and after so many the robot is not in the dock.
+const ROUNDS: u8 = 8;
 
 /// A part of docking.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,7 +51,7 @@ pub(super) enum Stage {
     Approaching,
     /// Against the dock.
     Pressing,
-    /// Back out after a try in vain.
+    /// Back to the place in front of it after a try in vain, and to the line of the next one.
     BackingOut,
 }
 
@@ -75,27 +84,28 @@ impl<const S: usize> FloorJob<S> {
         (-APPROACH_MPS, 0.0)
     }
 
+    /// Into the dock from the place in front of it.
+    pub(super) fn begin_docking(&mut self, now_us: u64) {
+        // Where no walls told it more since the round before, the middle has been tried.
+        let tries = self.rounds % 2;
+        self.begin(Phase::Dock { stage: Stage::Staging, tries }, now_us);
+    }
+
     /// One step of docking.
-    pub(super) fn dock_step(
-        &mut self,
-        stage: Stage,
-        tries: u8,
-        condition: &Condition,
-        pose: &Pose,
-        now_us: u64,
-    ) -> (f32, f32) {
+    pub(super) fn dock_step(&mut self, stage: Stage, tries: u8, senses: &Senses<S>, pose: &Pose) -> (f32, f32) {
+        let (condition, now_us) = (&senses.condition, senses.time_us);
         if condition.is_charging && matches!(stage, Stage::Approaching | Stage::Pressing) {
             self.arrive_in_dock(now_us);
             return (0.0, 0.0);
         }
         let next = |stage| Phase::Dock { stage, tries };
         let [before_m, left_m, off_rad] = self.before_dock(pose);
-        let round = ASIDE_M[usize::from(self.retries) % ASIDE_M.len()];
-        let aside_m = round.get(usize::from(tries)).copied().unwrap_or(0.0);
+        let aside_m = self.aside_m(tries);
         let elapsed_us = now_us.saturating_sub(self.since_us);
-        let straight = (3.0 * -off_rad - 10.0 * (left_m - aside_m).clamp(-0.05, 0.05)).clamp(-0.5, 0.5);
+        let back_to_line = 10.0 * (left_m - aside_m).clamp(-SHIFT_M, SHIFT_M);
+        let straight = |to_line: f32| (to_line - 3.0 * off_rad).clamp(-0.5, 0.5);
         if elapsed_us > LONGEST_US {
-            self.try_again(tries, now_us);
+            self.try_at(Stage::Staging, tries + 1, now_us);
             return (0.0, 0.0);
         }
         match stage {
@@ -118,41 +128,65 @@ impl<const S: usize> FloorJob<S> {
                 (0.0, 0.0)
             }
             Stage::Approaching => {
-                if before_m < PRESS_FROM_M {
+                // What is touched is the dock, or something beside it.
+                if before_m < PRESS_FROM_M || senses.contacts.any() {
                     self.begin(next(Stage::Pressing), now_us);
                 }
-                (APPROACH_MPS, straight)
+                (APPROACH_MPS, straight(-back_to_line))
             }
             Stage::Pressing => {
                 // By time, too: against the dock the wheels may slip.
-                let most_us = (1.5e6 * PRESS_M / PRESS_MPS) as u64;
-                if self.path_m - self.begun_m > PRESS_M || elapsed_us > most_us {
-                    self.begin(next(Stage::BackingOut), now_us);
+                let most_m = PRESS_M + self.round_m() - ASIDE_M;
+                let most_us = (1.5e6 * most_m / PRESS_MPS) as u64;
+                let is_no_dock = senses.contacts.any() && elapsed_us > TOUCH_US;
+                if is_no_dock || self.path_m - self.begun_m > most_m || elapsed_us > most_us {
+                    self.begin(Phase::Dock { stage: Stage::BackingOut, tries: tries + 1 }, now_us);
                 }
                 (PRESS_MPS, 0.0)
             }
             Stage::BackingOut => {
-                if before_m > 0.5 * STAGING_M {
-                    self.try_again(tries, now_us);
+                if before_m > STAGING_M {
+                    let is_on_line = (left_m - aside_m).abs() < SHIFT_M;
+                    self.try_at(if is_on_line { Stage::Aligning } else { Stage::Staging }, tries, now_us);
                 }
-                (-APPROACH_MPS, 0.0)
+                (-BACK_MPS, straight(back_to_line))
             }
         }
     }
 
-    /// After three tries it comes anew, every second time from farther along the walls, which tell it where it is.
-    fn try_again(&mut self, tries: u8, now_us: u64) {
-        let tries = tries + 1;
-        if usize::from(tries) < ASIDE_M[0].len() {
-            self.begin(Phase::Dock { stage: Stage::Staging, tries }, now_us);
-        } else if self.retries < MAX_ROUNDS {
-            self.come_again(now_us);
+    /// How far off the dock may be in this round, metres.
+    fn round_m(&self) -> f32 {
+        ASIDE_M * f32::from(self.rounds + 1)
+    }
+
+    /// How far to the left of the dock's middle this try of the round aims, metres.
+    fn aside_m(&self, tries: u8) -> f32 {
+        [0.0, self.round_m(), -self.round_m()].get(usize::from(tries)).copied().unwrap_or(0.0)
+    }
+
+    /// The next try of the round; after the round it comes anew, every second time from farther along the walls, which tell it where it is.
+    fn try_at(&mut self, stage: Stage, tries: u8, now_us: u64) {
+        if tries < TRIES {
+            self.begin(Phase::Dock { stage, tries }, now_us);
+        } else if self.rounds + 1 < ROUNDS {
+            self.rounds += 1;
+            self.come_again(self.rounds.is_multiple_of(2), now_us);
         } else {
             self.begin(Phase::Over { is_home: false }, now_us);
         }
     }
 
+    /// The contact closes away from docking: where the robot wants to be, or something in its way that its sensors may not see.
+    pub(super) fn meet_dock(&mut self, pose: &Pose, now_us: u64) {
+        if self.errand.is_to_sweep() {
+            self.touch(&Contacts { bump_left: true, bump_right: true, ..Contacts::default() }, pose, now_us);
+        } else {
+            self.arrive_in_dock(now_us);
+        }
+    }
+
     fn arrive_in_dock(&mut self, now_us: u64) {
+        self.rounds = 0;
         match self.errand {
             Errand::Finish(_) => self.begin(Phase::Over { is_home: true }, now_us),
             Errand::Sweep { .. } | Errand::Recharge => self.begin(Phase::Charge, now_us),

@@ -115,9 +115,10 @@ pub struct FloorJob<const S: usize> {
     turn_sign: f32,
     given_up: heapless::Vec<Place, GIVEN_UP>,
     retries: u8,
-    /// How often it left a pocket.
+    /// Rounds of tries to dock.
+    rounds: u8,
+    /// How often it left a pocket, and looked for a way through narrow places.
     pockets: u8,
-    /// How often it looked for a way through narrow places.
     squeezes: u8,
     /// How often the way to the target was blocked.
     blocked: u8,
@@ -164,6 +165,7 @@ impl<const S: usize> FloorJob<S> {
         turn_sign: 1.0,
         given_up: heapless::Vec::new(),
         retries: 0,
+        rounds: 0,
         pockets: 0,
         squeezes: 0,
         blocked: 0,
@@ -366,6 +368,8 @@ impl<const S: usize> FloorJob<S> {
         let is_sweeping = self.phase.is_sweeping();
         if is_sweeping && (senses.condition.is_stalled || self.traction.is_held()) {
             self.be_held(now_us);
+        } else if is_sweeping && senses.condition.is_charging {
+            self.meet_dock(pose, now_us);
         } else if is_sweeping && senses.contacts.any() {
             self.touch(&senses.contacts, pose, now_us);
         } else if is_sweeping && now_us.saturating_sub(self.moved.1) > PATIENCE_US {
@@ -385,7 +389,7 @@ impl<const S: usize> FloorJob<S> {
             Phase::Enter { lane, at_m } => self.enter(lane, at_m, pose, now_us),
             Phase::Lane(lane) => self.follow_lane(lane, pose, now_us),
             Phase::Home => self.go_home(pose, now_us),
-            Phase::Dock { stage, tries } => self.dock_step(stage, tries, &senses.condition, pose, now_us),
+            Phase::Dock { stage, tries } => self.dock_step(stage, tries, senses, pose),
             Phase::Undock => self.undock(now_us),
             Phase::Charge => self.charge(&senses.condition, now_us),
         }

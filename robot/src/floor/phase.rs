@@ -46,7 +46,8 @@ pub(super) enum Phase {
 }
 
 impl Phase {
-    /// Whether it is about the floor, or on the way home over it: where contacts, stalls and waiting in vain have to be answered.
+    /// Whether it is about the floor, or on the way home over it, up to the dock: where contacts, stalls and waiting in vain have to be
+    /// answered.
     pub(super) fn is_sweeping(&self) -> bool {
         matches!(
             self,
@@ -58,6 +59,7 @@ impl Phase {
                 | Self::Enter { .. }
                 | Self::Lane(_)
                 | Self::Home
+                | Self::Dock { stage: Stage::Staging, .. }
         )
     }
 }

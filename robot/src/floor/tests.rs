@@ -52,6 +52,62 @@ fn where_nothing_leads_on_it_goes_back_the_way_that_it_came() {
     assert!(pose.x_m < 0.9, "{pose:?}");
 }
 
+/// A robot on a floor with nothing on it but its dock, which its sensors do not see: where it is, in the dock's frame, and where it
+/// believes that it is, off by so much, metres.
+struct Docked {
+    job: FloorJob<8>,
+    at: Pose,
+    off_m: [f32; 2],
+    /// How far its wheels turned in vain, metres.
+    in_vain_m: f32,
+}
+
+impl Docked {
+    fn new() -> Self {
+        let job = FloorJob::new(FloorConfig::default(), &crate::rig::default_rig());
+        Self { job, at: Pose::default(), off_m: [0.0; 2], in_vain_m: 0.0 }
+    }
+
+    /// Drives for so long, seconds, with this voltage of the battery; whether it is in the dock.
+    fn drive(&mut self, steps: core::ops::Range<u64>, battery_v: f32) -> bool {
+        let mut is_charging = true;
+        for step in steps.start * 25..steps.end * 25 {
+            is_charging = self.at.x_m > -0.005 && self.at.y_m.abs() < 0.03 && self.at.theta_rad.abs() < 0.17;
+            let condition = Condition { is_charging, battery_v: Some(battery_v), ..Condition::default() };
+            let bump = self.at.x_m > -0.002 && !is_charging;
+            let contacts = Contacts { bump_left: bump, bump_right: bump, ..Contacts::default() };
+            let [x_m, y_m] = [self.at.x_m + self.off_m[0], self.at.y_m + self.off_m[1]];
+            let pose = Pose { x_m, y_m, ..self.at };
+            let speeds =
+                self.job.step(&Senses { time_us: 40_000 * step, pose, ranges_m: [None; 8], contacts, condition });
+            let forward_m = 0.02 * (speeds.left_mps + speeds.right_mps);
+            let turn_rad = 0.04 * (speeds.right_mps - speeds.left_mps) / self.job.config.drive.track_m;
+            let [x_m, y_m] = self.at.transform([forward_m, 0.0]);
+            self.in_vain_m += x_m.max(0.0);
+            self.at = Pose { x_m: x_m.min(0.0), y_m, theta_rad: wrap(self.at.theta_rad + turn_rad) };
+        }
+        is_charging
+    }
+}
+
+#[test]
+fn a_robot_that_comes_back_into_its_dock_backs_off() {
+    let mut robot = Docked::new();
+    robot.drive(0..60, 12.0);
+    assert!(robot.in_vain_m < 0.05, "{} m", robot.in_vain_m);
+}
+
+#[test]
+fn a_dock_is_found_where_its_place_in_the_map_is_off() {
+    for off_m in [[0.0, 0.0], [0.03, 0.02], [0.0, -0.07], [-0.08, 0.12], [0.1, -0.15], [0.12, 0.2]] {
+        let mut robot = Docked::new();
+        robot.drive(0..60, 12.0);
+        robot.off_m = off_m;
+        // Four and a half minutes: what the voltage at which it goes home leaves of a battery for twenty.
+        assert!(robot.drive(60..330, 10.4), "off by {off_m:?} m: {:?} at {:?}", robot.job.state(), robot.at);
+    }
+}
+
 #[test]
 fn whatever_it_is_told_the_speeds_are_finite_and_limited() {
     let config = FloorConfig::default();

@@ -4,7 +4,6 @@ use slam_core::Pose;
 use slam_core::angle::wrap;
 
 use super::areas::within_picture;
-use super::dock::Stage;
 use super::errand::{Errand, Way};
 use super::near::free_ahead_m;
 use super::swept::{BRUSH_M, CELLS};
@@ -26,7 +25,7 @@ const ANYWHERE: i16 = CELLS as i16;
 /// For so much floor (m^2) a way through narrow places is looked for, and so often.
 const SQUEEZE_M2: f32 = 0.5;
 const MAX_SQUEEZES: u8 = 12;
-/// A way home is looked for so often, every second time from farther along the walls.
+/// A way home is looked for so often.
 const MAX_RETURNS: u8 = 12;
 /// After so many it is what was seen that bars the way.
 const DOUBTED_RETURNS: u8 = 4;
@@ -100,34 +99,36 @@ impl<const S: usize> FloorJob<S> {
         (0.0, 0.0)
     }
 
-    /// The way home is blocked.
+    /// The way home is blocked: what the bumper felt may be gone. Then the robot goes straight through what it has not seen, for where it was
+    /// before it knew its grid is not in the picture, and from farther along the walls, by turns. Walls that led to new floor are no try.
     pub(super) fn return_again(&mut self, now_us: u64) {
         if self.errand == Errand::Finish(Way::Open) {
             self.errand = Errand::Finish(Way::Barred);
         }
-        self.come_again(now_us);
-    }
-
-    /// Looks for home anew: what the bumper felt may be gone, and every second time it looks from farther along the walls. Walls that led to
-    /// new floor lead on.
-    pub(super) fn come_again(&mut self, now_us: u64) {
         let leads_on = core::mem::take(&mut self.gained) > 0;
         if !leads_on {
             self.retries = self.retries.saturating_add(1);
         }
+        let dared = self.areas.settle();
+        self.areas.dares = !dared && (leads_on || self.retries > 1);
+        if self.retries > MAX_RETURNS {
+            self.begin(Phase::Over { is_home: false }, now_us);
+        } else {
+            self.come_again(dared, now_us);
+        }
+    }
+
+    /// Looks for home anew from here, or from farther along the walls.
+    pub(super) fn come_again(&mut self, along_walls: bool, now_us: u64) {
         self.blocked = 0;
         match self.retries {
             0..=DOUBTED_RETURNS => self.sheet.picture.forget_visits(),
             _ => self.sheet.picture.doubt_obstacles(),
         }
-        if self.retries > MAX_RETURNS {
-            self.begin(Phase::Over { is_home: false }, now_us);
-        } else if leads_on || self.retries.is_multiple_of(2) {
+        if along_walls {
             self.begin_edge(1.0, now_us);
             self.credit_m = POCKET_M;
         } else {
-            // Where it was before it knew its grid is not in the picture.
-            self.areas.dares = self.retries > 1;
             self.go_about(now_us);
         }
     }
@@ -168,13 +169,13 @@ impl<const S: usize> FloorJob<S> {
         if self.areas.may_dare() {
             self.areas.dares = true;
             self.go_about(now_us);
+        } else if aim != Aim::Floor {
+            self.return_again(now_us);
         } else if self.wave.reached < POCKET && self.pockets < MAX_POCKETS {
             // It came into a pocket along its walls, and so it gets out.
             self.pockets += 1;
             self.begin_edge(1.0, now_us);
             self.credit_m = POCKET_M;
-        } else if aim != Aim::Floor {
-            self.return_again(now_us);
         } else if self.retries == 0 && (self.is_much_left() || !self.given_up.is_empty() || self.areas.missed != 0) {
             self.retries = 1;
             self.sheet.picture.forget_visits();
@@ -254,9 +255,7 @@ impl<const S: usize> FloorJob<S> {
         let dared = self.areas.settle();
         match target {
             Target::Place(_) if self.leads_to_what_was_left() => self.sweep_again(now_us),
-            Target::Place(_) if self.has_dock => {
-                self.begin(Phase::Dock { stage: Stage::Staging, tries: 0 }, now_us);
-            }
+            Target::Place(_) if self.has_dock => self.begin_docking(now_us),
             Target::Place(_) => self.begin(Phase::Home, now_us),
             // What it sees from there tells where to begin.
             _ if dared => self.finish_target(now_us),
