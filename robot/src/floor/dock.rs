@@ -17,10 +17,10 @@ const STAGING_M: f32 = 0.6;
 /// The robot is there when it is this near, metres, and looks to the dock within this angle, radians.
 const THERE_M: f32 = 0.02;
 const ALIGNED_RAD: f32 = 0.02;
-/// On its way to the dock it comes to its line from so far beside it, metres.
-const SHIFT_M: f32 = 0.1;
 /// It stands there for so long, microseconds: a dozen readings of each sensor.
 const SETTLE_US: u64 = 600_000;
+/// On its way to the dock it comes to the line of the try from so far beside it, metres.
+const SHIFT_M: f32 = 0.1;
 /// Speed towards the dock, back from it after a try in vain, and against it, m/s.
 const APPROACH_MPS: f32 = 0.08;
 const BACK_MPS: f32 = 0.12;
@@ -93,8 +93,8 @@ impl<const S: usize> FloorJob<S> {
 
     /// One step of docking.
     pub(super) fn dock_step(&mut self, stage: Stage, tries: u8, senses: &Senses<S>, pose: &Pose) -> (f32, f32) {
-        let (condition, now_us) = (&senses.condition, senses.time_us);
-        if condition.is_charging && matches!(stage, Stage::Approaching | Stage::Pressing) {
+        let now_us = senses.time_us;
+        if senses.condition.is_charging && matches!(stage, Stage::Approaching | Stage::Pressing) {
             self.arrive_in_dock(now_us);
             return (0.0, 0.0);
         }
@@ -134,16 +134,7 @@ impl<const S: usize> FloorJob<S> {
                 }
                 (APPROACH_MPS, straight(-back_to_line))
             }
-            Stage::Pressing => {
-                // By time, too: against the dock the wheels may slip.
-                let most_m = PRESS_M + self.round_m() - ASIDE_M;
-                let most_us = (1.5e6 * most_m / PRESS_MPS) as u64;
-                let is_no_dock = senses.contacts.any() && elapsed_us > TOUCH_US;
-                if is_no_dock || self.path_m - self.begun_m > most_m || elapsed_us > most_us {
-                    self.begin(Phase::Dock { stage: Stage::BackingOut, tries: tries + 1 }, now_us);
-                }
-                (PRESS_MPS, 0.0)
-            }
+            Stage::Pressing => self.press(tries, senses),
             Stage::BackingOut => {
                 if before_m > STAGING_M {
                     let is_on_line = (left_m - aside_m).abs() < SHIFT_M;
@@ -152,6 +143,18 @@ impl<const S: usize> FloorJob<S> {
                 (-BACK_MPS, straight(back_to_line))
             }
         }
+    }
+
+    /// On against the dock, by time, too: the wheels may slip.
+    fn press(&mut self, tries: u8, senses: &Senses<S>) -> (f32, f32) {
+        let elapsed_us = senses.time_us.saturating_sub(self.since_us);
+        let most_m = PRESS_M + self.round_m() - ASIDE_M;
+        let most_us = (1.5e6 * most_m / PRESS_MPS) as u64;
+        let is_no_dock = senses.contacts.any() && elapsed_us > TOUCH_US;
+        if is_no_dock || self.path_m - self.begun_m > most_m || elapsed_us > most_us {
+            self.begin(Phase::Dock { stage: Stage::BackingOut, tries: tries + 1 }, senses.time_us);
+        }
+        (PRESS_MPS, 0.0)
     }
 
     /// How far off the dock may be in this round, metres.

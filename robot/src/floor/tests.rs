@@ -68,10 +68,10 @@ impl Docked {
         Self { job, at: Pose::default(), off_m: [0.0; 2], in_vain_m: 0.0 }
     }
 
-    /// Drives for so long, seconds, with this voltage of the battery; whether it is in the dock.
-    fn drive(&mut self, steps: core::ops::Range<u64>, battery_v: f32) -> bool {
+    /// Drives from one time to another, seconds, with this voltage of the battery; whether it is in the dock then.
+    fn drive(&mut self, seconds: core::ops::Range<u64>, battery_v: f32) -> bool {
         let mut is_charging = true;
-        for step in steps.start * 25..steps.end * 25 {
+        for step in seconds.start * 25..seconds.end * 25 {
             is_charging = self.at.x_m > -0.005 && self.at.y_m.abs() < 0.03 && self.at.theta_rad.abs() < 0.17;
             let condition = Condition { is_charging, battery_v: Some(battery_v), ..Condition::default() };
             let bump = self.at.x_m > -0.002 && !is_charging;

@@ -126,11 +126,16 @@ impl<const S: usize> FloorJob<S> {
             _ => self.sheet.picture.doubt_obstacles(),
         }
         if along_walls {
-            self.begin_edge(1.0, now_us);
-            self.credit_m = POCKET_M;
+            self.begin_along_walls(now_us);
         } else {
             self.go_about(now_us);
         }
+    }
+
+    /// Along the walls from here, as far as leads out of a pocket.
+    fn begin_along_walls(&mut self, now_us: u64) {
+        self.begin_edge(1.0, now_us);
+        self.credit_m = POCKET_M;
     }
 
     /// Whether to look for a way through places that seem too narrow: a door may look so, by bumps and by cells that its frame shares.
@@ -174,8 +179,7 @@ impl<const S: usize> FloorJob<S> {
         } else if self.wave.reached < POCKET && self.pockets < MAX_POCKETS {
             // It came into a pocket along its walls, and so it gets out.
             self.pockets += 1;
-            self.begin_edge(1.0, now_us);
-            self.credit_m = POCKET_M;
+            self.begin_along_walls(now_us);
         } else if self.retries == 0 && (self.is_much_left() || !self.given_up.is_empty() || self.areas.missed != 0) {
             self.retries = 1;
             self.sheet.picture.forget_visits();
