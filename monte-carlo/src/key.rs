@@ -53,6 +53,8 @@ pub enum Key {
     Skew,
     /// Angle by which inner walls are turned against the outer ones, degrees.
     Inner,
+    /// Largest angle by which each piece of furniture is turned about its middle, degrees.
+    Furniture,
     /// 1-sigma of the angle by which each face of a wall or thing is off where it should stand, degrees.
     Scatter,
     /// When the plan's doors of the experiment close, seconds.
@@ -72,7 +74,7 @@ const MINUTES: Allowed = Allowed { above_min: true, ..Allowed::within(0.0, 240.0
 
 impl Key {
     /// Every key.
-    pub const ALL: [Key; 28] = [
+    pub const ALL: [Key; 29] = [
         Self::GainSigma,
         Self::ScaleSigma,
         Self::TrackSigma,
@@ -97,6 +99,7 @@ impl Key {
         Self::People,
         Self::Skew,
         Self::Inner,
+        Self::Furniture,
         Self::Scatter,
         Self::DoorCloses,
         Self::DoorOpens,
@@ -146,6 +149,11 @@ impl Key {
             Self::People => ("people", "people walking", Allowed::within(0.0, 200.0, "a number from 0 to 200")),
             Self::Skew => ("skew_deg", "walls off the right angle, degrees", ANGLE),
             Self::Inner => ("inner_deg", "inner walls off the outer ones, degrees", ANGLE),
+            Self::Furniture => (
+                "furniture_deg",
+                "furniture askew by up to, degrees",
+                Allowed::within(0.0, 45.0, "degrees from 0 to 45"),
+            ),
             Self::Scatter => (
                 "scatter_deg",
                 "scatter of the walls' directions, degrees",

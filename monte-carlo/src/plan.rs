@@ -54,6 +54,9 @@ pub fn changed(plan: &Plan, name: &str, doors: &[DoorLeaf], setting: &Setting, s
     if let Some(inner_deg) = setting.get(Key::Inner) {
         turn_inner_walls(&mut plan, inner_deg.to_radians());
     }
+    if let Some(most_deg) = setting.get(Key::Furniture) {
+        turn_furniture(&mut plan, most_deg.to_radians(), &mut Rng::stream(seed, "furniture", 0));
+    }
     if let Some(scatter_deg) = setting.get(Key::Scatter) {
         scatter(&mut plan, scatter_deg.to_radians(), &mut Rng::stream(seed, "scatter", 0));
     }
@@ -181,13 +184,46 @@ fn turn_inner_walls(plan: &mut Plan, angle_rad: f64) {
     }
 }
 
+/// Turns faces as one about the mean of their ends.
+fn turn(faces: &mut [Face], angle_rad: f64) {
+    let ends = 2.0 * faces.len() as f64;
+    let [x_m, y_m] =
+        [0, 1].map(|axis| faces.iter().map(|face| face.from_m[axis] + face.to_m[axis]).sum::<f64>() / ends);
+    let (still, turned) = (Pose2::new(x_m, y_m, 0.0), Pose2::new(x_m, y_m, angle_rad));
+    for face in faces {
+        face.from_m = turned.transform(still.inverse_transform(face.from_m));
+        face.to_m = turned.transform(still.inverse_transform(face.to_m));
+    }
+}
+
+/// How many of these faces, from the first on, are the outline of one thing.
+fn loop_len(faces: &[Face]) -> usize {
+    let Some(first) = faces.first() else { return 0 };
+    let meet = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) < 1e-6;
+    let chain = faces.windows(2).take_while(|pair| meet(pair[0].to_m, pair[1].from_m)).count();
+    faces[..=chain].iter().position(|face| meet(face.to_m, first.from_m)).map_or(1, |last| last + 1)
+}
+
+/// Turns each piece of furniture about its middle, by an angle of its own: what has an outline thicker than a partition, and is not
+/// the home's.
+fn turn_furniture(plan: &mut Plan, most_rad: f64, rng: &mut Rng) {
+    let (least, most) = bounds(plan);
+    let mut rest = &mut plan.faces[..];
+    while !rest.is_empty() {
+        let (own, others) = rest.split_at_mut(loop_len(rest));
+        let reaches = |axis: usize, limit: f64| own.iter().any(|face| (face.from_m[axis] - limit).abs() < 0.01);
+        let is_home = (0..2).all(|axis| reaches(axis, least[axis]) && reaches(axis, most[axis]));
+        if own.len() > 2 && !is_home && own.iter().all(|face| face.length_m() > PARTITION_M) {
+            turn(own, rng.uniform(-most_rad, most_rad));
+        }
+        rest = others;
+    }
+}
+
 /// Turns each face about its middle, by an angle of its own.
 fn scatter(plan: &mut Plan, sigma_rad: f64, rng: &mut Rng) {
     for face in &mut plan.faces {
-        let [x_m, y_m] = [0, 1].map(|axis| 0.5 * (face.from_m[axis] + face.to_m[axis]));
-        let (still, turned) = (Pose2::new(x_m, y_m, 0.0), Pose2::new(x_m, y_m, sigma_rad * rng.gaussian()));
-        face.from_m = turned.transform(still.inverse_transform(face.from_m));
-        face.to_m = turned.transform(still.inverse_transform(face.to_m));
+        turn(std::slice::from_mut(face), sigma_rad * rng.gaussian());
     }
 }
 
@@ -244,6 +280,22 @@ mod tests {
             faces.iter().flat_map(|face| [face.from_m, face.to_m]).filter(|end| on(end[0]) || on(end[1])).count()
         };
         assert!(ends_at_wall(&turned.faces) >= ends_at_wall(&before.faces) - 4);
+    }
+
+    #[test]
+    fn furniture_turns_piece_by_piece_and_walls_stay() {
+        let before = flat();
+        let turned = changed(&before, "flat", &[], &set(Key::Furniture, 10.0), 1);
+        let angle = |face: &Face| (face.to_m[1] - face.from_m[1]).atan2(face.to_m[0] - face.from_m[0]);
+        let off = |(a, b): (&Face, &Face)| hal_sim::pose::wrap(angle(b) - angle(a)).to_degrees();
+        let by: Vec<f64> = before.faces.iter().zip(&turned.faces).map(off).collect();
+        assert!(by.iter().all(|by| by.abs() < 10.0));
+        let mut angles: Vec<f64> = by.into_iter().filter(|by| by.abs() > 1e-9).collect();
+        let faces = angles.len();
+        angles.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+        assert!(angles.len() > 4 && faces == 4 * angles.len(), "{faces} faces, angles {angles:?}");
+        let (least, most) = bounds(&before);
+        assert!(turned.faces.iter().filter(|face| face.length_m() > most[0] - least[0] - 0.01).count() >= 2);
     }
 
     #[test]
