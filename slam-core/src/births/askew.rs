@@ -8,7 +8,7 @@ use crate::filter::ekf::EkfView;
 use crate::filter::layout::{ALPHA, THETA};
 use crate::geometry::angle::off_quarter;
 use crate::walls::decision::{BUILT_TOLERANCE, DECISION, SURE, density, relative_variance};
-use crate::walls::exactness::Exactness;
+use crate::walls::exactness::{Exactness, evidence};
 use crate::walls::wall::{Direction, Wall};
 use core::f32::consts::FRAC_2_PI;
 
@@ -88,7 +88,7 @@ fn askew(ekf: &EkfView, wall: &Wall) -> Option<usize> {
             let theta = usize::from(theta);
             let off_rad = off_quarter(ekf.mean(theta), ekf.mean(ALPHA));
             let known = relative_variance(ekf, theta, ALPHA);
-            (Exactness::UNKNOWN.log_odds(off_rad, known) < -SURE).then_some(theta)
+            (Exactness::UNKNOWN.prior(wall.length_m()) + evidence(off_rad, known, 1.0) < -SURE).then_some(theta)
         }
         Direction::Grid(_) | Direction::Snapped(_) => None,
     }

@@ -19,22 +19,30 @@ type Filter = Ekf<{ storage(96) }>;
 /// Length of the walls, metres.
 const LENGTH_M: f32 = 1.2;
 
-/// A robot whose heading is known to a degree, and free walls in these directions, each known to `sigma_deg` against the robot, which
-/// is what the estimate is off by, too.
+/// A free wall: its direction, degrees, what that is known to against the robot and off by, 1-sigma, degrees, and its length, metres.
+type Found = (f32, f32, f32);
+
+/// A robot whose heading is known to a degree, and walls that all are known so well.
 fn home(random: &mut Random, sigma_deg: f64, directions_deg: &[f32]) -> (Filter, Map<40>) {
+    let walls: Vec<Found> =
+        directions_deg.iter().map(|direction_deg| (*direction_deg, sigma_deg as f32, LENGTH_M)).collect();
+    home_of(random, &walls)
+}
+
+fn home_of(random: &mut Random, walls: &[Found]) -> (Filter, Map<40>) {
     let (mut ekf, mut map) = (Filter::EMPTY, Map::EMPTY);
     for i in 0..4 {
         ekf.augment(0.0, &Jacobian::new(), if i == THETA { DEGREE * DEGREE } else { 0.0 });
     }
-    for direction_deg in directions_deg {
+    for &(direction_deg, sigma_deg, length_m) in walls {
         let rho = ekf.augment(1.0, &Jacobian::new(), 1e-4).unwrap();
         let mut jacobian = Jacobian::new();
         jacobian.push((THETA, 1.0)).unwrap();
-        let found_deg = direction_deg + (sigma_deg * random.gaussian()) as f32;
-        let variance = (sigma_deg as f32 * DEGREE) * (sigma_deg as f32 * DEGREE);
+        let found_deg = direction_deg + sigma_deg * random.gaussian() as f32;
+        let variance = (sigma_deg * DEGREE) * (sigma_deg * DEGREE);
         let theta = ekf.augment(found_deg * DEGREE, &jacobian, variance).unwrap();
         let direction = Direction::Free(theta as u16);
-        map.add(Wall::at(rho, direction, (0.0, LENGTH_M)), 30, 0.0);
+        map.add(Wall::at(rho, direction, (0.0, length_m)), 30, 0.0);
     }
     (ekf, map)
 }
@@ -77,6 +85,29 @@ fn partitions_that_stand_askew_keep_their_directions() {
             let off_deg = (off - (off / (2.0 * PI)).round() * 2.0 * PI) / DEGREE;
             assert!(off_deg.abs() < 0.7, "{direction_deg} degrees is off by {off_deg}");
         }
+    }
+}
+
+/// How many of these pieces of furniture end on the grid of eight long walls.
+fn furniture_on_the_grid(seed: u64, pieces: &[(f32, f32)]) -> usize {
+    let walls = (0..8).map(|i| (90.0 * (i % 4) as f32, 0.15, 4.0));
+    let pieces = pieces.iter().map(|&(direction_deg, sigma_deg)| (direction_deg, sigma_deg, 0.8));
+    let (mut ekf, mut map) = home_of(&mut Random::new(seed), &walls.chain(pieces).collect::<Vec<Found>>());
+    let exact = stand(&mut ekf, &mut map);
+    assert!(exact[..8].iter().filter(|is_exact| **is_exact).count() >= 7, "long walls: {exact:?}");
+    exact[8..].iter().filter(|is_exact| **is_exact).count()
+}
+
+#[test]
+fn furniture_stands_on_the_grid_once_its_own_readings_tell() {
+    for seed in 4..8 {
+        // Just found along the grid, as a piece that stands six degrees askew is: what others do does not decide.
+        assert_eq!(furniture_on_the_grid(seed, &[(0.0, 2.5); 8]), 0);
+        // Where all pieces are along the walls those that are known less well follow.
+        assert!(furniture_on_the_grid(seed, &[(0.0, 0.3), (90.0, 0.3), (90.0, 0.3), (0.0, 0.3), (0.0, 0.3)]) >= 4);
+        let (along, askew) = ([(0.0, 0.2), (90.0, 0.2)], [(7.0, 0.2), (-4.0, 0.2), (84.0, 0.2), (93.0, 0.2)]);
+        assert!(furniture_on_the_grid(seed, &[along, along, along].concat()) >= 5);
+        assert!(furniture_on_the_grid(seed, &[&askew[..], &askew[..]].concat()) == 0);
     }
 }
 

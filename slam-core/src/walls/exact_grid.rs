@@ -39,8 +39,9 @@ pub fn upkeep(map: &mut MapView, ekf: &mut EkfView, index: usize) {
     }
     let off_rad = off_quarter(ekf.mean(theta), ekf.mean(ALPHA));
     let known = relative_variance(ekf, theta, ALPHA);
-    if map.exactness.log_odds(off_rad, known) > enough && stand(map, ekf, index) {
-        map.exactness = map.exactness.decided(says(off_rad, known));
+    let length_m = map.walls().get(index).map_or(0.0, Wall::length_m);
+    if map.exactness.prior(length_m) + evidence(off_rad, known, 1.0) > enough && stand(map, ekf, index) {
+        map.exactness = map.exactness.decided(says(length_m, off_rad, known));
     }
 }
 
@@ -48,11 +49,11 @@ pub fn upkeep(map: &mut MapView, ekf: &mut EkfView, index: usize) {
 fn judged(map: &MapView, ekf: &EkfView) -> Exactness {
     let is_founded = map.walls().iter().any(is_decided);
     let telling = map.walls().iter().filter(|wall| is_founded && wall.length_m() >= TELLING_M);
-    map.exactness.with(
-        telling
-            .filter_map(|wall| wall.direction.state())
-            .map(|theta| says(off_quarter(ekf.mean(theta), ekf.mean(ALPHA)), relative_variance(ekf, theta, ALPHA))),
-    )
+    map.exactness.with(telling.filter_map(|wall| wall.direction.state().map(|theta| (wall.length_m(), theta))).map(
+        |(length_m, theta)| {
+            says(length_m, off_quarter(ekf.mean(theta), ekf.mean(ALPHA)), relative_variance(ekf, theta, ALPHA))
+        },
+    ))
 }
 
 fn is_decided(wall: &Wall) -> bool {
