@@ -21,12 +21,17 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         if let Some(name) = last.filter(|name| name.id == id) {
             return Some(name.wall.into());
         }
-        let wall = self.wall_named(id);
-        let place = self.names.iter().position(|name| name.id == id).and_then(|place| u8::try_from(place).ok());
-        if let (Some(seen), Some(place)) = (self.seen.get_mut(usize::from(sensor)), place) {
+        let place = if let Some(place) = self.names.iter().position(|name| name.id == id) {
+            place
+        } else {
+            // Its name is the last one then.
+            self.wall_named(id)?;
+            self.names.len() - 1
+        };
+        if let (Some(seen), Ok(place)) = (self.seen.get_mut(usize::from(sensor)), u8::try_from(place)) {
             *seen = place;
         }
-        wall
+        self.names.get(place).map(|name| name.wall.into())
     }
 
     /// The wall that the filter calls `id`; a new one where there is none yet and there is room.
