@@ -68,7 +68,12 @@ impl Areas {
 
     /// Whether a search that found nothing is worth another one that dares.
     pub(super) fn may_dare(&self) -> bool {
-        self.is_any && !self.dares && self.look_m > 0.0
+        self.is_any && !self.dares && !self.is_spent()
+    }
+
+    /// Whether no path is left for searches that dare.
+    pub(super) fn is_spent(&self) -> bool {
+        self.look_m <= 0.0
     }
 
     /// A step over, in which the robot drove so far, metres.
@@ -88,7 +93,7 @@ impl Areas {
 
     /// Begins a search: whether it dares.
     pub(super) fn begin_search(&mut self) -> bool {
-        self.dares &= self.look_m > 0.0;
+        self.dares &= !self.is_spent();
         self.dares
     }
 }

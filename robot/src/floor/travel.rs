@@ -109,12 +109,13 @@ impl<const S: usize> FloorJob<S> {
         if !leads_on {
             self.retries = self.retries.saturating_add(1);
         }
-        let dared = self.areas.settle();
-        self.areas.dares = !dared && (leads_on || self.retries > 1);
+        let is_first = !leads_on && self.retries == 1;
+        let along_walls = self.areas.settle() || (self.areas.is_spent() && !is_first);
+        self.areas.dares = !along_walls && !is_first;
         if self.retries > MAX_RETURNS {
             self.begin(Phase::Over { is_home: false }, now_us);
         } else {
-            self.come_again(dared, now_us);
+            self.come_again(along_walls, now_us);
         }
     }
 
