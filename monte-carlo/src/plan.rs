@@ -239,6 +239,13 @@ mod tests {
         Setting { values: [(key, value)].into(), ..Setting::default() }
     }
 
+    /// By how much each face is turned, degrees.
+    fn turned_by(before: &Plan, after: &Plan) -> Vec<f64> {
+        let angle = |face: &Face| (face.to_m[1] - face.from_m[1]).atan2(face.to_m[0] - face.from_m[0]);
+        let off = |(a, b): (&Face, &Face)| hal_sim::pose::wrap(angle(b) - angle(a)).to_degrees();
+        before.faces.iter().zip(&after.faces).map(off).collect()
+    }
+
     #[test]
     fn legs_and_people_are_where_there_is_room_and_follow_from_the_seed() {
         let legs = changed(&flat(), "flat", &[], &set(Key::ChairLegs, 8.0), 3);
@@ -269,9 +276,7 @@ mod tests {
     fn inner_walls_turn_against_the_outer_ones_and_still_end_there() {
         let before = flat();
         let turned = changed(&before, "flat", &[], &set(Key::Inner, 5.0), 1);
-        let angle = |face: &Face| (face.to_m[1] - face.from_m[1]).atan2(face.to_m[0] - face.from_m[0]);
-        let off = |(a, b): (&Face, &Face)| hal_sim::pose::wrap(angle(b) - angle(a)).to_degrees();
-        let by: Vec<f64> = before.faces.iter().zip(&turned.faces).map(off).collect();
+        let by = turned_by(&before, &turned);
         assert!(by.iter().all(|by| by.abs() < 1e-9 || (by - 5.0).abs() < 1e-9));
         // Seven partitions of four faces, but for their ends that lie in outer walls: the outline and furniture stay.
         assert!((20..=28).contains(&by.iter().filter(|by| by.abs() > 1.0).count()));
@@ -286,9 +291,7 @@ mod tests {
     fn furniture_turns_piece_by_piece_and_walls_stay() {
         let before = flat();
         let turned = changed(&before, "flat", &[], &set(Key::Furniture, 10.0), 1);
-        let angle = |face: &Face| (face.to_m[1] - face.from_m[1]).atan2(face.to_m[0] - face.from_m[0]);
-        let off = |(a, b): (&Face, &Face)| hal_sim::pose::wrap(angle(b) - angle(a)).to_degrees();
-        let by: Vec<f64> = before.faces.iter().zip(&turned.faces).map(off).collect();
+        let by = turned_by(&before, &turned);
         assert!(by.iter().all(|by| by.abs() < 10.0));
         let mut angles: Vec<f64> = by.into_iter().filter(|by| by.abs() > 1e-9).collect();
         let faces = angles.len();

@@ -1,8 +1,8 @@
 //! How likely it is that a wall along the grid stands on it exactly.
 //!
 //! Homes are of two kinds: in most nearly all walls stand on the grid exactly, in some the partitions or a wing stand askew. Of
-//! which kind this one is its walls tell together, and that decides how much each has to say. Furniture is along the walls, or stands as
-//! it was put, and of that the short walls tell apart.
+//! which kind this one is its walls tell together, and that decides how much each has to say. Furniture stands along the walls, or as it
+//! was put: the short walls tell which.
 
 use crate::walls::decision::{GRID_SHARE, GRID_TOLERANCE, LOOSE_RAD, density};
 use core::f32::consts::FRAC_2_PI;
