@@ -2,8 +2,8 @@
 
 use hal_sim::{ClosedLoop, Estimate, Plan, SimOptions, Simulation};
 use lab::evaluate::score::path;
-use lab::input::built_in_robot;
-use lab::recording::Step;
+use lab::input::rig_file::Robot;
+use lab::recording::{Pose2, Step};
 use lab::run::Session;
 use robot::PilotConfig;
 use slam_core::Config;
@@ -20,6 +20,8 @@ pub struct Hour {
     pub number: u32,
     /// Root mean square of the position's error in the start frame, metres, where the robot claimed a place.
     pub rmse_m: f64,
+    /// The same where the path of the hour is laid over the true one: what is left are the map's own errors.
+    pub aligned_m: f64,
     /// Mean NEES of the pose there: three for an honest filter.
     pub nees: f64,
     /// For how long the robot did not know where it is, seconds.
@@ -50,6 +52,8 @@ struct Sums {
     located: u32,
     nees: f64,
     scored: u32,
+    /// The poses there, estimated and true.
+    pairs: Vec<(Pose2, Pose2)>,
     hour: Hour,
 }
 
@@ -68,6 +72,7 @@ impl Sums {
         }
         self.square_m2 += step.error().map_or(0.0, |e| e.x_m * e.x_m + e.y_m * e.y_m);
         self.located += 1;
+        self.pairs.extend(step.truth.map(|truth| (step.pose, truth)));
         if let Some(nees) = path::nees(step) {
             self.nees += nees;
             self.scored += 1;
@@ -85,25 +90,24 @@ pub fn square(side_m: f64) -> Plan {
     hal_sim::plan_file::parse("square", "square", &text).expect("a good plan")
 }
 
-/// The built-in robot drives through a home for so many hours, as robots do: with a map that is kept where readings contradict it, and in which
+/// A robot drives through a home for so many hours, as robots do: with a map that is kept where readings contradict it, and in which
 /// it finds itself again. `each` gets every hour as it ends.
-pub fn drive(plan: &Plan, hours: f64, seed: u64, mut each: impl FnMut(&Hour)) {
-    let (built_in, _) = built_in_robot().expect("the built-in rig is good");
-    let rig = &built_in.rig;
+pub fn drive(robot: &Robot, plan: &Plan, hours: f64, seed: u64, mut each: impl FnMut(&Hour)) {
+    let rig = &robot.rig;
     let simulation = Simulation::new(plan, rig, SimOptions::default(), seed).expect("the robot fits");
-    let mut session = Session::new(&built_in, Config::for_rig(rig), plan.name.clone()).expect("a good rig");
-    let mut robot = ClosedLoop::new(simulation, rig, PilotConfig::default());
+    let mut session = Session::new(robot, Config::for_rig(rig), plan.name.clone()).expect("a good rig");
+    let mut driven = ClosedLoop::new(simulation, rig, PilotConfig::default());
     let mut sums = Sums::of_hour(1);
     let mut before = *session.slam().counters();
     let (mut last, mut last_s) = (None, 0.0);
     loop {
         // Not recorded, as a drive of the workbench is: three days would be gigabytes.
-        let frame = robot.step_in(&mut |sample| {
+        let frame = driven.step_in(&mut |sample| {
             let report = session.estimate(sample);
             let ranges_m = report.readings.map(|reading| reading.range_m);
             (Estimate { pose: session.slam().pose(), ranges_m }, session.whereabouts())
         });
-        let time_s = robot.simulation.time_s();
+        let time_s = driven.simulation.time_s();
         let slam = session.slam();
         let estimate = slam.estimate();
         let step = Step {
@@ -127,6 +131,7 @@ pub fn drive(plan: &Plan, hours: f64, seed: u64, mut each: impl FnMut(&Hour)) {
             let number = sums.hour.number;
             each(&Hour {
                 rmse_m: (sums.square_m2 / f64::from(sums.located)).sqrt(),
+                aligned_m: path::score(&sums.pairs).map_or(f64::NAN, |score| score.ate_m),
                 nees: sums.nees / f64::from(sums.scored),
                 births: counters.births - before.births,
                 holds: counters.holds - before.holds,

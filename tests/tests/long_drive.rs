@@ -16,7 +16,8 @@ const NEES_AT_MOST: f64 = 7.81;
 fn four_hours_are_as_good_as_one() {
     let plan = hal_sim::plan_file::load("flat").expect("a built-in plan");
     let mut hours: Vec<Hour> = Vec::new();
-    drive(&plan, 4.0, 1, |hour| hours.push(hour.clone()));
+    let (robot, _) = lab::input::built_in_robot().expect("the built-in rig is good");
+    drive(&robot, &plan, 4.0, 1, |hour| hours.push(hour.clone()));
     println!("{hours:#?}");
     let [first, later @ ..] = &hours[..] else { panic!("no hour") };
     assert_eq!(later.len(), 3);
