@@ -89,7 +89,7 @@ fn main() {
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match arguments[..] {
         [file] => fs::write(file, page()).expect("the result's file can be written"),
-        [plan, hours, seed, ref other @ ..] => {
+        [plan, hours, seed, ref other @ ..] if other.len() <= 2 => {
             let (hours, seed) = (hours.parse().expect("hours"), seed.parse().expect("a seed"));
             let furniture_deg = other.get(1).map_or(0.0, |deg| deg.parse().expect("degrees"));
             let robot = other.first().copied().unwrap_or(ROBOT);
@@ -166,8 +166,8 @@ fn page() -> String {
 /// The tables of another robot, and of homes that are not as the estimator takes them to be.
 fn others() -> String {
     let mut text = format!(
-        "\n## Another robot, other homes\n\nFirst the built-in robot with time-of-flight sensors, whose walls keep directions of their own; then the one of above where each piece of furniture\n\
-         is turned about its middle by up to {ASKEW_DEG:.0} degrees. The filter alone, no look back. One drive is\n\
+        "\n## Another robot, other homes\n\nFirst the built-in robot with time-of-flight sensors, whose walls keep directions of their own; then the built-in robot with analogue sensors in homes whose furniture is\n\
+         turned, each piece about its middle by up to {ASKEW_DEG:.0} degrees. The filter alone, no look back. One drive is\n\
          `cargo run --release -p tests --example long_drives -- clutter 24 1 {OTHER_ROBOT}`, or `... -- clutter 24 1 {ROBOT} {ASKEW_DEG:.0}`.\n\n"
     ) + HEAD;
     for (robot, furniture_deg, what) in [(OTHER_ROBOT, 0.0, "time of flight"), (ROBOT, ASKEW_DEG, "furniture askew")] {

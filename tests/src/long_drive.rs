@@ -49,7 +49,6 @@ pub struct Hour {
 struct Sums {
     steps: u32,
     square_m2: f64,
-    located: u32,
     nees: f64,
     scored: u32,
     /// The poses there, estimated and true.
@@ -71,7 +70,6 @@ impl Sums {
             return;
         }
         self.square_m2 += step.error().map_or(0.0, |e| e.x_m * e.x_m + e.y_m * e.y_m);
-        self.located += 1;
         self.pairs.extend(step.truth.map(|truth| (step.pose, truth)));
         if let Some(nees) = path::nees(step) {
             self.nees += nees;
@@ -130,7 +128,7 @@ pub fn drive(robot: &Robot, plan: &Plan, hours: f64, seed: u64, mut each: impl F
             let counters = *slam.counters();
             let number = sums.hour.number;
             each(&Hour {
-                rmse_m: (sums.square_m2 / f64::from(sums.located)).sqrt(),
+                rmse_m: (sums.square_m2 / sums.pairs.len() as f64).sqrt(),
                 aligned_m: path::score(&sums.pairs).map_or(f64::NAN, |score| score.ate_m),
                 nees: sums.nees / f64::from(sums.scored),
                 births: counters.births - before.births,
