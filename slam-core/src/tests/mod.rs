@@ -30,6 +30,7 @@ mod random;
 mod ranges;
 mod repeats;
 mod rigs;
+mod roundings;
 mod runs;
 mod signs;
 mod slippages;
