@@ -112,6 +112,13 @@ fn a_scene_is_shared_as_a_link_and_a_bad_link_is_said() {
     assert_sound(&mut bad, &address);
 }
 
+/// The drive waits: nothing on the page moves between the look at it and the pointer.
+fn pause(page: &mut Page) {
+    page.run(
+        "const play = document.getElementById('play'); if (play.getAttribute('aria-pressed') === 'true') play.click();",
+    );
+}
+
 /// A drive that cleans the room begins.
 fn clean_the_room(page: &mut Page) {
     page.run(
@@ -129,9 +136,8 @@ fn an_area_to_stay_out_of_is_drawn_and_the_rest_is_swept() {
     page.run(
         "document.querySelector(\"[data-tool='keep_out']\").click(); document.getElementById('map').scrollIntoView();",
     );
-    // The drive waits: nothing on the page moves between the look at it and the pointer.
     page.until("document.getElementById('play').getAttribute('aria-pressed') === 'true'");
-    page.run("document.getElementById('play').click();");
+    pause(&mut page);
     let share =
         "return Number(document.getElementById('status').textContent.match(/([0-9.]+) % of the floor/)?.[1] ?? -1);";
     page.drag("map", &[[0.55, 0.3], [0.6, 0.4], [0.68, 0.52]]);
@@ -144,6 +150,7 @@ fn an_area_to_stay_out_of_is_drawn_and_the_rest_is_swept() {
     let swept = page.run(share).as_f64().expect("a share");
     assert!(swept > 90.0, "what is out of bounds does not count as floor: {swept} %");
     // It is taken hold of by its edge, which is still where it was drawn, whatever the robot has seen since.
+    pause(&mut page);
     page.run("document.querySelector(\"[data-tool='erase']\").click();");
     page.drag("map", &[[0.6, 0.3]; 2]);
     let rest = page.run("return document.getElementById('plan-text').value;");
