@@ -102,6 +102,26 @@ fn a_robot_that_was_shut_in_sweeps_the_rest_when_the_door_opens() {
 }
 
 #[test]
+fn a_robot_that_is_shut_out_until_its_battery_is_empty_stops_and_says_so() {
+    let mut plan = plan_file::parse("home.toml", "home", TWO_ROOMS).expect("a good plan");
+    plan.battery = Some(Battery { charge: 0.3, lasts_min: 15.0, charges_min: 5.0 });
+    let drive = clean(&plan, SimOptions::default(), 1).expect("the robot fits");
+    assert_eq!(drive.progress.state, FloorState::Flat);
+    assert!((3.5..4.5).contains(&drive.minutes), "{} minutes", drive.minutes);
+    assert!(drive.score.home_m > 1.0, "{} m from where it started", drive.score.home_m);
+}
+
+#[test]
+fn a_robot_that_begins_in_its_dock_with_little_charge_charges_first() {
+    let mut plan = plan_file::load("room").expect("a built-in plan");
+    (plan.has_dock, plan.battery) = (true, Some(Battery { charge: 0.02, ..BATTERY }));
+    let drive = clean(&plan, SimOptions::default(), 1).expect("the robot fits");
+    let seconds_in = |state: FloorState| drive.progress.seconds_in[state as usize];
+    assert_eq!(drive.progress.state, FloorState::Done, "{:?}", drive.progress);
+    assert!(seconds_in(FloorState::Charging) > 60 && seconds_in(FloorState::Undocking) < 20, "{:?}", drive.progress);
+}
+
+#[test]
 fn a_robot_that_is_shut_in_for_good_says_so_in_the_end() {
     let plan = plan_file::parse("home.toml", "home", TWO_ROOMS).expect("a good plan");
     let drive = clean(&plan, SimOptions::default(), 1).expect("the robot fits");

@@ -15,6 +15,8 @@ pub struct FloorConfig {
     pub reading_age_s: f32,
     /// Voltage of the battery below which the robot goes home, volts.
     pub low_v: f32,
+    /// Voltage of the battery below which it stops where it is, volts.
+    pub empty_v: f32,
     /// Voltage of the battery above which it leaves the dock, volts.
     pub full_v: f32,
 }
@@ -26,8 +28,10 @@ impl FloorConfig {
         open_mps: 0.3,
         gap_m: 0.012,
         reading_age_s: 0.038,
-        // Three lithium cells: at 3.5 V a tenth of their charge is left, at 4.1 V they take up little more.
+        // Three lithium cells: at 3.5 V a tenth of their charge is left, at 4.1 V they take up little more. Below 3.3 V the voltage falls
+        // fast, to where it harms them.
         low_v: 10.5,
+        empty_v: 10.0,
         full_v: 12.3,
     };
 }

@@ -209,7 +209,13 @@ impl<const S: usize> FloorJob<S> {
         (0.0, 0.0)
     }
 
-    /// Takes note of the battery: where it is nearly empty, the robot goes home.
+    /// Whether the battery is empty.
+    pub(super) fn is_empty(&self) -> bool {
+        self.battery_v < self.config.empty_v
+    }
+
+    /// Takes note of the battery: where it is nearly empty, the robot goes home; where it is empty, it stays where it is, unless it is
+    /// about to touch the dock.
     pub(super) fn watch_battery(&mut self, condition: &Condition, now_us: u64) {
         let Some(battery_v) = condition.battery_v.filter(|battery_v| battery_v.is_finite()) else { return };
         if self.battery_v.is_nan() {
@@ -217,10 +223,20 @@ impl<const S: usize> FloorJob<S> {
         }
         // A mean over two seconds: motors that start pull the voltage down.
         self.battery_v += 0.02 * (battery_v - self.battery_v);
-        let is_sweeping = !matches!(self.phase, Phase::Over { .. } | Phase::Charge | Phase::Paused | Phase::Lost);
+        let is_driving = !matches!(self.phase, Phase::Over { .. } | Phase::Charge | Phase::Paused);
+        let is_docking = matches!(self.phase, Phase::Dock { stage: Stage::Approaching | Stage::Pressing, .. });
+        if is_driving && !is_docking && !condition.is_charging && self.is_empty() {
+            self.errand = Errand::Recharge;
+            self.begin(Phase::Over { is_home: false }, now_us);
+        }
+        let is_sweeping = is_driving && self.phase != Phase::Lost;
         if self.errand.is_to_sweep() && self.battery_v < self.config.low_v && is_sweeping {
             self.errand = Errand::Recharge;
-            self.go_about(now_us);
+            if condition.is_charging {
+                self.begin(Phase::Charge, now_us);
+            } else {
+                self.go_about(now_us);
+            }
         }
     }
 }

@@ -237,6 +237,7 @@ impl<const S: usize> FloorJob<S> {
             Phase::Over { is_home: true } if self.errand == Errand::Recharge => FloorState::Flat,
             Phase::Over { is_home: true } if self.areas.missed != 0 => FloorState::Unreached,
             Phase::Over { is_home: true } => FloorState::Done,
+            Phase::Over { is_home: false } if self.is_empty() => FloorState::Flat,
             Phase::Over { is_home: false } => FloorState::Away,
         }
     }
@@ -258,6 +259,9 @@ impl<const S: usize> FloorJob<S> {
         if !(pose.x_m.is_finite() && pose.y_m.is_finite() && pose.theta_rad.is_finite()) {
             return WheelSpeeds::STOP;
         }
+        if self.home.is_some() {
+            self.watch_battery(&senses.condition, senses.time_us);
+        }
         if !self.is_located(senses) {
             return self.find_oneself(senses);
         }
@@ -271,7 +275,6 @@ impl<const S: usize> FloorJob<S> {
         self.watch_jumps(&pose, senses.time_us);
         self.look(senses, &pose);
         self.sweep(&pose, senses.time_us);
-        self.watch_battery(&senses.condition, senses.time_us);
         self.last = Some(pose);
         let (forward_mps, turn_radps) = self.act(senses, &pose);
         WheelSpeeds::from_twist(forward_mps, turn_radps, self.config.drive.track_m)

@@ -43,7 +43,7 @@ pub enum FloorState {
     Lost,
     /// Held: its wheels turn or stall and it does not move.
     Held,
-    /// Back where it started, its battery nearly empty, with floor left to sweep and no dock.
+    /// Its battery is nearly empty, with floor left to sweep: back where it started, where there is no dock, or on the way, where it is empty.
     Flat,
     /// Done, and back.
     Done,

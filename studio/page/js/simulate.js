@@ -323,7 +323,11 @@ function placesWords(places) {
 
 // What a robot that sweeps the floor does, and how far it is.
 function cleaningWords({ doing, swept: [once, twice] }) {
-  const now = { done: "The floor is swept, and it is back where it started", away: "The floor is swept; the way back is blocked" };
+  const now = {
+    done: "The floor is swept, and it is back where it started",
+    away: "The floor is swept; the way back is blocked",
+    flat: "Its battery is empty; it stands",
+  };
   return `${now[doing] ?? `Sweeping: ${doing}`}. ${fixed(100 * once, 1)} % of the floor that it can reach is swept, ${fixed(100 * twice, 1)} % twice or more.`;
 }
 
