@@ -240,7 +240,14 @@ impl<F: MapFlash> Keeper<F> {
         let record = bytes.and_then(|bytes| Record::whole(bytes).ok());
         let position_m = [slam.state_mean(0), slam.state_mean(1)];
         let readings = record.as_ref().map_or([0; 2], |record| agreement(report, record.frame().next_id));
-        let step = Step { position_m, travelled_m, readings, elsewhere: slam.elsewhere(), is_docked };
+        let step = Step {
+            position_m,
+            travelled_m,
+            readings,
+            elsewhere: slam.elsewhere(),
+            is_docked,
+            before_dock_m: slam.before_dock_m(),
+        };
         match locator.step(&*slam, record.as_ref().map(|record| record as &dyn Kept), &step, COMPARISONS) {
             Some(Event::Found(found)) => {
                 if record.is_some_and(|record| slam.take_up(&record, &found).is_ok()) {

@@ -26,6 +26,7 @@ mod tests;
 mod agreement;
 mod copy;
 mod crossings;
+mod dock;
 mod extents;
 mod fresh;
 mod joint;

@@ -16,6 +16,7 @@ use slam_core::{Elsewhere, Match, Pose, SecondCopy};
 
 use crate::agreement::Agreement;
 use crate::copy;
+use crate::dock::DockTries;
 use crate::odds::{self, Displaced, Verdict};
 use crate::search::{Hypothesis, Progress, Search};
 use crate::{PATH_POINTS, POINTS_M};
@@ -87,6 +88,8 @@ pub struct Step {
     pub elsewhere: Elsewhere,
     /// It stands in a dock.
     pub is_docked: bool,
+    /// It looks to its map's dock from so far straight in front of it, metres.
+    pub before_dock_m: Option<f32>,
 }
 
 /// How a fresh map lies in the kept one.
@@ -135,6 +138,7 @@ pub struct Locator {
     claim: Option<Hypothesis>,
     agreement: Agreement,
     counted_m: f32,
+    dock: DockTries,
     verdict: Option<Verdict>,
 }
 
@@ -155,6 +159,7 @@ impl Locator {
             claim: None,
             agreement: Agreement::NEW,
             counted_m: 0.0,
+            dock: DockTries::NONE,
             verdict: None,
         };
         locator.restart(state);
@@ -168,6 +173,7 @@ impl Locator {
         self.next_search_m = 2.0 * SEARCH_EVERY_M;
         self.trail.clear();
         (self.is_searching, self.begun) = (false, Begun::Anywhere);
+        self.dock = DockTries::NONE;
         (self.claim, self.verdict) = (None, None);
         self.agreement = Agreement::NEW;
     }
@@ -196,6 +202,7 @@ impl Locator {
     /// of two matches may be made now. Where there is something to do, it is taken for done.
     pub fn step(&mut self, own: &dyn Kept, kept: Option<&dyn Kept>, step: &Step, comparisons: u32) -> Option<Event> {
         self.path_m += step.travelled_m;
+        self.dock.step(step.is_docked, step.before_dock_m);
         let Some(kept) = kept else { return self.watch(own, step.elsewhere.since, comparisons) };
         if self.state == State::Searching {
             if step.is_docked && kept.frame().has_dock && self.begun != Begun::Docked {
@@ -262,8 +269,9 @@ impl Locator {
             return None;
         }
         self.is_searching = false;
-        let found = self.judge(&self.search.verdict()?)?;
-        self.claim = None;
+        // A robot whose home is in its map twice is elsewhere in it.
+        let found = self.judge(&self.search.verdict()?, self.dock.log_odds())?;
+        (self.claim, self.dock) = (None, DockTries::NONE);
         let found = copy::in_older(&parts, found);
         Some(Event::Copied(copy::with_those_between(&copy, &found), found))
     }
@@ -322,12 +330,12 @@ impl Locator {
         }
         self.is_searching = false;
         self.verdict = self.search.verdict();
-        self.judge(&self.verdict?)
+        self.judge(&self.verdict?, 0.0)
     }
 
-    /// Whether a place can be claimed: the search before found it, too.
-    fn judge(&mut self, verdict: &Verdict) -> Option<Match> {
-        let sure = (verdict.log_odds >= CLAIM).then_some(verdict.best);
+    /// Whether a place can be claimed, where so much besides speaks for it: the search before found it, too.
+    fn judge(&mut self, verdict: &Verdict, besides: f32) -> Option<Match> {
+        let sure = (verdict.log_odds + besides >= CLAIM).then_some(verdict.best);
         let before = core::mem::replace(&mut self.claim, sure);
         sure.filter(|best| before.is_some_and(|before| before.is_same_place(best)))?.to_match()
     }

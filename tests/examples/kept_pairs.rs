@@ -182,6 +182,7 @@ impl<'m> Stranger<'m> {
             readings: [0; 2],
             elsewhere: Elsewhere::default(),
             is_docked: false,
+            before_dock_m: None,
         };
         let before = self.locator.verdict().copied();
         if let Some(Event::Found(_)) = self.locator.step(slam, Some(self.record), &step, u32::MAX) {

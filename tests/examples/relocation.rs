@@ -203,8 +203,14 @@ fn carry_there(there: &Home, kept: &Home, homes: &[Home], sensors: usize, seed: 
                 carry.other.add(&verdict, false);
             }
         }
-        let step =
-            Step { position_m, travelled_m, readings: [0; 2], elsewhere: Elsewhere::default(), is_docked: false };
+        let step = Step {
+            position_m,
+            travelled_m,
+            readings: [0; 2],
+            elsewhere: Elsewhere::default(),
+            is_docked: false,
+            before_dock_m: None,
+        };
         if let Some(Event::Found(found)) = locator.step(&*slam, Some(kept.kept.slam()), &step, u32::MAX) {
             slam.take_up(kept.kept.slam(), &found).expect("a map to go on in");
             carry.claimed_m = Some(path_m);

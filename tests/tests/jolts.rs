@@ -49,6 +49,7 @@ fn lost_in_kept(plan: &Plan, kept: &HostSlam, seed: u64) -> (Option<f64>, u32) {
                 readings: agreement(report, kept.frame().next_id),
                 elsewhere: slam.elsewhere(),
                 is_docked: false,
+                before_dock_m: None,
             },
             u32::MAX,
         ) {

@@ -56,6 +56,7 @@ fn main() -> ! {
             readings: [0, 0],
             elsewhere: Elsewhere::default(),
             is_docked: false,
+            before_dock_m: None,
         };
         let was_searching = locator.is_searching();
         let (event, cost) = bench.measure(|| locator.step(&*slam, Some(&record), &step, COMPARISONS));

@@ -265,6 +265,7 @@ impl Life {
             readings: record.as_ref().map_or([0; 2], |record| agreement(report, record.frame().next_id)),
             elsewhere: slam.elsewhere(),
             is_docked: self.is_docked,
+            before_dock_m: slam.before_dock_m(),
         };
         let before = self.locator.verdict().copied();
         let event = self.locator.step(&*slam, record.as_ref().map(|record| record as &dyn Kept), &step, AT_ONCE);

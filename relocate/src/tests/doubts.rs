@@ -20,6 +20,7 @@ fn drive(locator: &mut Locator, steps: usize, readings: [u8; 2], log_odds: f32) 
         readings,
         elsewhere: Elsewhere { log_odds, since: None },
         is_docked: false,
+        before_dock_m: None,
     };
     (0..steps).find_map(|number| locator.step(&map, Some(&map), &step(number), 0))
 }
@@ -51,6 +52,7 @@ fn a_searching_robot_that_comes_to_stand_in_a_dock_begins_its_fresh_map_there_on
         readings: [0; 2],
         elsewhere: Elsewhere::default(),
         is_docked,
+        before_dock_m: None,
     };
     let mut locator = Locator::new(State::Searching);
     let mut events = |docked: &[bool]| -> Vec<Option<Event>> {

@@ -86,9 +86,7 @@ impl<const S: usize> FloorJob<S> {
 
     /// Into the dock from the place in front of it.
     pub(super) fn begin_docking(&mut self, now_us: u64) {
-        // Where no walls told it more since the round before, the middle has been tried.
-        let tries = self.rounds % 2;
-        self.begin(Phase::Dock { stage: Stage::Staging, tries }, now_us);
+        self.begin(Phase::Dock { stage: Stage::Staging, tries: 0 }, now_us);
     }
 
     /// One step of docking.
@@ -167,13 +165,13 @@ impl<const S: usize> FloorJob<S> {
         [0.0, self.round_m(), -self.round_m()].get(usize::from(tries)).copied().unwrap_or(0.0)
     }
 
-    /// The next try of the round; after the round it comes anew, every second time from farther along the walls, which tell it where it is.
+    /// The next try of the round; after the round it comes anew from farther along the walls, which tell it where it is.
     fn try_at(&mut self, stage: Stage, tries: u8, now_us: u64) {
         if tries < TRIES {
             self.begin(Phase::Dock { stage, tries }, now_us);
         } else if self.rounds + 1 < ROUNDS {
             self.rounds += 1;
-            self.come_again(self.rounds.is_multiple_of(2), now_us);
+            self.come_again(true, now_us);
         } else {
             self.begin(Phase::Over { is_home: false }, now_us);
         }

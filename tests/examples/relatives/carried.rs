@@ -132,8 +132,14 @@ fn carry(home: &Home, seed: u64) -> [f64; FIGURES.len()] {
             return tracked.squares[0].len() < AFTER || path_m < ENOUGH_M;
         }
         let position_m = [slam.state_mean(0), slam.state_mean(1)];
-        let step =
-            Step { position_m, travelled_m, readings: [0; 2], elsewhere: Elsewhere::default(), is_docked: false };
+        let step = Step {
+            position_m,
+            travelled_m,
+            readings: [0; 2],
+            elsewhere: Elsewhere::default(),
+            is_docked: false,
+            before_dock_m: None,
+        };
         if let Some(Event::Found(found)) = locator.step(&*slam, Some(&*home.kept), &step, u32::MAX) {
             slam.take_up(&*home.kept, &found).expect("a map to go on in");
             let pose = to_pose(&slam.pose().into());
