@@ -92,6 +92,14 @@ pub struct Step {
     pub before_dock_m: Option<f32>,
 }
 
+impl Step {
+    /// Of a robot of which nothing else is known: where it is in the filter's frame and how far it went, metres.
+    pub fn moved(position_m: [f32; 2], travelled_m: f32) -> Self {
+        let (readings, elsewhere) = ([0; 2], Elsewhere::default());
+        Self { position_m, travelled_m, readings, elsewhere, is_docked: false, before_dock_m: None }
+    }
+}
+
 /// How a fresh map lies in the kept one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Begun {

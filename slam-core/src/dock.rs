@@ -6,8 +6,8 @@ use crate::slam::Slam;
 /// A dock so near to where the first drive started is where it started, metres: it forgives three centimetres, and the pose is known to one.
 const SAME_PLACE_M: f32 = 0.06;
 
-/// Straight in front of the dock is what is so near to the line out of it, metres, and looks so nearly along it, radians: wider than any try to
-/// get into it, and nothing that a robot does that turns about before a wall.
+/// Straight in front of the dock is what is so near to the line out of it, metres, and looks so nearly along it, radians. Tries to get into it
+/// begin on that line, and go farther aside only where some were in vain.
 const BESIDE_M: f32 = 0.3;
 const ASKEW_RAD: f32 = 0.3;
 
@@ -29,9 +29,9 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
 
     /// How far the robot is before the dock that its map has, metres, where it looks to it from straight in front of it.
     pub fn before_dock_m(&self) -> Option<f32> {
-        let seen = self.start_pose().inverse().compose(&self.pose());
+        let seen = self.has_dock.then(|| self.start_pose().inverse().compose(&self.pose()))?;
         let is_in_front = seen.y_m.abs() < BESIDE_M && seen.theta_rad.abs() < ASKEW_RAD;
-        (self.has_dock && is_in_front).then_some(-seen.x_m)
+        is_in_front.then_some(-seen.x_m)
     }
 
     fn is_at_start(&self) -> bool {

@@ -6,7 +6,7 @@ use lab::evaluate::score::path;
 use lab::evaluate::statistics::{self, max, median};
 use lab::recording::{Pose2, Recording};
 use relocate::{Event, Locator, State, Step};
-use slam_core::{Config, Elsewhere, HostSlam};
+use slam_core::{Config, HostSlam};
 use tests::real_logs::{CORRIDOR, CORRIDOR_5, DRONE_8, DRONE_12, FREIBURG, FREIBURG_WHEELS, HALLWAYS, INTEL, RealLog};
 use tests::trial::{Driven, LoadedLog, NOISES, Trial};
 
@@ -176,14 +176,7 @@ impl<'m> Stranger<'m> {
             self.locator.lost();
         }
         let position_m = [slam.state_mean(0), slam.state_mean(1)];
-        let step = Step {
-            position_m,
-            travelled_m: travelled_m as f32,
-            readings: [0; 2],
-            elsewhere: Elsewhere::default(),
-            is_docked: false,
-            before_dock_m: None,
-        };
+        let step = Step::moved(position_m, travelled_m as f32);
         let before = self.locator.verdict().copied();
         if let Some(Event::Found(_)) = self.locator.step(slam, Some(self.record), &step, u32::MAX) {
             self.found += 1;

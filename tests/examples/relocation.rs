@@ -11,7 +11,7 @@ use lab::evaluate::statistics::{mean, median};
 use lab::input::rig_file::Robot;
 use lab::run::{Drive, Session};
 use relocate::{Event, Locator, PATH_POINTS, Progress, Search, State, Step, Verdict};
-use slam_core::{Config, Elsewhere, HostSlam, angle};
+use slam_core::{Config, HostSlam, angle};
 use tests::carries::{Driven, carried, drive, rig};
 
 const HOMES: [&str; 6] = ["room", "l-shape", "flat", "corridor-loop", "clutter", "diagonal"];
@@ -203,14 +203,7 @@ fn carry_there(there: &Home, kept: &Home, homes: &[Home], sensors: usize, seed: 
                 carry.other.add(&verdict, false);
             }
         }
-        let step = Step {
-            position_m,
-            travelled_m,
-            readings: [0; 2],
-            elsewhere: Elsewhere::default(),
-            is_docked: false,
-            before_dock_m: None,
-        };
+        let step = Step::moved(position_m, travelled_m);
         if let Some(Event::Found(found)) = locator.step(&*slam, Some(kept.kept.slam()), &step, u32::MAX) {
             slam.take_up(kept.kept.slam(), &found).expect("a map to go on in");
             carry.claimed_m = Some(path_m);

@@ -44,12 +44,9 @@ fn lost_in_kept(plan: &Plan, kept: &HostSlam, seed: u64) -> (Option<f64>, u32) {
             &*slam,
             Some(kept),
             &Step {
-                position_m,
-                travelled_m,
                 readings: agreement(report, kept.frame().next_id),
                 elsewhere: slam.elsewhere(),
-                is_docked: false,
-                before_dock_m: None,
+                ..Step::moved(position_m, travelled_m)
             },
             u32::MAX,
         ) {

@@ -5,7 +5,7 @@ use hal_sim::{Plan, Pose2, plan_file};
 use kept_map::{Record, Writer, rig_hash};
 use relocate::{Event, Locator, State, Step};
 use slam_core::kept::Kept;
-use slam_core::{Elsewhere, HostSlam, Unfit};
+use slam_core::{HostSlam, Unfit};
 use tests::carries::{Driven, carried, drive, rig};
 
 fn home(name: &str) -> Plan {
@@ -39,14 +39,7 @@ fn search(there: &Plan, map_of: &Plan, kept: &HostSlam, seed: u64, seconds: f64)
     drive(&carried(there, seed), &rig(8), seconds, seed, |Driven { slam, path_m, in_plan, .. }| {
         let position_m = [slam.state_mean(0), slam.state_mean(1)];
         let travelled_m = (path_m - std::mem::replace(&mut last_m, path_m)) as f32;
-        let step = Step {
-            position_m,
-            travelled_m,
-            readings: [0; 2],
-            elsewhere: Elsewhere::default(),
-            is_docked: false,
-            before_dock_m: None,
-        };
+        let step = Step::moved(position_m, travelled_m);
         let Some(Event::Found(place)) = locator.step(&*slam, Some(kept), &step, u32::MAX) else { return true };
         slam.take_up(kept, &place).expect("a map to go on in");
         let (estimate, truth) = (slam.estimate(), map_of.start.relative(&in_plan));

@@ -11,7 +11,7 @@ use home::{Drive, rig};
 use instruction_count::{Bench, finish};
 use kept_map::{Record, Writer};
 use relocate::{COMPARISONS, Locator, State, Step};
-use slam_core::{Config, Elsewhere, RobotSlam};
+use slam_core::{Config, RobotSlam};
 use static_cell::ConstStaticCell;
 
 static ESTIMATOR: ConstStaticCell<RobotSlam> = ConstStaticCell::new(RobotSlam::IDLE);
@@ -50,14 +50,7 @@ fn main() -> ! {
     let (mut search, mut full, mut slice) = (0_u32, 0, 0);
     for _ in 0..SEARCHED_STEPS {
         slam.step(&home.next(false));
-        let step = Step {
-            position_m: [slam.state_mean(0), slam.state_mean(1)],
-            travelled_m: 0.02,
-            readings: [0, 0],
-            elsewhere: Elsewhere::default(),
-            is_docked: false,
-            before_dock_m: None,
-        };
+        let step = Step::moved([slam.state_mean(0), slam.state_mean(1)], 0.02);
         let was_searching = locator.is_searching();
         let (event, cost) = bench.measure(|| locator.step(&*slam, Some(&record), &step, COMPARISONS));
         search = if was_searching { search.saturating_add(cost) } else { cost };

@@ -15,12 +15,9 @@ const STEP_M: f32 = 0.06;
 fn drive(locator: &mut Locator, steps: usize, readings: [u8; 2], log_odds: f32) -> Option<Event> {
     let map = Map { bend_m: 0.0, sigma_m: 0.0, is_common: true };
     let step = |number| Step {
-        position_m: [STEP_M * number as f32, 0.0],
-        travelled_m: STEP_M,
         readings,
         elsewhere: Elsewhere { log_odds, since: None },
-        is_docked: false,
-        before_dock_m: None,
+        ..Step::moved([STEP_M * number as f32, 0.0], STEP_M)
     };
     (0..steps).find_map(|number| locator.step(&map, Some(&map), &step(number), 0))
 }
@@ -46,14 +43,7 @@ fn a_claim_is_revoked_by_readings_alone() {
 #[test]
 fn a_searching_robot_that_comes_to_stand_in_a_dock_begins_its_fresh_map_there_once() {
     let map = Map { bend_m: 0.0, sigma_m: 0.0, is_common: true };
-    let step = |is_docked| Step {
-        position_m: [0.0; 2],
-        travelled_m: 0.0,
-        readings: [0; 2],
-        elsewhere: Elsewhere::default(),
-        is_docked,
-        before_dock_m: None,
-    };
+    let step = |is_docked| Step { is_docked, ..Step::moved([0.0; 2], 0.0) };
     let mut locator = Locator::new(State::Searching);
     let mut events = |docked: &[bool]| -> Vec<Option<Event>> {
         docked.iter().map(|is_docked| locator.step(&map, Some(&map), &step(*is_docked), 0)).collect()

@@ -207,8 +207,12 @@ impl<const S: usize> FloorJob<S> {
         (0.0, 0.0)
     }
 
-    /// Whether the battery is empty.
-    pub(super) fn is_empty(&self) -> bool {
+    /// Whether it is over for want of charge: home without a dock to charge in, or on the way with an empty battery.
+    pub(super) fn is_flat(&self, is_home: bool) -> bool {
+        if is_home { self.errand == Errand::Recharge } else { self.is_empty() }
+    }
+
+    fn is_empty(&self) -> bool {
         self.battery_v < self.config.empty_v
     }
 
@@ -216,6 +220,10 @@ impl<const S: usize> FloorJob<S> {
     /// about to touch the dock.
     pub(super) fn watch_battery(&mut self, condition: &Condition, now_us: u64) {
         let Some(battery_v) = condition.battery_v.filter(|battery_v| battery_v.is_finite()) else { return };
+        // A job that has not begun has no home to go to.
+        if self.home.is_none() {
+            return;
+        }
         if self.battery_v.is_nan() {
             self.battery_v = battery_v;
         }
@@ -225,10 +233,10 @@ impl<const S: usize> FloorJob<S> {
         let is_docking = matches!(self.phase, Phase::Dock { stage: Stage::Approaching | Stage::Pressing, .. });
         if is_driving && !is_docking && !condition.is_charging && self.is_empty() {
             self.errand = Errand::Recharge;
-            self.begin(Phase::Over { is_home: false }, now_us);
+            return self.begin(Phase::Over { is_home: false }, now_us);
         }
-        let is_sweeping = is_driving && self.phase != Phase::Lost;
-        if self.errand.is_to_sweep() && self.battery_v < self.config.low_v && is_sweeping {
+        let is_sweeping = is_driving && self.phase != Phase::Lost && self.errand.is_to_sweep();
+        if is_sweeping && self.battery_v < self.config.low_v {
             self.errand = Errand::Recharge;
             if condition.is_charging {
                 self.begin(Phase::Charge, now_us);

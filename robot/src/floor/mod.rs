@@ -234,10 +234,9 @@ impl<const S: usize> FloorJob<S> {
             Phase::Paused => FloorState::Paused,
             Phase::Lost => FloorState::Lost,
             Phase::Held => FloorState::Held,
-            Phase::Over { is_home: true } if self.errand == Errand::Recharge => FloorState::Flat,
+            Phase::Over { is_home } if self.is_flat(is_home) => FloorState::Flat,
             Phase::Over { is_home: true } if self.areas.missed != 0 => FloorState::Unreached,
             Phase::Over { is_home: true } => FloorState::Done,
-            Phase::Over { is_home: false } if self.is_empty() => FloorState::Flat,
             Phase::Over { is_home: false } => FloorState::Away,
         }
     }
@@ -259,9 +258,7 @@ impl<const S: usize> FloorJob<S> {
         if !(pose.x_m.is_finite() && pose.y_m.is_finite() && pose.theta_rad.is_finite()) {
             return WheelSpeeds::STOP;
         }
-        if self.home.is_some() {
-            self.watch_battery(&senses.condition, senses.time_us);
-        }
+        self.watch_battery(&senses.condition, senses.time_us);
         if !self.is_located(senses) {
             return self.find_oneself(senses);
         }

@@ -43,7 +43,7 @@ pub enum FloorState {
     Lost,
     /// Held: its wheels turn or stall and it does not move.
     Held,
-    /// Its battery is nearly empty, with floor left to sweep: back where it started, where there is no dock, or on the way, where it is empty.
+    /// Its battery is nearly empty: back where it started, with floor left to sweep and no dock; or empty, and it stands on the way.
     Flat,
     /// Done, and back.
     Done,

@@ -13,7 +13,7 @@ use relatives::geometry::{Line, Pose, Segment};
 use relatives::known::Known;
 use relatives::rows::range_hough::RangeHough;
 use relocate::{Event, Locator, State, Step};
-use slam_core::{Elsewhere, HostSlam};
+use slam_core::HostSlam;
 use tests::carries::{Driven, SENSORS, carried, drive, rig};
 
 use crate::grid::{Belief, Localiser, is_same};
@@ -132,14 +132,7 @@ fn carry(home: &Home, seed: u64) -> [f64; FIGURES.len()] {
             return tracked.squares[0].len() < AFTER || path_m < ENOUGH_M;
         }
         let position_m = [slam.state_mean(0), slam.state_mean(1)];
-        let step = Step {
-            position_m,
-            travelled_m,
-            readings: [0; 2],
-            elsewhere: Elsewhere::default(),
-            is_docked: false,
-            before_dock_m: None,
-        };
+        let step = Step::moved(position_m, travelled_m);
         if let Some(Event::Found(found)) = locator.step(&*slam, Some(&*home.kept), &step, u32::MAX) {
             slam.take_up(&*home.kept, &found).expect("a map to go on in");
             let pose = to_pose(&slam.pose().into());
