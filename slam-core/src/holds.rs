@@ -16,7 +16,7 @@ use crate::geometry::pose::Pose;
 use crate::holds::stillness::{HELD, Stillness, log_odds_of_staying};
 use crate::jolts::confirmation::Confirmation;
 use crate::jolts::recent::{self, Recent};
-use crate::jolts::search::{Displacement, SLIP, Scene};
+use crate::jolts::search::{SLIP, Scene};
 use crate::measurement::beam::Beam;
 use crate::measurement::data_association::{CHANGES, change, density};
 use crate::measurement::sensor::Sensor;
@@ -329,7 +329,7 @@ impl<const S: usize> Holds<S> {
         let stayed = recent.standing_since(confirmation.onset(), &correction.pose);
         let pairs = stayed.iter().map(|sighting| sighting.beam).zip(&moved);
         let stands = scene.said(pairs, correction.sigma);
-        let slipped = if stands > 0.0 { scene.improve(&moved, &Displacement::start(0), &SLIP).log_odds } else { 0.0 };
+        let slipped = if stands > 0.0 { scene.improve(&moved, &SLIP).log_odds } else { 0.0 };
         let said = stands - slipped.max(0.0);
         // A robot taken to stand where it drives is silently wrong; one whose hold is found a little later is not.
         let is_held = confirmation.verdict(said, CONFIRMED)? && self.stillness.is_witnessed();

@@ -2,17 +2,19 @@
 //!
 //! A jolt shows in readings that miss their walls all at once: a sensor that comes to the end of a wall, to a chair or to a
 //! person does so alone. Where several turn from hits to misses together, the readings since are held against the map twice,
-//! with the pose as it is and with the displaced one under which they fit best, and none of them is used meanwhile. The
-//! robot is taken to be displaced where that is so much likelier that no chance of an hour explains it (a generalised
-//! likelihood ratio test for jumps, Willsky and Jones 1976, with the likelihood of readings that may be of anything).
+//! with the pose as it is and with the displaced one under which they fit best, and none of them is used meanwhile. A robot
+//! that saw no wall when it was displaced, or one or two, has nothing to turn: so one is looked for, too, beside the filter that goes on,
+//! where half of the last readings fit no wall. The robot is taken to be displaced where that is so much likelier that no chance
+//! of an hour explains it (a generalised likelihood ratio test for jumps, Willsky and Jones 1976, with the likelihood of
+//! readings that may be of anything).
 
 pub mod confirmation;
 pub mod recent;
 pub mod search;
 
 use crate::jolts::confirmation::{Confirmation, SURE, TRIAL_S};
-use crate::jolts::recent::{Moment, Recent, Seen};
-use crate::jolts::search::{Displacement, JOLT, STARTS, Scene, WALL_SAYS};
+use crate::jolts::recent::{Moment, READINGS, Recent, Seen};
+use crate::jolts::search::{Displacement, Improvement, JOLT, STARTS, Scene, WALL_SAYS, are_apart};
 use crate::measurement::data_association::change;
 use crate::motion::step::Step;
 use crate::report::Outcome;
@@ -58,14 +60,31 @@ struct Trial {
     told: f32,
     /// For how long, seconds.
     for_s: f32,
-    /// The next start of the search.
-    start: u16,
-    /// The best displacement of this round.
-    best: Displacement,
-    /// Log odds of the best of this round's others.
+    stage: Stage,
+}
+
+/// How far a trial has come.
+#[derive(Clone, Copy, Debug)]
+enum Stage {
+    /// A displacement is looked for, and readings are used meanwhile.
+    Aside(Round),
+    /// The same, and none is used.
+    Searching(Round),
+    /// One was found where the robot was then, metres, and waits for its confirmation.
+    Found(Displacement, [f32; 2], Confirmation),
+}
+
+/// A search from every start.
+#[derive(Clone, Copy, Debug)]
+struct Round {
+    /// Number of starts that were searched from.
+    starts: u8,
+    /// The search from the next one, and last from the best.
+    improvement: Improvement,
+    /// The best displacement so far, and the log of its odds.
+    best: ([f32; 3], f32),
+    /// Log odds of the best of the others.
     other: f32,
-    /// Where the robot was, metres, when the best was found likely enough, and the wait for its confirmation; none until then.
-    found: Option<([f32; 2], Confirmation)>,
 }
 
 /// What speaks for a jolt, and the search for the displacement.
@@ -81,6 +100,8 @@ pub struct Jolts {
     before: Look,
     now: Look,
     trial: Option<Trial>,
+    /// Whether the last readings fitted a wall, a bit each, the last one lowest.
+    fitted: u32,
     /// Time that searches took beyond their share, seconds.
     taken_s: f32,
 }
@@ -98,6 +119,7 @@ impl Jolts {
             before: look,
             now: look,
             trial: None,
+            fitted: u32::MAX,
             taken_s: 0.0,
         }
     };
@@ -113,7 +135,9 @@ impl Jolts {
             self.between_m = core::mem::take(&mut self.moved_m);
             self.before = core::mem::take(&mut self.now);
         }
-        if let Some(trial) = &mut self.trial {
+        if let Some(trial) = &mut self.trial
+            && !trial.is_aside()
+        {
             self.taken_s += dt_s;
             trial.wait(dt_s, step, number);
         }
@@ -124,7 +148,7 @@ impl Jolts {
 
     /// Whether it is in doubt where the robot is, so that readings are not to be used.
     pub fn is_in_doubt(&self) -> bool {
-        self.trial.is_some()
+        self.trial.as_ref().is_some_and(|trial| !trial.is_aside())
     }
 
     /// Whether the sensor of this index is to be looked at now.
@@ -141,6 +165,9 @@ impl Jolts {
             Outcome::Updated { .. } => self.now.hit |= bit,
             Outcome::Gated { .. } => self.now.missed |= bit,
             _ => {}
+        }
+        if let Outcome::Updated { .. } | Outcome::Gated { .. } | Outcome::Unexplained = outcome {
+            self.fitted = self.fitted << 1 | u32::from(matches!(outcome, Outcome::Updated { .. }));
         }
     }
 
@@ -164,16 +191,19 @@ impl Jolts {
             return None;
         }
         let told = self.told();
-        let trial = Trial {
-            onset: self.begun,
-            told,
+        let stage = Stage::Searching(Round::NEW);
+        (told > self.worth()).then_some(Trial { onset: self.begun, told, for_s: 0.0, stage })
+    }
+
+    /// A reason to look for one beside the filter: half of the last readings fit no wall.
+    fn misfit(&self) -> Option<Trial> {
+        let fitted = self.fitted & ((1 << READINGS) - 1);
+        (2 * fitted.count_ones() < READINGS as u32).then_some(Trial {
+            onset: 0,
+            told: 0.0,
             for_s: 0.0,
-            start: 0,
-            best: Displacement::start(0),
-            other: f32::NEG_INFINITY,
-            found: None,
-        };
-        (told > self.worth()).then_some(trial)
+            stage: Stage::Aside(Round::NEW),
+        })
     }
 
     /// Log of the odds by sensors that change at once from which on a displacement is looked for now.
@@ -181,43 +211,50 @@ impl Jolts {
         if self.taken_s > AHEAD_S { WORTH_ALWAYS } else { WORTH }
     }
 
-    /// Goes on with the search where there is reason to: one of its starts a step. The displacement, once it is likely enough, and once
-    /// readings that it was not looked for in say so, too.
-    pub fn search(&mut self, scene: &Scene, moment: &Moment) -> Option<Displacement> {
+    /// Goes on with the search where there is reason to, by what a step has time for. The displacement, once it is likely enough, and once
+    /// readings that it was not looked for in say so, too. No reading `updated` the state in this step, or some did.
+    pub fn search(&mut self, scene: &Scene, moment: &Moment, updated: bool) -> Option<Displacement> {
+        if self.trial.as_ref().is_none_or(Trial::is_aside)
+            && let Some(trial) = self.suspect()
+        {
+            self.trial = Some(trial);
+            return None;
+        }
         // A step that updates with readings does not search, and one that searches does so once: each costs what it can.
-        let Some(trial) = &mut self.trial else {
-            self.trial = self.suspect();
+        if updated {
             return None;
+        }
+        if self.trial.is_none() {
+            self.trial = self.misfit();
+        }
+        let trial = self.trial.as_mut()?;
+        let readings = self.recent.since(trial.counts_from(), moment);
+        let round = match &mut trial.stage {
+            Stage::Found(best, [x_m, y_m], confirmation) => {
+                let found = best.seen_from([moment.map.x_m - *x_m, moment.map.y_m - *y_m]);
+                let said = scene.said_of(&readings, &found);
+                // With those that it was found by, as many as would do if one sensor were deceived.
+                let takes = RARE + SURE + WALL_SAYS - found.log_odds - trial.told;
+                // A robot that stands will not see other places, and where even the same ones speak against it, it is not so.
+                let is_so = confirmation.verdict(said, takes.max(0.0))? || confirmation.stands() && said >= -SURE;
+                self.give_up();
+                return is_so.then_some(found);
+            }
+            Stage::Aside(round) | Stage::Searching(round) => round,
         };
-        if let Some(([x_m, y_m], confirmation)) = trial.found {
-            let found = trial.best.seen_from([moment.map.x_m - x_m, moment.map.y_m - y_m]);
-            let readings = self.recent.since(confirmation.onset(), moment);
-            let said = scene.said_of(&readings, &found);
-            // With those that it was found by, as many as would do if one sensor were deceived.
-            let takes = RARE + SURE + WALL_SAYS - found.log_odds - trial.told;
-            // A robot that stands will not see other places, and where even the same ones speak against it, it is not so.
-            let is_so = confirmation.verdict(said, takes.max(0.0))? || confirmation.stands() && said >= -SURE;
-            self.give_up();
-            return is_so.then_some(found);
-        }
-        let readings = self.recent.since(trial.onset, moment);
-        let is_late = trial.for_s > TRIAL_S;
-        if usize::from(trial.start) < STARTS {
-            trial.rank(scene.improve(&readings, &Displacement::start(trial.start.into()), &JOLT));
-            trial.start += 1;
+        let found = scene.go_on(&readings, &mut round.improvement, &JOLT)?;
+        if usize::from(round.starts) < STARTS {
+            round.rank(&found);
             return None;
         }
-        // With the readings of the last steps.
-        let best = core::mem::replace(&mut trial.best, Displacement::start(0));
-        let best = scene.improve(&readings, &best, &JOLT);
-        let other = core::mem::replace(&mut trial.other, f32::NEG_INFINITY);
-        trial.start = 0;
-        let log_odds = best.log_odds + trial.told;
-        let is_sure = log_odds > RARE + SURE && best.log_odds > other + SURE && best.is_apart_from(&Displacement::NONE);
+        // The best, with the readings of the last steps.
+        let log_odds = found.log_odds + trial.told;
+        let is_sure = log_odds > RARE + SURE && found.log_odds > round.other + SURE && are_apart(&found.by, &[0.0; 3]);
+        *round = Round::NEW;
         if is_sure {
-            trial.best = best;
-            trial.found = Some(([moment.map.x_m, moment.map.y_m], Confirmation::since(trial.onset)));
-        } else if is_late || log_odds < SURE {
+            let since = Confirmation::since(trial.onset);
+            trial.stage = Stage::Found(found, [moment.map.x_m, moment.map.y_m], since);
+        } else if trial.is_aside() || trial.for_s > TRIAL_S || log_odds < SURE {
             self.give_up();
         }
         None
@@ -225,8 +262,10 @@ impl Jolts {
 
     /// Ends the search, if there is one.
     fn give_up(&mut self) {
+        if self.is_in_doubt() {
+            self.now = Look::default();
+        }
         self.trial = None;
-        self.now = Look::default();
     }
 
     /// The readings of the last moments.
@@ -236,21 +275,46 @@ impl Jolts {
 }
 
 impl Trial {
-    /// Time goes on.
-    fn wait(&mut self, dt_s: f32, step: &Step, number: u32) {
-        match &mut self.found {
-            Some((_, confirmation)) => confirmation.wait(dt_s, step, number),
-            None => self.for_s += dt_s,
+    /// Whether readings are used meanwhile.
+    fn is_aside(&self) -> bool {
+        matches!(self.stage, Stage::Aside(_))
+    }
+
+    /// Step since which readings say something.
+    fn counts_from(&self) -> u32 {
+        match &self.stage {
+            Stage::Found(.., confirmation) => confirmation.onset(),
+            Stage::Aside(_) | Stage::Searching(_) => self.onset,
         }
     }
 
-    /// Keeps the best displacement of this round, and how likely the best of the others is.
-    fn rank(&mut self, found: Displacement) {
-        let best = self.best;
-        let [better, worse] = if found.log_odds > best.log_odds { [found, best] } else { [best, found] };
-        if better.is_apart_from(&worse) {
-            self.other = self.other.max(worse.log_odds);
+    /// Time goes on.
+    fn wait(&mut self, dt_s: f32, step: &Step, number: u32) {
+        match &mut self.stage {
+            Stage::Found(.., confirmation) => confirmation.wait(dt_s, step, number),
+            Stage::Aside(_) | Stage::Searching(_) => self.for_s += dt_s,
+        }
+    }
+}
+
+impl Round {
+    /// None was searched from.
+    const NEW: Self = Self {
+        starts: 0,
+        improvement: Improvement::from([0.0; 3]),
+        best: ([0.0; 3], f32::NEG_INFINITY),
+        other: f32::NEG_INFINITY,
+    };
+
+    /// Keeps the best displacement, and how likely the best of the others is. On with the next start, and last with the best.
+    fn rank(&mut self, found: &Displacement) {
+        let (found, best) = ((found.by, found.log_odds), self.best);
+        let [better, worse] = if found.1 > best.1 { [found, best] } else { [best, found] };
+        if are_apart(&better.0, &worse.0) {
+            self.other = self.other.max(worse.1);
         }
         self.best = better;
+        self.starts += 1;
+        self.improvement = Improvement::from_start(self.starts.into()).unwrap_or(Improvement::from(better.0));
     }
 }

@@ -47,6 +47,12 @@ pub const STARTS: usize = 7;
 /// what sensors have (graduated non-convexity, Blake and Zisserman 1987).
 const ROUNDS_M: [f32; 6] = [0.12, 0.08, 0.05, 0.02, 0.0, 0.0];
 
+/// So many readings are held against so many walls in a step, one with another: twenty against sixty-four, four times.
+const STEP_HOLDS: usize = 4 * READINGS * 64;
+
+/// The last round and the odds after it take as much as so many others.
+const LAST_ROUNDS: usize = 3;
+
 /// A wall met so little beyond its end is met.
 const BEYOND_END_M: f32 = 0.05;
 
@@ -62,38 +68,48 @@ pub struct Displacement {
 }
 
 impl Displacement {
-    /// None, by which nothing is likelier or less.
-    pub const NONE: Self = Self { by: [0.0; 3], covariance: [[0.0; 3]; 3], log_odds: 0.0 };
-
-    /// Whether it is another one than this: beyond what both are known to.
-    pub fn is_apart_from(&self, other: &Self) -> bool {
-        let [x, y, turn] = core::array::from_fn(|i| (self.by[i] - other.by[i]).abs());
-        x.max(y) > APART.0 || turn > APART.1
-    }
-
-    /// Where the search begins for the `start`th time.
-    pub fn start(start: usize) -> Self {
-        let turn_rad = 0.1 * TURNS.get(start).copied().unwrap_or_default();
-        Self { by: [0.0, 0.0, turn_rad], covariance: [[0.0; 3]; 3], log_odds: f32::NEG_INFINITY }
-    }
-
     /// The same displacement about a robot that moved on by so much in the map, metres, since.
     pub fn seen_from(&self, moved_m: [f32; 2]) -> Self {
         let [x_m, y_m, turn_rad] = self.by;
         let ((s, c), [x, y]) = (sin_cos(turn_rad), moved_m);
         Self { by: [x_m + (c - 1.0) * x - s * y, y_m + s * x + (c - 1.0) * y, turn_rad], ..*self }
     }
+}
 
-    /// The beam of a robot that was displaced so.
-    fn of(&self, sighting: &Sighting) -> Beam {
-        let [x_m, y_m, turn_rad] = self.by;
-        let (s, c) = sin_cos(turn_rad);
-        let rotate = |[x, y]: [f32; 2]| [c * x - s * y, s * x + c * y];
-        let Beam { arm, origin, direction } = sighting.beam;
-        let turned = rotate(arm);
-        let origin = [origin[0] - arm[0] + x_m + turned[0], origin[1] - arm[1] + y_m + turned[1]];
-        Beam { arm: turned, origin, direction: rotate(direction) }
+/// Whether two displacements, metres, metres and radians, are two: beyond what both are known to.
+pub fn are_apart(a: &[f32; 3], b: &[f32; 3]) -> bool {
+    let [x, y, turn] = core::array::from_fn(|i| (a[i] - b[i]).abs());
+    x.max(y) > APART.0 || turn > APART.1
+}
+
+/// The search for a displacement, as far as it has come.
+#[derive(Clone, Copy, Debug)]
+pub struct Improvement {
+    by: [f32; 3],
+    round: u8,
+}
+
+impl Improvement {
+    /// From this displacement on.
+    pub const fn from(by: [f32; 3]) -> Self {
+        Self { by, round: 0 }
     }
+
+    /// From where a search begins for the `start`th time; none where it began as often as it does.
+    pub fn from_start(start: usize) -> Option<Self> {
+        TURNS.get(start).map(|turn| Self::from([0.0, 0.0, 0.1 * turn]))
+    }
+}
+
+/// The beam of a robot that was displaced by so much.
+fn displaced(sighting: &Sighting, by: &[f32; 3]) -> Beam {
+    let [x_m, y_m, turn_rad] = *by;
+    let (s, c) = sin_cos(turn_rad);
+    let rotate = |[x, y]: [f32; 2]| [c * x - s * y, s * x + c * y];
+    let Beam { arm, origin, direction } = sighting.beam;
+    let turned = rotate(arm);
+    let origin = [origin[0] - arm[0] + x_m + turned[0], origin[1] - arm[1] + y_m + turned[1]];
+    Beam { arm: turned, origin, direction: rotate(direction) }
 }
 
 /// The map that readings are held against.
@@ -158,35 +174,64 @@ impl Said {
 }
 
 impl Scene<'_> {
-    /// The displacement near this one under which the readings fit best, by Gauss and Newton's method with each reading
-    /// weighed by the probability that it is the wall's. Such displacements are of this size, 1-sigma.
-    pub fn improve(&self, readings: &[Sighting], from: &Displacement, size: &[f32; 3]) -> Displacement {
-        let mut found = *from;
+    /// The displacement near none under which the readings fit best. Such displacements are of this size, 1-sigma.
+    pub fn improve(&self, readings: &[Sighting], size: &[f32; 3]) -> Displacement {
+        let mut improvement = Improvement::from([0.0; 3]);
+        loop {
+            if let Some(found) = self.go_on(readings, &mut improvement, size) {
+                return found;
+            }
+        }
+    }
+
+    /// Goes on by what a step has time for towards the displacement under which the readings fit best, by Gauss and Newton's method with each
+    /// reading weighed by the probability that it is the wall's. Such displacements are of this size, 1-sigma. The displacement once it is there.
+    pub fn go_on(&self, readings: &[Sighting], from: &mut Improvement, size: &[f32; 3]) -> Option<Displacement> {
         let grid = ManhattanFrame::of(self.ekf);
-        for round_m in ROUNDS_M {
-            let mut information = prior(size);
-            let mut gradient: [f32; 3] = core::array::from_fn(|i| -information[i][i] * found.by[i]);
-            for sighting in readings {
-                let Some(held) = self.hold(&grid, &sighting.seen, &found.of(sighting), round_m) else { continue };
-                let [fits, anything] = self.likelihoods(&held, sighting);
-                let weight = fits / (fits + anything) / held.variance_m2;
-                let [by_x, by_y] = held.prediction.by_position;
-                let by = [by_x, by_y, held.prediction.by_heading];
-                for ((row, slope), by_i) in information.iter_mut().zip(&mut gradient).zip(by) {
-                    *slope += weight * by_i * held.innovation_m;
-                    for (entry, by_j) in row.iter_mut().zip(by) {
-                        *entry += weight * by_i * by_j;
-                    }
+        let held = readings.len().max(1) * self.map.walls().len().max(1);
+        let mut left = (STEP_HOLDS / held).max(LAST_ROUNDS);
+        while let Some((&round_m, after)) = ROUNDS_M.get(usize::from(from.round)..).and_then(<[f32]>::split_first) {
+            let takes = if after.is_empty() { LAST_ROUNDS } else { 1 };
+            left = left.checked_sub(takes)?;
+            let covariance = self.round(&grid, readings, &mut from.by, size, round_m);
+            from.round += 1;
+            if after.is_empty() {
+                let found = Displacement { by: from.by, covariance, log_odds: 0.0 };
+                return Some(Displacement { log_odds: self.log_odds(readings, &found, size), ..found });
+            }
+        }
+        None
+    }
+
+    /// Improves a displacement once, with so much more noise, metres. Its covariance.
+    fn round(
+        &self,
+        grid: &ManhattanFrame,
+        readings: &[Sighting],
+        by: &mut [f32; 3],
+        size: &[f32; 3],
+        more_m: f32,
+    ) -> [[f32; 3]; 3] {
+        let mut information = prior(size);
+        let mut gradient: [f32; 3] = core::array::from_fn(|i| -information[i][i] * by[i]);
+        for sighting in readings {
+            let Some(held) = self.hold(grid, &sighting.seen, &displaced(sighting, by), more_m) else { continue };
+            let [fits, anything] = self.likelihoods(&held, sighting);
+            let weight = fits / (fits + anything) / held.variance_m2;
+            let [by_x, by_y] = held.prediction.by_position;
+            let slopes = [by_x, by_y, held.prediction.by_heading];
+            for ((row, gradient), by_i) in information.iter_mut().zip(&mut gradient).zip(slopes) {
+                *gradient += weight * by_i * held.innovation_m;
+                for (entry, by_j) in row.iter_mut().zip(slopes) {
+                    *entry += weight * by_i * by_j;
                 }
             }
-            let covariance = inverse(&information);
-            for (by, row) in found.by.iter_mut().zip(covariance) {
-                *by += row[0] * gradient[0] + row[1] * gradient[1] + row[2] * gradient[2];
-            }
-            found.covariance = covariance;
         }
-        found.log_odds = self.log_odds(readings, &found, size);
-        found
+        let covariance = inverse(&information);
+        for (by, row) in by.iter_mut().zip(covariance) {
+            *by += row[0] * gradient[0] + row[1] * gradient[1] + row[2] * gradient[2];
+        }
+        covariance
     }
 
     /// Log of the odds of a displacement against none: what the readings say, what is known of such displacements, and how small a
@@ -200,7 +245,7 @@ impl Scene<'_> {
 
     /// Log of the odds of a displacement against none by what the readings say alone.
     pub fn said_of(&self, readings: &[Sighting], found: &Displacement) -> f32 {
-        self.said(readings.iter().map(|sighting| (found.of(sighting), sighting)), [0.0; 3])
+        self.said(readings.iter().map(|sighting| (displaced(sighting, &found.by), sighting)), [0.0; 3])
     }
 
     /// Log of the odds of a robot that saw other beams against one that saw what the filter takes it to have seen, by what the readings

@@ -14,6 +14,8 @@ const MOST_STEPS: u32 = 4_000;
 const DOWN_STEPS: u32 = 200;
 /// Steps in which every sensor sees things that are no walls: they fill the outlier buffer.
 const CLUTTER: Range<u32> = 1_000..1_040;
+/// The same on the way down, where every wall there is room for is about.
+const DOWN_CLUTTER: Range<u32> = 100..140;
 
 static ESTIMATOR: ConstStaticCell<RobotSlam> = ConstStaticCell::new(RobotSlam::IDLE);
 
@@ -59,7 +61,9 @@ fn drive(bench: &Bench, slam: &mut RobotSlam, clustering: Clustering) -> Worst {
         if down_from.is_some_and(|start| step > start + DOWN_STEPS) {
             return worst;
         }
-        let sample = home.next(CLUTTER.contains(&step));
+        let down = down_from.and_then(|start| step.checked_sub(start));
+        let is_clutter = CLUTTER.contains(&step) || down.is_some_and(|down| DOWN_CLUTTER.contains(&down));
+        let sample = home.next(is_clutter);
         let (report, cost) = bench.measure(|| slam.step(&sample));
         if full && updates(&report) == 8 {
             worst.full = worst.full.max(cost);
@@ -67,7 +71,7 @@ fn drive(bench: &Bench, slam: &mut RobotSlam, clustering: Clustering) -> Worst {
         if report.births > 0 {
             worst.birth = worst.birth.max(cost);
         }
-        if CLUTTER.contains(&step) {
+        if is_clutter {
             worst.clutter = worst.clutter.max(cost);
         }
         worst.any = worst.any.max(cost);
