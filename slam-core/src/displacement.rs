@@ -7,7 +7,7 @@ use crate::geometry::pose::Pose;
 use crate::holds::Correction;
 use crate::jolts::Jolts;
 use crate::jolts::recent::Moment;
-use crate::jolts::search::Scene;
+use crate::jolts::search::{ELSE, Scene};
 use crate::rig::DriveModel;
 use crate::sample::RangeInput;
 use crate::slam::Slam;
@@ -35,7 +35,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     #[inline(never)]
     pub(crate) fn recover_from_jolt(&mut self, updated: bool) {
         let moment = Moment { map: layout::pose(&self.ekf), reckoned: self.drive.dead_reckoning.pose };
-        let scene = Scene { ekf: &self.ekf, map: &self.map, sensors: &self.rig.sensors };
+        let scene = Scene { ekf: &self.ekf, map: &self.map, sensors: &self.rig.sensors, others: self.jolts.others() };
         let Some(found) = self.jolts.search(&scene, &moment, updated) else { return };
         // What moves a robot changes its readings.
         if self.holds.is_unturned() {
@@ -67,7 +67,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     #[cold]
     fn confirm_hold(&mut self) -> Option<Correction> {
         let moment = Moment { map: layout::pose(&self.ekf), reckoned: self.drive.dead_reckoning.pose };
-        let scene = Scene { ekf: &self.ekf, map: &self.map, sensors: &self.rig.sensors };
+        let scene = Scene { ekf: &self.ekf, map: &self.map, sensors: &self.rig.sensors, others: ELSE };
         self.holds.confirm(&scene, self.jolts.recent(), &moment)
     }
 

@@ -14,7 +14,7 @@ pub mod search;
 
 use crate::jolts::confirmation::{Confirmation, SURE, TRIAL_S};
 use crate::jolts::recent::{Moment, READINGS, Recent, Seen};
-use crate::jolts::search::{Displacement, Improvement, JOLT, STARTS, Scene, WALL_SAYS, are_apart};
+use crate::jolts::search::{Displacement, ELSE, Improvement, JOLT, STARTS, Scene, WALL_SAYS, are_apart};
 use crate::measurement::data_association::change;
 use crate::motion::step::Step;
 use crate::report::Outcome;
@@ -42,6 +42,9 @@ const WORTH_ALWAYS: f32 = 4.0;
 /// it, seconds. Where much stands about that is not in the map such signs come often, and tell little.
 const SHARE: f32 = 0.02;
 const AHEAD_S: f32 = 1.0;
+
+/// What is looked for beside the filter may have been at any look of the last ten seconds: so much likelier, as a logarithm, than at one.
+const LONG_AGO: f32 = 4.2;
 
 /// What became of the sensors at a look, a bit each.
 #[derive(Clone, Copy, Debug, Default)]
@@ -197,13 +200,19 @@ impl Jolts {
 
     /// A reason to look for one beside the filter: half of the last readings fit no wall.
     fn misfit(&self) -> Option<Trial> {
-        let fitted = self.fitted & ((1 << READINGS) - 1);
-        (2 * fitted.count_ones() < READINGS as u32).then_some(Trial {
-            onset: 0,
-            told: 0.0,
-            for_s: 0.0,
-            stage: Stage::Aside(Round::NEW),
-        })
+        let stage = Stage::Aside(Round::NEW);
+        (2 * self.misfits() > READINGS as u32).then_some(Trial { onset: 0, told: LONG_AGO, for_s: 0.0, stage })
+    }
+
+    /// Number of the last readings that fit no wall.
+    fn misfits(&self) -> u32 {
+        READINGS as u32 - (self.fitted & ((1 << READINGS) - 1)).count_ones()
+    }
+
+    /// Share of the last readings that fit no wall, by the rule of succession, and what it is elsewhere at least. Among people or things that are
+    /// in no map a robot that is not displaced has nothing but such readings.
+    pub fn others(&self) -> f32 {
+        ((self.misfits() + 1) as f32 / (READINGS + 2) as f32).max(ELSE)
     }
 
     /// Log of the odds by sensors that change at once from which on a displacement is looked for now.

@@ -24,7 +24,7 @@ pub const SLIP: [f32; 3] = [0.05, 0.05, 0.1];
 const WALLS_M: f32 = 0.01;
 
 /// Share of readings of anything else than the wall: the odds of the gate, one to two, for a third.
-const ELSE: f32 = 0.3;
+pub const ELSE: f32 = 0.3;
 
 /// What a sensor's readings of one wall can say, as log odds: in one look of so many thousands it is not the robot that moved but what
 /// it sees, a chair, a bin, a curtain, a door. Another sensor sees another place of the wall.
@@ -120,6 +120,8 @@ pub struct Scene<'a> {
     pub map: &'a MapView,
     /// The robot's sensors.
     pub sensors: &'a [RangeSensor],
+    /// Share of readings of anything else than the wall where the robot is where the filter has it. Of one that is elsewhere it is [`ELSE`].
+    pub others: f32,
 }
 
 /// A reading held against the wall that its beam meets.
@@ -216,7 +218,7 @@ impl Scene<'_> {
         let mut gradient: [f32; 3] = core::array::from_fn(|i| -information[i][i] * by[i]);
         for sighting in readings {
             let Some(held) = self.hold(grid, &sighting.seen, &displaced(sighting, by), more_m) else { continue };
-            let [fits, anything] = self.likelihoods(&held, sighting);
+            let [fits, anything] = self.likelihoods(&held, sighting, ELSE);
             let weight = fits / (fits + anything) / held.variance_m2;
             let [by_x, by_y] = held.prediction.by_position;
             let slopes = [by_x, by_y, held.prediction.by_heading];
@@ -276,23 +278,20 @@ impl Scene<'_> {
         let with = self.hold(grid, &sighting.seen, other, 0.0).map(|held| held.give_or_take(sigma));
         let without = self.hold(grid, &sighting.seen, &sighting.beam, 0.0);
         let without = without.map(|held| self.as_known(held));
-        let says = |held: &Option<Held>| {
-            let anything = self.anything(&sighting.seen);
-            libm::logf(held.as_ref().map_or(anything, |held| self.likelihoods(held, sighting).iter().sum()))
+        let says = |held: &Option<Held>, others: f32| {
+            let anything = others / self.span_m(&sighting.seen);
+            libm::logf(held.as_ref().map_or(anything, |held| self.likelihoods(held, sighting, others).iter().sum()))
         };
         let met = with.as_ref().or(without.as_ref())?.met.index;
         let wall = self.map.walls().get(met).map_or(0, |wall| wall.id);
         let surface = Surface { wall, sensor: sighting.seen.sensor(), is_expected: without.is_some() };
-        Some((surface, [says(&with), says(&without)]))
+        Some((surface, [says(&with, ELSE), says(&without, self.others)]))
     }
 
-    /// Densities of a reading that is the wall's, and of one that is of anything within the sensor's span.
-    fn likelihoods(&self, held: &Held, sighting: &Sighting) -> [f32; 2] {
-        [(1.0 - ELSE) * density(held.innovation_m, held.variance_m2), self.anything(&sighting.seen)]
-    }
-
-    fn anything(&self, seen: &Seen) -> f32 {
-        ELSE / self.span_m(seen)
+    /// Densities of a reading that is the wall's, and of one that is of anything within the sensor's span, as this share is.
+    fn likelihoods(&self, held: &Held, sighting: &Sighting, others: f32) -> [f32; 2] {
+        let fits = (1.0 - others) * density(held.innovation_m, held.variance_m2);
+        [fits, others / self.span_m(&sighting.seen)]
     }
 
     /// Length of the beam on which its sensor sees something, metres.
