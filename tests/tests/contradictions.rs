@@ -56,41 +56,67 @@ fn session() -> Session {
     Session::new(&robot, Config::for_rig(&robot.rig), "").expect("a good rig")
 }
 
+/// What a drive through a crowd came to.
+struct Crowded {
+    /// When the map was given up, and when the robot found itself in it, seconds.
+    lost_s: Option<f64>,
+    found_s: Option<f64>,
+    /// Displacements that were taken for real among the people; nobody moves the robot.
+    jolts: u32,
+    /// Error of the position at the end, metres.
+    off_m: f64,
+}
+
+fn drive_through_crowd(seed: u64) -> Crowded {
+    let mut session = session();
+    let (mut walls, mut lost_s, mut found_s, mut jolts, mut off_m) = (0, None, None, 0, f64::NAN);
+    for row in &crowded(seed) {
+        let step = session.push(row).clone();
+        let error = step.error();
+        off_m = error.map_or(off_m, |error| error.x_m.hypot(error.y_m));
+        match lost_s {
+            None if step.searching => {
+                assert_eq!(step.health, Health::Contradicted);
+                let kept = usize::from(session.sought().expect("a kept map").frame().walls);
+                assert!(kept > 15 && kept <= walls, "{kept} of {walls} walls");
+                lost_s = Some(row.t_s);
+            }
+            Some(_) if !step.searching && found_s.is_none() => {
+                let error = error.expect("truth is known");
+                assert!(off_m < 0.15 && error.theta_rad.abs() < 0.1, "seed {seed}: {error:?}");
+                found_s = Some(row.t_s);
+            }
+            _ => {}
+        }
+        walls = step.walls;
+        if row.t_s < CROWD_S.end {
+            jolts = session.slam().counters().jolts;
+        }
+    }
+    assert!(session.finish().is_one_frame(), "the odometry links all of it");
+    Crowded { lost_s, found_s, jolts, off_m }
+}
+
 #[test]
 fn a_contradicted_map_is_kept_and_the_robot_finds_itself_in_it() {
-    for seed in 1..=3 {
-        let mut session = session();
-        let (mut walls, mut lost_s, mut found_s) = (0, None, None);
-        for row in &crowded(seed) {
-            let step = session.push(row).clone();
-            match lost_s {
-                None if step.searching => {
-                    assert_eq!(step.health, Health::Contradicted);
-                    let kept = usize::from(session.sought().expect("a kept map").frame().walls);
-                    assert!(kept > 15 && kept <= walls, "{kept} of {walls} walls");
-                    lost_s = Some(row.t_s);
-                }
-                Some(_) if !step.searching && found_s.is_none() => {
-                    let error = step.error().expect("truth is known");
-                    assert!(error.x_m.hypot(error.y_m) < 0.15 && error.theta_rad.abs() < 0.1, "seed {seed}: {error:?}");
-                    found_s = Some(row.t_s);
-                }
-                _ => {}
-            }
-            walls = step.walls;
-        }
-        println!("seed {seed}: lost {lost_s:?} found {found_s:?} restarts {}", session.slam().counters().restarts);
-        let is_lost = lost_s.is_some_and(|lost_s| CROWD_S.contains(&lost_s));
-        assert!(is_lost && found_s.is_some(), "seed {seed}: lost at {lost_s:?}, found at {found_s:?}");
-        let recording = session.finish();
-        assert!(recording.is_one_frame(), "the odometry links all of it");
+    let drives: Vec<_> = (1..=12).map(drive_through_crowd).collect();
+    let is_back =
+        |drive: &&Crowded| drive.lost_s.is_some_and(|at_s| CROWD_S.contains(&at_s)) && drive.found_s.is_some();
+    let back = drives.iter().filter(is_back).count();
+    assert!(back >= 10, "{back} of {} lost their map among the people and found it", drives.len());
+    for (drive, seed) in drives.iter().zip(1..) {
+        assert!(drive.off_m < 0.15, "seed {seed}: {} m off in the end", drive.off_m);
     }
+    // Readings that fit nothing for a hundred seconds are not those of a robot that somebody moved.
+    let jolts: u32 = drives.iter().map(|drive| drive.jolts).sum();
+    assert!(jolts <= 3, "{jolts} jolts");
 }
 
 #[test]
 fn a_look_back_across_a_contradiction_has_all_of_it_on_one_grid() {
     let (robot, _) = built_in_robot().expect("the built-in rig is good");
-    for seed in 1..=3 {
+    let mut found = 0;
+    for seed in 1..=5 {
         let mut rows = crowded(seed);
         turn(&mut rows, &robot.rig.drive);
         rows.retain(|row| row.t_s < UNTIL_S);
@@ -100,8 +126,10 @@ fn a_look_back_across_a_contradiction_has_all_of_it_on_one_grid() {
         }
         let mut recording = session.finish();
         assert!(recording.steps.iter().any(|step| step.searching), "seed {seed}: nothing was contradicted");
-        let finds_itself = recording.steps.last().is_some_and(|step| !step.searching);
-        assert!(finds_itself, "seed {seed}: never found");
+        if recording.steps.last().is_none_or(|step| step.searching) {
+            continue;
+        }
+        found += 1;
         score::score(&mut recording, &[], None);
         let back = smoother::add(&mut recording, &robot.rig, &mut |_| ()).expect("there are walls");
         let after = back.steps.iter().filter(|step| step.t_s > AFTER_S);
@@ -112,4 +140,6 @@ fn a_look_back_across_a_contradiction_has_all_of_it_on_one_grid() {
             assert!(error.x_m.hypot(error.y_m) < 0.5, "seed {seed}: {error:?}");
         }
     }
+    // One that is lost only after the people have gone takes longer.
+    assert!(found >= 4, "{found} of 5 have found themselves");
 }
