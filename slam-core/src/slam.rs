@@ -243,7 +243,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             self.ekf.widen(times, ALPHA + 1..of_walls);
         }
         self.recover_from_hold();
-        self.recover_from_jolt(self.counters.updates != updates);
+        self.recover_from_jolt(self.counters.updates != updates, tick.dt_s);
         self.extend_map(tick.dt_s, &mut report);
         self.latency.settle(&mut self.ekf);
         let is_turn = self.counters.steps.is_multiple_of(ROUNDING_STEPS);

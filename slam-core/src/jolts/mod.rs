@@ -14,7 +14,7 @@ pub mod search;
 
 use crate::jolts::confirmation::{Confirmation, SURE, TRIAL_S};
 use crate::jolts::recent::{Moment, READINGS, Recent, Seen};
-use crate::jolts::search::{Displacement, ELSE, Improvement, JOLT, STARTS, Scene, WALL_SAYS, are_apart};
+use crate::jolts::search::{Displacement, ELSE, Improvement, JOLT, STARTS, STEP_HOLDS, Scene, WALL_SAYS, are_apart};
 use crate::measurement::data_association::change;
 use crate::motion::step::Step;
 use crate::report::Outcome;
@@ -45,6 +45,9 @@ const AHEAD_S: f32 = 1.0;
 
 /// What is looked for beside the filter may have been at any look of the last ten seconds: so much likelier, as a logarithm, than at one.
 const LONG_AGO: f32 = 4.2;
+
+/// Steps of 25 Hz in a second.
+const STEPS_PER_S: f32 = 25.0;
 
 /// What became of the sensors at a look, a bit each.
 #[derive(Clone, Copy, Debug, Default)]
@@ -222,7 +225,7 @@ impl Jolts {
 
     /// Goes on with the search where there is reason to, by what a step has time for. The displacement, once it is likely enough, and once
     /// readings that it was not looked for in say so, too. No reading `updated` the state in this step, or some did.
-    pub fn search(&mut self, scene: &Scene, moment: &Moment, updated: bool) -> Option<Displacement> {
+    pub fn search(&mut self, scene: &Scene, moment: &Moment, updated: bool, dt_s: f32) -> Option<Displacement> {
         if self.trial.as_ref().is_none_or(Trial::is_aside)
             && let Some(trial) = self.suspect()
         {
@@ -237,6 +240,8 @@ impl Jolts {
             self.trial = self.misfit();
         }
         let trial = self.trial.as_mut()?;
+        // As in other parts of a step: what it costs at 25 Hz, more where there is more time.
+        let steps = (libm::ceilf(dt_s * STEPS_PER_S) as usize).max(1);
         let readings = self.recent.since(trial.counts_from(), moment);
         let round = match &mut trial.stage {
             Stage::Found(best, [x_m, y_m], confirmation) => {
@@ -251,7 +256,7 @@ impl Jolts {
             }
             Stage::Aside(round) | Stage::Searching(round) => round,
         };
-        let found = scene.go_on(&readings, &mut round.improvement, &JOLT)?;
+        let found = scene.go_on(&readings, &mut round.improvement, &JOLT, STEP_HOLDS * steps)?;
         if usize::from(round.starts) < STARTS {
             round.rank(&found);
             return None;

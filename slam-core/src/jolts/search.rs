@@ -47,8 +47,8 @@ pub const STARTS: usize = 7;
 /// what sensors have (graduated non-convexity, Blake and Zisserman 1987).
 const ROUNDS_M: [f32; 6] = [0.12, 0.08, 0.05, 0.02, 0.0, 0.0];
 
-/// So many readings are held against so many walls in a step, one with another: twenty against sixty-four, four times.
-const STEP_HOLDS: usize = 4 * READINGS * 64;
+/// So many readings are held against so many walls in a step of 25 Hz, one with another: twenty against sixty-four, four times.
+pub const STEP_HOLDS: usize = 4 * READINGS * 64;
 
 /// The last round and the odds after it take as much as so many others.
 const LAST_ROUNDS: usize = 3;
@@ -180,18 +180,24 @@ impl Scene<'_> {
     pub fn improve(&self, readings: &[Sighting], size: &[f32; 3]) -> Displacement {
         let mut improvement = Improvement::from([0.0; 3]);
         loop {
-            if let Some(found) = self.go_on(readings, &mut improvement, size) {
+            if let Some(found) = self.go_on(readings, &mut improvement, size, STEP_HOLDS) {
                 return found;
             }
         }
     }
 
-    /// Goes on by what a step has time for towards the displacement under which the readings fit best, by Gauss and Newton's method with each
+    /// Goes on, by so many readings that are held against so many walls, towards the displacement under which the readings fit best, by Gauss and Newton's method with each
     /// reading weighed by the probability that it is the wall's. Such displacements are of this size, 1-sigma. The displacement once it is there.
-    pub fn go_on(&self, readings: &[Sighting], from: &mut Improvement, size: &[f32; 3]) -> Option<Displacement> {
+    pub fn go_on(
+        &self,
+        readings: &[Sighting],
+        from: &mut Improvement,
+        size: &[f32; 3],
+        holds: usize,
+    ) -> Option<Displacement> {
         let grid = ManhattanFrame::of(self.ekf);
         let held = readings.len().max(1) * self.map.walls().len().max(1);
-        let mut left = (STEP_HOLDS / held).max(LAST_ROUNDS);
+        let mut left = (holds / held).max(LAST_ROUNDS);
         while let Some((&round_m, after)) = ROUNDS_M.get(usize::from(from.round)..).and_then(<[f32]>::split_first) {
             let takes = if after.is_empty() { LAST_ROUNDS } else { 1 };
             left = left.checked_sub(takes)?;
