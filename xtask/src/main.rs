@@ -4,6 +4,7 @@ mod apt;
 #[cfg(test)]
 mod documents;
 mod elf;
+mod experiments;
 mod fail_safe;
 mod figures;
 mod hil;
@@ -34,7 +35,8 @@ cargo xtask timing --update  write the counts into docs/results/timing.csv
 cargo xtask studio           build the studio, a page for browsers, and print its folder last
 cargo xtask studio --serve   build it and serve it on this machine
 cargo xtask studio --measure build it and measure frames and speed in a browser
-cargo xtask figures          write docs/results/on-target.md: size, timing and the drive in the loop";
+cargo xtask figures          write docs/results/on-target.md: size, timing and the drive in the loop
+cargo xtask experiments      run the experiments and write their pages and figures under docs/results/experiments/";
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
@@ -47,6 +49,7 @@ fn main() -> ExitCode {
         ["late", minutes] => hil::timed(minutes),
         ["panic-check"] => panic_check::panic_check(),
         ["figures"] => figures::figures(),
+        ["experiments"] => experiments::experiments(),
         ["size"] => size::size(),
         ["studio"] => studio::studio(),
         ["studio", "--serve"] => studio::serve(),
