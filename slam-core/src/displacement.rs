@@ -38,7 +38,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let scene = Scene { ekf: &self.ekf, map: &self.map, sensors: &self.rig.sensors, others: self.jolts.others() };
         let Some(found) = self.jolts.search(&scene, &moment, updated, dt_s) else { return };
         // What moves a robot changes its readings.
-        if self.holds.is_unturned() {
+        if self.finds_holds() && self.holds.is_unturned() {
             return;
         }
         let [x_m, y_m, turn_rad] = found.by;
@@ -49,9 +49,14 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.counters.add_jolt();
     }
 
+    /// Whether holds are looked for: by the turning of wheels.
+    fn finds_holds(&self) -> bool {
+        self.config.motion.find_holds && matches!(self.rig.drive, DriveModel::Wheels { .. })
+    }
+
     /// Where the readings tell that the robot does not move with its wheels, or does so again, it is where that leads.
     pub(crate) fn recover_from_hold(&mut self) {
-        if !self.config.motion.find_holds || !matches!(self.rig.drive, DriveModel::Wheels { .. }) {
+        if !self.finds_holds() {
             return;
         }
         let confirmed = if self.holds.is_claimed() { self.confirm_hold() } else { None };

@@ -166,6 +166,17 @@ impl<const S: usize> Holds<S> {
         self.stillness = Stillness::NONE;
     }
 
+    /// The map has the robot here, and no longer there, and every place on its way with it. What readings said still holds.
+    pub fn go_with(&mut self, from: &Pose, to: &Pose) {
+        let moved = |pose: &Pose| to.compose(&from.inverse().compose(pose));
+        match &mut self.watch {
+            Watch::Nothing => {}
+            Watch::Since(moment) => moment.map = moved(&moment.map),
+            Watch::Claim(claim) => claim.correction.pose = moved(&claim.correction.pose),
+        }
+        self.stillness.go_with(moved);
+    }
+
     /// Whether it is held is known, and walls are to speak anew.
     #[inline(never)]
     fn begin_anew(&mut self, is_held: bool) {

@@ -193,6 +193,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     }
 
     pub(crate) fn replace(&mut self, found: &HandOver) {
+        let before = layout::pose(&self.ekf);
         let path_m = self.drive.dead_reckoning.path_m;
         let is_new = |wall: &&Wall| found.wall_named(wall.id).is_none() && path_m - wall.seen_at_m < IN_VIEW_M;
         let newborn: Vec<Newborn, MOST_NEWBORN> = self
@@ -215,7 +216,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         }
         self.first.pose = layout::pose(&self.ekf);
         self.map.redraw(&self.ekf);
-        self.holds.forget();
+        self.holds.go_with(&before, &found.pose);
     }
 
     /// Sets the means and allots the walls' states; writes down what each state is of the unknowns.

@@ -187,6 +187,11 @@ impl<const S: usize> Stillness<S> {
         }
     }
 
+    /// The map has the places of the robot's way elsewhere, by this motion.
+    pub fn go_with(&mut self, moved: impl Fn(&Pose) -> Pose) {
+        self.begun = self.begun.as_ref().map(moved);
+    }
+
     /// Whether a reading of this step changed.
     pub fn is_changed(&self) -> bool {
         self.is_changed
