@@ -9,7 +9,10 @@ use crate::filter::ekf::Jacobian;
 use crate::filter::layout::{self, THETA, X, Y};
 use crate::hand_over::{self, Calibration, HandOver, PlacedWall};
 use crate::walls::wall::{Direction, Wall};
-use crate::{Config, DriveModel, MapFrame, Mount, NotTaken, Pose, RangeModel, RangeSensor, Rig, RobotSlam};
+use crate::{
+    Config, DriveModel, MapFrame, Motion, Mount, NotTaken, Pose, RangeInput, RangeModel, RangeSensor, Rig, RobotSlam,
+    Sample, Ticks,
+};
 
 const TRACK_M: f64 = 0.3;
 
@@ -249,4 +252,43 @@ fn a_wall_that_turned_does_not_take_the_map_frame_along() {
     let found = HandOver { walls: &[WALLS[0], turned, WALLS[2]], ..found(&slam, &entries) };
     slam.replace(&found);
     assert!(slam.start_pose().theta_rad.abs() < 0.05, "{:?}", slam.start_pose());
+}
+
+/// Another map is taken over in this step, where most of what tells a hold is told.
+const TAKEN_AT: u64 = 30;
+
+/// A robot whose wheels turn while eight sensors read the same: where it is in the step in which another map is taken over or none, where it is
+/// held, and the steps that it took to find out.
+fn held(other: Option<&HandOver>) -> (Pose, Pose, u32) {
+    let mut slam = RobotSlam::new(super::runs::rig()).expect("a good rig");
+    let mut random = Random::new(7);
+    let mut before = Pose::ORIGIN;
+    for step in 0..100 {
+        let ticks = 25 * step as i32;
+        let motion = Motion::Ticks(Ticks { left: -ticks, right: ticks });
+        let range = |index| RangeInput::Metres(0.7 + 0.2 * index as f32 + 0.002 * random.gaussian() as f32);
+        let _ = slam.step(&Sample { time_us: 40_000 * (step + 1), motion, ranges: core::array::from_fn(range) });
+        if slam.counters().holds > 0 {
+            break;
+        }
+        if step == TAKEN_AT {
+            before = slam.pose();
+            other.into_iter().for_each(|found| slam.replace(found));
+        }
+    }
+    assert_eq!(slam.counters().holds, 1);
+    (before, slam.pose(), slam.counters().steps)
+}
+
+#[test]
+fn what_speaks_for_a_hold_goes_on_in_the_map_that_is_taken_over() {
+    let entries = packed(&covariance(4));
+    let entries = &entries[..hand_over::WALLS * (hand_over::WALLS + 1) / 2];
+    let other = HandOver { walls: &[], names: &[], ..found(&filter(), entries) };
+    let (before, place, steps) = held(None);
+    let (_, there, as_many) = held(Some(&other));
+    assert!(u64::from(steps) > TAKEN_AT + 2 && as_many == steps, "{steps} {as_many}");
+    let lies = other.pose.compose(&before.inverse().compose(&place)).inverse().compose(&there);
+    // To what the readings since make of it; its wheels had turned it by 0.6 radians until then.
+    assert!(lies.x_m.hypot(lies.y_m) < 0.1 && lies.theta_rad.abs() < 0.1, "{lies:?}");
 }
