@@ -196,8 +196,8 @@ impl Scene<'_> {
         holds: usize,
     ) -> Option<Displacement> {
         let grid = ManhattanFrame::of(self.ekf);
-        let held = readings.len().max(1) * self.map.walls().len().max(1);
-        let mut left = (holds / held).max(LAST_ROUNDS);
+        let of_round = readings.len() * self.map.walls().len();
+        let mut left = holds.checked_div(of_round).unwrap_or(holds).max(LAST_ROUNDS);
         while let Some((&round_m, after)) = ROUNDS_M.get(usize::from(from.round)..).and_then(<[f32]>::split_first) {
             let takes = if after.is_empty() { LAST_ROUNDS } else { 1 };
             left = left.checked_sub(takes)?;
