@@ -6,6 +6,9 @@ const SHORTEST_S: f32 = 1e-3;
 /// After a minute without samples nothing is left that a longer pause would change, seconds.
 const LONGEST_S: f32 = 60.0;
 
+/// Steps in a second for which a step's work is allotted.
+const STEPS_PER_S: f32 = 25.0;
+
 /// The time of the last sample, microseconds; none before the first.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock(Option<u64>);
@@ -17,6 +20,13 @@ pub struct Tick {
     pub dt_s: f32,
     /// There was no sample before.
     pub is_first: bool,
+}
+
+impl Tick {
+    /// What is spread over several steps takes so many turns in this one: one at 25 Hz, more where there is more time.
+    pub fn turns(&self) -> usize {
+        (libm::ceilf(self.dt_s * STEPS_PER_S) as usize).max(1)
+    }
 }
 
 impl Clock {

@@ -33,10 +33,10 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     /// seen from elsewhere and is forgotten as far as it waits to become a wall; the map is of another epoch. The search's variables are on the stack
     /// only while it runs.
     #[inline(never)]
-    pub(crate) fn recover_from_jolt(&mut self, updated: bool, dt_s: f32) {
+    pub(crate) fn recover_from_jolt(&mut self, updated: bool, turns: usize) {
         let moment = Moment { map: layout::pose(&self.ekf), reckoned: self.drive.dead_reckoning.pose };
         let scene = Scene { ekf: &self.ekf, map: &self.map, sensors: &self.rig.sensors, others: self.jolts.others() };
-        let Some(found) = self.jolts.search(&scene, &moment, updated, dt_s) else { return };
+        let Some(found) = self.jolts.search(&scene, &moment, updated, turns) else { return };
         // What moves a robot changes its readings.
         if self.finds_holds() && self.holds.is_unturned() {
             return;

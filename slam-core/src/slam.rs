@@ -243,8 +243,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             self.ekf.widen(times, ALPHA + 1..of_walls);
         }
         self.recover_from_hold();
-        self.recover_from_jolt(self.counters.updates != updates, tick.dt_s);
-        self.extend_map(tick.dt_s, &mut report);
+        self.recover_from_jolt(self.counters.updates != updates, tick.turns());
+        self.extend_map(tick.turns(), &mut report);
         self.latency.settle(&mut self.ekf);
         let is_turn = self.counters.steps.is_multiple_of(ROUNDING_STEPS);
         self.ekf.restore_rounding(if is_turn { 0.0 } else { LARGE });
@@ -365,7 +365,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
 
     /// Finds new walls among the outliers (Rousse & Qiu 3.3), and keeps the map tidy. Its variables are on the stack only while it runs.
     #[inline(never)]
-    fn extend_map(&mut self, dt_s: f32, report: &mut StepReport<S>) {
+    fn extend_map(&mut self, turns: usize, report: &mut StepReport<S>) {
         let born = Extension {
             settings: &self.config.births,
             walls: &self.config.walls,
@@ -379,7 +379,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             first: &mut self.first,
             start_variance: start_variance(&self.rig.drive),
         }
-        .extend(dt_s);
+        .extend(turns);
         let (number, path_m) = (self.counters.steps as usize, self.drive.dead_reckoning.path_m);
         let tidied = upkeep(&mut self.map, &mut self.ekf, self.config.walls.policy, number, path_m);
         if self.config.measurement.linearisation == Linearisation::FirstEstimates

@@ -8,7 +8,7 @@ use crate::run::{Result, cargo, root, run};
 /// Each has a page of its name, and a file in `experiments/`.
 const EXPERIMENTS: [&str; 4] = ["plans", "breaking", "ablations", "disturbed"];
 
-/// Runs the experiments that have a page, and writes it. It takes the better part of an hour.
+/// Runs the experiments that have a page, and writes it. It takes half an hour on two cores.
 pub fn experiments() -> Result {
     EXPERIMENTS.into_iter().try_for_each(write_page)
 }
@@ -22,8 +22,8 @@ fn write_page(name: &str) -> Result {
     run(&mut cargo(&["run", "--release", "--", "experiment", &format!("experiments/{name}.toml")]))?;
     let page = pages.join(name).with_extension("md");
     fs::copy(out.join("table.md"), &page).map_err(|error| format!("{}: {error}", page.display()))?;
-    let figures = [out.join("figures"), pages.join("figures")];
-    keep_figures(&figures[0], &figures[1]).map_err(|error| format!("{}: {error}", figures[0].display()))
+    let figures = out.join("figures");
+    keep_figures(&figures, &pages.join("figures")).map_err(|error| format!("{}: {error}", figures.display()))
 }
 
 /// Replaces the figures that are kept by those of the same names.

@@ -25,9 +25,6 @@ use crate::walls::wall::Wall;
 /// Gap between points from which a short line counts as a row of things, metres: chairs' legs stand 0.4 m apart.
 const ROW_GAP_M: f32 = 0.15;
 
-/// Clusterings per second, at most: one in each step of 25 Hz.
-const CLUSTERINGS_PER_S: f32 = 25.0;
-
 /// Where new walls come from, and where they go.
 pub struct Extension<'a, const B: usize> {
     /// Settings of this stage.
@@ -55,12 +52,11 @@ pub struct Extension<'a, const B: usize> {
 }
 
 impl<const B: usize> Extension<'_, B> {
-    /// Finds new walls among the outliers, for a step that took so long, and adds them to the map.
-    pub fn extend(&mut self, dt_s: f32) -> Changes {
+    /// Finds new walls among the outliers, in a step that has time for so many turns, and adds them to the map.
+    pub fn extend(&mut self, turns: usize) -> Changes {
         let mut changes = Changes::default();
-        // Clustering is the longest work of a step: one sensor's a step at 25 Hz, more where there is more time.
-        let turns = (libm::ceilf(dt_s * CLUSTERINGS_PER_S) as usize).clamp(1, self.sensors.len().max(1));
-        for _ in 0..turns {
+        // Clustering is the longest work of a step: a turn is one sensor's.
+        for _ in 0..turns.min(self.sensors.len().max(1)) {
             let Some(sensor) = self.candidates.next_pending(self.sensors.len()) else { break };
             let spacing_m = Candidates::<B>::spacing_m(self.in_rig);
             let (clustering, relief_m) = (self.settings.clustering, self.walls.relief_m);

@@ -46,9 +46,6 @@ const AHEAD_S: f32 = 1.0;
 /// What is looked for beside the filter may have been at any look of the last ten seconds: so much likelier, as a logarithm, than at one.
 const LONG_AGO: f32 = 4.2;
 
-/// Steps of 25 Hz in a second.
-const STEPS_PER_S: f32 = 25.0;
-
 /// What became of the sensors at a look, a bit each.
 #[derive(Clone, Copy, Debug, Default)]
 struct Look {
@@ -223,9 +220,9 @@ impl Jolts {
         if self.taken_s > AHEAD_S { WORTH_ALWAYS } else { WORTH }
     }
 
-    /// Goes on with the search where there is reason to, by what a step has time for. The displacement, once it is likely enough, and once
+    /// Goes on with the search where there is reason to, by what a step that has time for so many turns can do. The displacement, once it is likely enough, and once
     /// readings that it was not looked for in say so, too. No reading `updated` the state in this step, or some did.
-    pub fn search(&mut self, scene: &Scene, moment: &Moment, updated: bool, dt_s: f32) -> Option<Displacement> {
+    pub fn search(&mut self, scene: &Scene, moment: &Moment, updated: bool, turns: usize) -> Option<Displacement> {
         if self.trial.as_ref().is_none_or(Trial::is_aside)
             && let Some(trial) = self.suspect()
         {
@@ -240,8 +237,6 @@ impl Jolts {
             self.trial = self.misfit();
         }
         let trial = self.trial.as_mut()?;
-        // As in other parts of a step: what it costs at 25 Hz, more where there is more time.
-        let steps = (libm::ceilf(dt_s * STEPS_PER_S) as usize).max(1);
         let readings = self.recent.since(trial.counts_from(), moment);
         let round = match &mut trial.stage {
             Stage::Found(best, [x_m, y_m], confirmation) => {
@@ -256,7 +251,7 @@ impl Jolts {
             }
             Stage::Aside(round) | Stage::Searching(round) => round,
         };
-        let found = scene.go_on(&readings, &mut round.improvement, &JOLT, STEP_HOLDS * steps)?;
+        let found = scene.go_on(&readings, &mut round.improvement, &JOLT, STEP_HOLDS * turns)?;
         if usize::from(round.starts) < STARTS {
             round.rank(&found);
             return None;

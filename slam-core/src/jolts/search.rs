@@ -47,7 +47,7 @@ pub const STARTS: usize = 7;
 /// what sensors have (graduated non-convexity, Blake and Zisserman 1987).
 const ROUNDS_M: [f32; 6] = [0.12, 0.08, 0.05, 0.02, 0.0, 0.0];
 
-/// So many readings are held against so many walls in a step of 25 Hz, one with another: twenty against sixty-four, four times.
+/// So many readings are held against so many walls in a turn, one with another: twenty against sixty-four, four times.
 pub const STEP_HOLDS: usize = 4 * READINGS * 64;
 
 /// The last round and the odds after it take as much as so many others.
