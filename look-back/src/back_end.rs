@@ -107,8 +107,10 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
                 Phase::Arriving | Phase::Ready => self.end_without_result(),
                 _ => {}
             }
-        } else if slam.is_elsewhere() && before.map(|epoch| epoch.wrapping_add(1)) == self.epoch {
-            self.diary.go_on_elsewhere(&slam.filter_pose());
+        } else if let Some(displaced) = slam.displaced()
+            && before.map(|epoch| epoch.wrapping_add(1)) == self.epoch
+        {
+            self.diary.go_on_elsewhere(&slam.filter_pose(), displaced);
         } else {
             self.begin_anew(slam);
         }

@@ -8,7 +8,7 @@ use crate::frame::dot;
 use crate::group::{Group, NO_SENSOR};
 use crate::keyframe::Keyframe;
 use crate::names::Name;
-use crate::record::ELSEWHERE;
+use crate::record::FOUND;
 use crate::wall::Wall;
 
 /// The filter's state that is the grid's direction.
@@ -105,7 +105,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         }
         let [origin, whole, ..] = self.keyframes.as_mut_slice() else { return };
         origin.hold_map();
-        whole.part_from(robot, &self.calibration, ELSEWHERE);
+        whole.part_from(robot, &self.calibration, FOUND);
         for (index, slot) in self.walls.iter_mut().enumerate() {
             let Some(kept) = map.wall(index) else { break };
             let wall = drawn(map, &kept);

@@ -14,10 +14,11 @@ const SPACING_RAD: f32 = 0.2;
 const SWING_M: f32 = 1e-4;
 
 /// Marks a motion that the odometry did not sense, for the robot was kicked, or held while its wheels turned: what follows is how well it is
-/// known, 1-sigma, seven bits of [`UNSENSED_M`] and eight of [`UNSENSED_RAD`].
+/// known, 1-sigma, seven bits of [`UNSENSED_M`] and seven of [`UNSENSED_RAD`], with a bit between them for a jolt.
 const UNSENSED: u16 = 0x8000;
+const JOLTED: u16 = 0x80;
 const UNSENSED_M: f32 = 0.01;
-const UNSENSED_RAD: f32 = 0.01;
+const UNSENSED_RAD: f32 = 0.02;
 
 /// Of no motion: from where a kept map's frame is to where the map as a whole is in it.
 const HOLDS_MAP: u16 = u16::MAX;
@@ -79,7 +80,7 @@ impl Keyframe {
 
     /// Variances of a motion that the odometry did not sense.
     fn unsensed(&self) -> Option<[f32; 2]> {
-        let [of_m, of_rad] = [(self.swing >> 8) & 0x7f, self.swing & 0xff].map(f32::from);
+        let [of_m, of_rad] = [(self.swing >> 8) & 0x7f, self.swing & 0x7f].map(f32::from);
         let sigmas = [UNSENSED_M * of_m, UNSENSED_RAD * of_rad];
         (self.swing & UNSENSED != 0 && !self.holds_map()).then_some(sigmas.map(|sigma| sigma * sigma))
     }
@@ -93,6 +94,18 @@ impl Keyframe {
         let Pose { x_m, y_m, theta_rad } = relative(&self.pose, next);
         self.motion = Pose::new(x_m / distance, y_m / distance, theta_rad / turn - veer_rad_per_m * self.path_m);
         self.swing = unsensed(known);
+    }
+
+    /// A jolt may have moved the robot on the way to the next one beside what the odometry sensed, by so much, 1-sigma, metres and radians.
+    pub fn jolt(&mut self, by: [f32; 2]) {
+        if !self.holds_map() {
+            self.swing = unsensed(by) | JOLTED;
+        }
+    }
+
+    /// Whether a jolt may have moved the robot on the way to the next one.
+    pub fn is_jolted(&self) -> bool {
+        self.unsensed().is_some() && self.swing & JOLTED != 0
     }
 
     /// The way over the next one to that one's next, the two as they lie to each other by the calibration. An error of the heading
@@ -116,7 +129,8 @@ impl Keyframe {
             swing: if is_sensed {
                 ((libm::sqrtf(swing_m2) / SWING_M) as u16).min(UNSENSED - 1)
             } else {
-                unsensed([swing_m2, self.unknown_rad2() + next.unknown_rad2()].map(libm::sqrtf))
+                let known = unsensed([swing_m2, self.unknown_rad2() + next.unknown_rad2()].map(libm::sqrtf));
+                if self.is_jolted() || next.is_jolted() { known | JOLTED } else { known }
             },
             ..*self
         }
@@ -126,6 +140,6 @@ impl Keyframe {
 /// What marks a motion that was not sensed and is known to a 1-sigma, metres and radians; saturates.
 fn unsensed([sigma_m, sigma_rad]: [f32; 2]) -> u16 {
     let of_m = libm::roundf(sigma_m / UNSENSED_M).min(126.0) as u16;
-    let of_rad = libm::roundf(sigma_rad / UNSENSED_RAD).min(255.0) as u16;
+    let of_rad = libm::roundf(sigma_rad / UNSENSED_RAD).min(127.0) as u16;
     UNSENSED | of_m << 8 | of_rad
 }

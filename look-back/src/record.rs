@@ -1,7 +1,8 @@
 //! The estimator's side: what one step of the filter writes down.
 
 use slam_core::{
-    BUILT_RELIEF_M, Increment, Outcome, Pose, RangeModel, RangeSensor, ReadingReport, SURFACE_M, Slam, StepReport,
+    BUILT_RELIEF_M, Displaced, Increment, JOLT, Outcome, Pose, RangeModel, RangeSensor, ReadingReport, SURFACE_M, Slam,
+    StepReport,
 };
 
 use crate::diary::{Diary, Hit};
@@ -55,9 +56,12 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     }
 }
 
-/// How well a robot knows where it found itself elsewhere, metres and radians, 1-sigma, over all motions in doubt: twice the size of what is
-/// looked for (`slam_core::JOLT`). Left open altogether, all that comes later could slide along the walls of before.
-pub(crate) const ELSEWHERE: [f32; 2] = [0.5, 0.5];
+/// How well a robot that was held, or lies in a kept map, knows where, metres and radians, 1-sigma, over all motions in doubt. Left open
+/// altogether, all that comes later could slide along the walls of before.
+pub(crate) const FOUND: [f32; 2] = [0.5, 0.5];
+
+/// What a jolt moves a robot beside what its wheels do, the same.
+const JOLTED: [f32; 2] = [JOLT[0], JOLT[2]];
 
 /// Whoever moved the robot, or held it while its wheels turned, is found out within such a path, metres.
 const FOUND_OUT_M: f32 = 0.5;
@@ -65,7 +69,7 @@ const FOUND_OUT_M: f32 = 0.5;
 impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     /// The robot was found elsewhere in the same map: how it came there the odometry did not sense, nor what it did before that was
     /// found out. `filter` is the filter's pose there.
-    pub(crate) fn go_on_elsewhere(&mut self, filter: &Pose) {
+    pub(crate) fn go_on_elsewhere(&mut self, filter: &Pose, displaced: Displaced) {
         self.drop_ahead();
         self.begin_keyframe(filter);
         self.revision = self.revision.wrapping_add(1);
@@ -79,10 +83,14 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         };
         let doubted = before.iter().rev().take_while(is_doubted).count();
         // Their variances add up to its own.
-        let known = ELSEWHERE.map(|sigma| sigma / libm::sqrtf(doubted as f32));
+        let each = |sigmas: [f32; 2]| sigmas.map(|sigma| sigma / libm::sqrtf(doubted as f32));
         let mut next = here.pose;
         for key in before.iter_mut().rev().take(doubted) {
-            key.part_from(&next, calibration, known);
+            match displaced {
+                // Where it was found readings say, which are looked back on, too: told twice, a jolt that was none would be one.
+                Displaced::Jolted => key.jolt(each(JOLTED)),
+                Displaced::Held => key.part_from(&next, calibration, each(FOUND)),
+            }
             next = key.pose;
         }
     }

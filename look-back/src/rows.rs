@@ -120,7 +120,8 @@ impl Odometry {
 
     /// The motion from a keyframe to the next. Where it ends the robot slipped to: a stretch on which nothing was sensed says
     /// nothing of the scale. With the motion over its scale beside what was sensed, each would draw the scale up by the square
-    /// of what the walls say it moved. A turn's noise is the odometry's.
+    /// of what the walls say it moved. A turn's noise is the odometry's. A jolt has long tails: somebody who walks into a
+    /// robot pushes it farther than a foot does.
     pub fn rows(&self, key: &Keyframe, next: &Pose, calibration: &Calibration) -> [Row; 3] {
         let Calibration { distance, turn, veer_rad_per_m } = *calibration;
         let [position_m2, heading_rad2] = self.variances(key);
@@ -129,16 +130,28 @@ impl Odometry {
         let [c, s] = frame.turn([1.0, 0.0]);
         let row = |residual, weight, here, next, border| Row { residual, weight, here, next, border };
         let by_scale = |sensed: f32| [(DISTANCE, -sensed), NONE, NONE];
-        let weight = 1.0 / position_m2;
         let sensed_rad = key.motion.theta_rad + veer_rad_per_m * key.path_m;
         let heading = wrap(next.theta_rad - key.pose.theta_rad - turn * sensed_rad) / turn;
+        let [ahead_m, aside_m] = [forward - distance * key.motion.x_m, left - distance * key.motion.y_m];
+        let robust = if key.is_jolted() {
+            let square = (ahead_m * ahead_m + aside_m * aside_m) / position_m2 + heading * heading / heading_rad2;
+            robust(square)
+        } else {
+            1.0
+        };
+        let weight = robust / position_m2;
         let by_turn = [(TURN, -(sensed_rad + heading) / turn), (VEER, -key.path_m), NONE];
         [
-            row(forward - distance * key.motion.x_m, weight, [-c, -s, left], [c, s, 0.0], by_scale(key.motion.x_m)),
-            row(left - distance * key.motion.y_m, weight, [s, -c, -forward], [-s, c, 0.0], by_scale(key.motion.y_m)),
-            row(heading, 1.0 / heading_rad2, [0.0, 0.0, -1.0 / turn], [0.0, 0.0, 1.0 / turn], by_turn),
+            row(ahead_m, weight, [-c, -s, left], [c, s, 0.0], by_scale(key.motion.x_m)),
+            row(aside_m, weight, [s, -c, -forward], [-s, c, 0.0], by_scale(key.motion.y_m)),
+            row(heading, robust / heading_rad2, [0.0, 0.0, -1.0 / turn], [0.0, 0.0, 1.0 / turn], by_turn),
         ]
     }
+}
+
+/// Weight of a residual of so many sigmas, squared (Cauchy).
+fn robust(square: f32) -> f32 {
+    1.0 / (1.0 + square / (HALF_AT * HALF_AT))
 }
 
 /// A group of hits on a wall whose offset is at `place` in the border: how far the mean is before the wall, and how the hits
@@ -156,7 +169,7 @@ pub fn of_group(group: &Group, gains: &Gains, pose: &Pose, frame: &Frame, wall: 
         None => NONE,
     };
     let ([nx, ny], [tx, ty]) = (line.normal, line.tangent());
-    let robust = 1.0 / (1.0 + offset.square / (HALF_AT * HALF_AT));
+    let robust = robust(offset.square);
     let by_heading = tx * (offset.mean_m[0] - pose.x_m) + ty * (offset.mean_m[1] - pose.y_m);
     let apart = Row {
         residual: -offset.behind_m,

@@ -11,6 +11,7 @@ use crate::jolts::search::{ELSE, Scene};
 use crate::rig::DriveModel;
 use crate::sample::RangeInput;
 use crate::slam::Slam;
+use crate::walls::map::Displaced;
 
 /// The motion Jacobian of a robot that stays.
 const UNMOVED: MotionJacobian = {
@@ -44,7 +45,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let [x_m, y_m, turn_rad] = found.by;
         let Pose { x_m: x, y_m: y, theta_rad } = moment.map;
         let pose = Pose { x_m: x + x_m, y_m: y + y_m, theta_rad: theta_rad + turn_rad };
-        self.put(pose, &found.covariance);
+        self.put(pose, &found.covariance, Displaced::Jolted);
         self.holds.forget();
         self.counters.add_jolt();
     }
@@ -63,7 +64,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let judged = || self.holds.judge(layout::pose(&self.ekf), self.counters.steps);
         let Some(found) = confirmed.or_else(judged) else { return };
         let sigma = found.sigma;
-        self.put(found.pose, &sigma.map(|a| sigma.map(|b| a * b)));
+        self.put(found.pose, &sigma.map(|a| sigma.map(|b| a * b)), Displaced::Held);
         self.jolts = Jolts::NONE;
         self.counters.add_hold(found.is_held);
     }
@@ -77,11 +78,11 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     }
 
     /// Puts the robot elsewhere in the map, as well known as before but for this covariance.
-    fn put(&mut self, pose: Pose, covariance: &[[f32; 3]; 3]) {
+    fn put(&mut self, pose: Pose, covariance: &[[f32; 3]; 3], how: Displaced) {
         self.ekf.predict([pose.x_m, pose.y_m, pose.theta_rad], &UNMOVED, covariance);
         self.first.pose = pose;
         self.candidates.clear();
-        self.map.begin_epoch_elsewhere();
+        self.map.begin_epoch_elsewhere(how);
     }
 
     /// Moves the pose and the dead reckoning, and makes both less certain by a 1-sigma vector, both metres, in the frame of dead

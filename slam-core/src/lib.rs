@@ -99,6 +99,6 @@ pub use slam::{HostSlam, RobotSlam, Slam, states};
 pub use take_up::{Match, Unfit};
 pub use view::{Estimate, Parameter, Standing, WallView};
 pub use walls::decision::{BUILT_TOLERANCE, LOOSE_RAD};
-pub use walls::map::MapFrame;
+pub use walls::map::{Displaced, MapFrame};
 pub use walls::wall::{WallKind, WallPolicy};
 pub use walls::{BUILT_RELIEF_M, WallSettings};

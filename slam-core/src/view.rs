@@ -11,6 +11,7 @@ use crate::rig::{DriveModel, Rig};
 use crate::sensing::latency::Timing;
 use crate::slam::Slam;
 use crate::walls::manhattan::ManhattanFrame;
+use crate::walls::map::Displaced;
 use crate::walls::wall::{Direction, WallKind, WallPolicy};
 use nalgebra::Matrix3;
 
@@ -132,9 +133,9 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.map.epoch()
     }
 
-    /// Whether the map is that of the epoch before this one, and the robot was found elsewhere in it.
-    pub fn is_elsewhere(&self) -> bool {
-        self.map.is_elsewhere()
+    /// How the robot came to be elsewhere, where the map is that of the epoch before this one and it was found elsewhere in it.
+    pub fn displaced(&self) -> Option<Displaced> {
+        self.map.displaced()
     }
 
     /// The estimated pose in the filter's frame, which the map frame and the anchor do not move.

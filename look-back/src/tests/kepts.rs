@@ -3,8 +3,8 @@
 use std::vec::Vec;
 
 use nalgebra::{Matrix3, Vector3};
-use slam_core::Pose;
 use slam_core::kept::{Direction, Kept, KeptFrame, KeptWall, POSE_STATES};
+use slam_core::{Displaced, Pose};
 
 use super::drive::{DRIVE, Robot};
 use super::random::Random;
@@ -156,6 +156,6 @@ fn the_map_is_seen_from_where_it_is_however_full_the_diary_gets() {
     while diary.make_some_room(56, 0, 0).is_some() {}
     let seen: Vec<_> = diary.sightings().map(|(key, groups)| (key.holds_map(), groups.len())).collect();
     assert_eq!(seen[..2], [(true, 0), (false, 5)]);
-    diary.go_on_elsewhere(&Pose::ORIGIN);
+    diary.go_on_elsewhere(&Pose::ORIGIN, Displaced::Held);
     assert!(diary.keyframes[0].holds_map());
 }

@@ -43,14 +43,23 @@ pub enum MapFrame {
     Walls,
 }
 
+/// How a robot came to be elsewhere in its map than its wheels tell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Displaced {
+    /// Something moved it besides its wheels.
+    Jolted,
+    /// It was held while they turned, or no longer is.
+    Held,
+}
+
 /// The map: [`Map`] with its storage, [`MapView`] without its size.
 #[derive(Debug)]
 pub struct MapInner<V: ?Sized> {
     next_id: u16,
     /// Changes with whatever makes poses and walls of the filter's frame others than they were.
     epoch: u32,
-    /// The last epoch that began as the robot was found elsewhere in the same map.
-    elsewhere: u32,
+    /// Why this epoch began, where the map is that of the one before and the robot is elsewhere in it.
+    displaced: Option<Displaced>,
     /// The grid was founded.
     pub has_grid: bool,
     /// How likely that grid is exact, where walls are put on it once they are known to stand there.
@@ -75,7 +84,7 @@ impl<const W: usize> Map<W> {
     pub const EMPTY: Self = Self {
         next_id: 0,
         epoch: 0,
-        elsewhere: 0,
+        displaced: None,
         has_grid: false,
         exactness: Exactness::UNKNOWN,
         frame: MapFrame::Start,
@@ -134,19 +143,20 @@ impl MapView {
     }
 
     /// The robot was found elsewhere in the same map, which begins an epoch.
-    pub fn begin_epoch_elsewhere(&mut self) {
+    pub fn begin_epoch_elsewhere(&mut self, displaced: Displaced) {
         self.begin_epoch();
-        self.elsewhere = self.epoch;
+        self.displaced = Some(displaced);
     }
 
-    /// Whether the map is that of the epoch before this one, in which the robot is elsewhere.
-    pub fn is_elsewhere(&self) -> bool {
-        self.elsewhere == self.epoch
+    /// How the robot came to be elsewhere, where the map is that of the epoch before this one.
+    pub fn displaced(&self) -> Option<Displaced> {
+        self.displaced
     }
 
     /// Poses and walls are others than they were.
     pub fn begin_epoch(&mut self) {
         self.epoch = self.epoch.wrapping_add(1);
+        self.displaced = None;
     }
 
     /// Which one it is since the estimator was made.
