@@ -17,7 +17,7 @@ mod transfer;
 
 use embedded_storage::nor_flash::NorFlash;
 use kept_map::{Corner, Record, Saved, Store, rig_hash};
-use relocate::{COMPARISONS, Event, Locator, State, Step, agreement};
+use relocate::{COMPARISONS, Event, Locator, State, Step};
 use robot::{AreaCorner, AreaKind, PoseNotes};
 use slam_core::kept::Kept;
 use slam_core::{Pose, RobotSlam, StepReport};
@@ -238,17 +238,9 @@ impl<F: MapFlash> Keeper<F> {
         let Self { store, saved, locator, .. } = self;
         let bytes = saved.and_then(|saved| slot(store.flash(), saved));
         let record = bytes.and_then(|bytes| Record::whole(bytes).ok());
-        let position_m = [slam.state_mean(0), slam.state_mean(1)];
-        let readings = record.as_ref().map_or([0; 2], |record| agreement(report, record.frame().next_id));
-        let step = Step {
-            position_m,
-            travelled_m,
-            readings,
-            elsewhere: slam.elsewhere(),
-            is_docked,
-            before_dock_m: slam.before_dock_m(),
-        };
-        match locator.step(&*slam, record.as_ref().map(|record| record as &dyn Kept), &step, COMPARISONS) {
+        let kept = record.as_ref().map(|record| record as &dyn Kept);
+        let step = Step { is_docked, ..Step::of(slam, report, travelled_m, kept) };
+        match locator.step(&*slam, kept, &step, COMPARISONS) {
             Some(Event::Found(found)) => {
                 if record.is_some_and(|record| slam.take_up(&record, &found).is_ok()) {
                     self.tally.found = self.tally.found.saturating_add(1);

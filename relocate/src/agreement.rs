@@ -7,7 +7,7 @@ const GROSS_M: f32 = 0.08;
 
 /// Readings that agreed with a wall of the kept map, and that are grossly off. Walls that were drawn since, of this identifier or a later
 /// one, say nothing: a robot that is elsewhere draws the home a second time, askew, and everything agrees with that.
-pub fn agreement<const S: usize>(report: &StepReport<S>, since: u16) -> [u8; 2] {
+pub(crate) fn agreement<const S: usize>(report: &StepReport<S>, since: u16) -> [u8; 2] {
     let is_kept = |wall: u16| since.wrapping_sub(wall) as i16 > 0;
     let outcomes = || report.readings.iter().map(|reading| reading.outcome);
     let agrees = |outcome: &Outcome| matches!(*outcome, Outcome::Updated { wall, .. } if is_kept(wall));

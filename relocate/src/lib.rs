@@ -37,7 +37,6 @@ mod search;
 mod shift;
 mod side;
 
-pub use agreement::agreement;
 pub use locator::{CLAIM, Event, Locator, State, Step};
 pub use odds::Verdict;
 pub use search::{Hypothesis, Progress, Search};

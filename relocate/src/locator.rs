@@ -12,9 +12,9 @@
 
 use heapless::Vec;
 use slam_core::kept::{Kept, LastPose};
-use slam_core::{Elsewhere, Match, Pose, SecondCopy};
+use slam_core::{Elsewhere, Match, Pose, SecondCopy, Slam, StepReport};
 
-use crate::agreement::Agreement;
+use crate::agreement::{Agreement, agreement};
 use crate::copy;
 use crate::dock::DockTries;
 use crate::odds::{self, Displaced, Verdict};
@@ -82,7 +82,7 @@ pub struct Step {
     pub position_m: [f32; 2],
     /// How far it went, metres.
     pub travelled_m: f32,
-    /// Readings of walls that agreed with the map, and that are grossly off: [`agreement`](crate::agreement()).
+    /// Readings of walls that agreed with the map, and that are grossly off: see [`Step::of`].
     pub readings: [u8; 2],
     /// What speaks for the robot being elsewhere, as its estimator has it.
     pub elsewhere: Elsewhere,
@@ -93,6 +93,23 @@ pub struct Step {
 }
 
 impl Step {
+    /// Of a robot whose estimator reported this of its last step, in which it went so far, metres; with the kept map, if there is one.
+    pub fn of<const S: usize, const W: usize, const B: usize, const ROWS: usize>(
+        slam: &Slam<S, W, B, ROWS>,
+        report: &StepReport<S>,
+        travelled_m: f32,
+        kept: Option<&dyn Kept>,
+    ) -> Self {
+        Self {
+            position_m: [slam.state_mean(0), slam.state_mean(1)],
+            travelled_m,
+            readings: kept.map_or([0; 2], |kept| agreement(report, kept.frame().next_id)),
+            elsewhere: slam.elsewhere(),
+            is_docked: false,
+            before_dock_m: slam.before_dock_m(),
+        }
+    }
+
     /// Of a robot of which nothing else is known: where it is in the filter's frame and how far it went, metres.
     pub fn moved(position_m: [f32; 2], travelled_m: f32) -> Self {
         let (readings, elsewhere) = ([0; 2], Elsewhere::default());

@@ -3,9 +3,8 @@
 use std::ops::RangeInclusive;
 
 use hal_sim::Plan;
-use relocate::{Event, Locator, State, Step, agreement};
+use relocate::{Event, Locator, State, Step};
 use slam_core::HostSlam;
-use slam_core::kept::Kept;
 use tests::carries::{Driven, drive, rig};
 use tests::mishaps::{AT_S, LEFT_ALONE, Mishap, found, home};
 
@@ -33,23 +32,13 @@ fn lost_in_kept(plan: &Plan, kept: &HostSlam, seed: u64) -> (Option<f64>, u32) {
     let mut locator = Locator::new(State::Searching);
     let (mut error_m, mut last_m) = (None, 0.0);
     let slam = drive(plan, &rig(8), BACK_S, seed, |Driven { slam, report, path_m, in_plan, .. }| {
-        let position_m = [slam.state_mean(0), slam.state_mean(1)];
         let travelled_m = (path_m - std::mem::replace(&mut last_m, path_m)) as f32;
         if slam.is_about_to_forget() {
             // Readings contradict it: it looks for itself in the map that it was in.
             slam.restart_map();
             locator.contradicted();
         }
-        match locator.step(
-            &*slam,
-            Some(kept),
-            &Step {
-                readings: agreement(report, kept.frame().next_id),
-                elsewhere: slam.elsewhere(),
-                ..Step::moved(position_m, travelled_m)
-            },
-            u32::MAX,
-        ) {
+        match locator.step(&*slam, Some(kept), &Step::of(slam, report, travelled_m, Some(kept)), u32::MAX) {
             Some(Event::Found(place)) => slam.take_up(kept, &place).expect("a map to go on in"),
             Some(Event::Copied(copy, found)) => slam.give_up_copy(&copy, &found).expect("walls that are there"),
             Some(Event::Docked) => unreachable!("there is no dock"),

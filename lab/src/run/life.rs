@@ -5,7 +5,7 @@
 
 use hal_sim::pose::Pose2;
 use kept_map::{Areas, Corner, Record, Writer, rig_hash};
-use relocate::{Event, Hypothesis, Locator, State, Step, agreement, path_on_grid};
+use relocate::{Event, Hypothesis, Locator, State, Step, path_on_grid};
 use robot::{AreaCorner, AreaKind, Bounds};
 use slam_core::kept::{Kept, LastPose};
 use slam_core::{HostSlam, Rig, StepReport};
@@ -259,16 +259,11 @@ impl Life {
         let moved = self.last.relative(&reckoned);
         self.last = reckoned;
         let record = self.kept.as_deref().and_then(|kept| Record::whole(kept).ok());
-        let step = Step {
-            position_m: [slam.state_mean(0), slam.state_mean(1)],
-            travelled_m: moved.x_m.hypot(moved.y_m) as f32,
-            readings: record.as_ref().map_or([0; 2], |record| agreement(report, record.frame().next_id)),
-            elsewhere: slam.elsewhere(),
-            is_docked: self.is_docked,
-            before_dock_m: slam.before_dock_m(),
-        };
+        let kept = record.as_ref().map(|record| record as &dyn Kept);
+        let travelled_m = moved.x_m.hypot(moved.y_m) as f32;
+        let step = Step { is_docked: self.is_docked, ..Step::of(slam, report, travelled_m, kept) };
         let before = self.locator.verdict().copied();
-        let event = self.locator.step(&*slam, record.as_ref().map(|record| record as &dyn Kept), &step, AT_ONCE);
+        let event = self.locator.step(&*slam, kept, &step, AT_ONCE);
         if let Some(verdict) = self.locator.verdict().filter(|verdict| before.as_ref() != Some(verdict)) {
             let [x, y] = verdict.best.matched;
             self.places = self.locator.hypotheses().to_vec();
