@@ -11,7 +11,7 @@ use tests::mishaps::{AT_S, LEFT_ALONE, Mishap, found, home};
 /// Until when it is to be back in its kept map, seconds.
 const BACK_S: f64 = AT_S + 100.0;
 
-/// Drives with a kick, by which a share of 0.7 is known to 0.02.
+/// Drives with a kick, by which a share of three quarters is known to 0.02.
 const KICKED: u64 = 500;
 
 #[test]
@@ -19,7 +19,7 @@ fn kicks_are_found_and_undone_and_none_where_there_is_none() {
     // Without a search the robot is 10 cm and 15 degrees off, and more by and by.
     let kicked = (1..=KICKED).map(|seed| found("flat", Mishap::Kick, seed));
     let undone = kicked.filter(|found| found.is_within(0.05, 0.05) && found.jolts > 0).count() as u64;
-    assert!(8 * undone >= 5 * KICKED, "{undone} of {KICKED}");
+    assert!(3 * undone >= 2 * KICKED, "{undone} of {KICKED}");
     // A jolt is believed at odds that one drive in a thousand, fifty hours, meets by chance: seed 37 does, and is back after 13 seconds.
     let jolted: Vec<_> = LEFT_ALONE.iter().enumerate().filter(|(_, found)| found.jolts > 0).collect();
     assert!(jolted.len() <= 1, "{jolted:?}");
