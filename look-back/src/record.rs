@@ -56,12 +56,12 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     }
 }
 
-/// How well a robot that was held, or lies in a kept map, knows where, metres and radians, 1-sigma, over all motions in doubt. Left open
+/// How well a robot knows where it was found, held or in a kept map: metres and radians, 1-sigma, over all motions in doubt. Left open
 /// altogether, all that comes later could slide along the walls of before.
 pub(crate) const FOUND: [f32; 2] = [0.5, 0.5];
 
-/// What a jolt moves a robot beside what its wheels do, the same.
-const JOLTED: [f32; 2] = [JOLT[0], JOLT[2]];
+/// By how much a jolt moves a robot beside what its wheels do: metres and radians, 1-sigma, over all motions in doubt.
+const JOLTED_BY: [f32; 2] = [JOLT[0], JOLT[2]];
 
 /// Whoever moved the robot, or held it while its wheels turned, is found out within such a path, metres.
 const FOUND_OUT_M: f32 = 0.5;
@@ -87,8 +87,8 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         let mut next = here.pose;
         for key in before.iter_mut().rev().take(doubted) {
             match displaced {
-                // Where it was found readings say, which are looked back on, too: told twice, a jolt that was none would be one.
-                Displaced::Jolted => key.jolt(each(JOLTED)),
+                // The readings by which it was found are in the diary, too: told twice, a jolt that was none would stay one.
+                Displaced::Jolted => key.jolt(each(JOLTED_BY)),
                 Displaced::Held => key.part_from(&next, calibration, each(FOUND)),
             }
             next = key.pose;

@@ -135,7 +135,7 @@ impl Odometry {
         let [ahead_m, aside_m] = [forward - distance * key.motion.x_m, left - distance * key.motion.y_m];
         let robust = if key.is_jolted() {
             let square = (ahead_m * ahead_m + aside_m * aside_m) / position_m2 + heading * heading / heading_rad2;
-            robust(square)
+            cauchy(square)
         } else {
             1.0
         };
@@ -149,8 +149,8 @@ impl Odometry {
     }
 }
 
-/// Weight of a residual of so many sigmas, squared (Cauchy).
-fn robust(square: f32) -> f32 {
+/// Robust weight of a residual of so many sigmas, squared.
+fn cauchy(square: f32) -> f32 {
     1.0 / (1.0 + square / (HALF_AT * HALF_AT))
 }
 
@@ -169,7 +169,7 @@ pub fn of_group(group: &Group, gains: &Gains, pose: &Pose, frame: &Frame, wall: 
         None => NONE,
     };
     let ([nx, ny], [tx, ty]) = (line.normal, line.tangent());
-    let robust = robust(offset.square);
+    let robust = cauchy(offset.square);
     let by_heading = tx * (offset.mean_m[0] - pose.x_m) + ty * (offset.mean_m[1] - pose.y_m);
     let apart = Row {
         residual: -offset.behind_m,
