@@ -74,13 +74,18 @@ fn it_cleans_a_room_on_command_with_a_pause_and_ends_in_its_dock() {
         let before = watch.last();
         assert!(before.swept_m2 > 1.0 && (85..=91).contains(&before.seconds), "{before:?}");
 
+        let driving = watch.place;
         home.command(Command::Stop);
         watch.pass(tasks, 4.0);
         let stood = home.truth();
         watch.pass(tasks, 6.0);
         let moved_m = (home.truth().x_m - stood.x_m).hypot(home.truth().y_m - stood.y_m);
         assert!(moved_m < 1e-6, "it stands: {moved_m} m");
-        assert_eq!((watch.state(), watch.place.saves), (FloorState::Paused, 1), "its map is saved meanwhile");
+        let saves = watch.place.saves;
+        assert!(
+            watch.state() == FloorState::Paused && saves > driving.saves,
+            "its map is saved meanwhile: {driving:?} {saves}"
+        );
 
         home.command(Command::Clean { anew: false });
         while watch.state() != FloorState::Done && watch.last().seconds < LONGEST_S {
@@ -92,7 +97,7 @@ fn it_cleans_a_room_on_command_with_a_pause_and_ends_in_its_dock() {
         assert!(score.swept >= 0.96, "{} of the floor", score.swept);
         assert!(score.home_m <= 0.05, "{} m from the dock", score.home_m);
         watch.pass(tasks, 3.0);
-        assert_eq!(watch.place.saves, 2, "back in its dock it saves the map");
+        assert!(watch.place.saves > saves, "back in its dock it saves the map");
         let faults = home.shared.faults.get();
         let lost = [faults.samples_dropped, faults.frames_dropped, faults.late_tasks, faults.dead_man_stops];
         assert_eq!(lost, [0; 4], "{faults:?}");

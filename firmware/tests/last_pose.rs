@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::home::{Home, Tasks, estimates};
+use common::home::{self, Home, Tasks, estimates};
 use common::ranges::Ranges;
 use hal_sim::mishap::Kidnap;
 use hal_sim::{SimOptions, plan_file};
@@ -25,8 +25,7 @@ fn run(home: &Home, story: impl FnOnce(&mut Tasks<'_>)) {
 
 /// What the robot said last of its place.
 fn place(said: &[Frame]) -> Place {
-    let places = said.iter().rev().find_map(|frame| if let Frame::Place(place) = frame { Some(*place) } else { None });
-    places.expect("the place is told")
+    home::place(said).expect("the place is told")
 }
 
 /// A robot whose power fails in the middle of its second drive, with a map that it saved before; somebody may carry it then.
@@ -85,7 +84,7 @@ fn a_robot_that_was_reset_finds_itself_sooner_where_it_was() {
         home.pose_backup.borrow_mut().fill(0);
         run(&home, |tasks| {
             unaware += find(&home, tasks);
-            tasks.drive(20.0);
+            tasks.drive(40.0);
             assert_eq!(place(&home.heard()).state, PlaceState::Tracking);
         });
     }

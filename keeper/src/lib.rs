@@ -7,8 +7,9 @@
 //! any   -> Searching    lifted, or the map is begun anew; where readings contradict it, it is saved before, if the place is sure
 //! ```
 //!
-//! The other states and their ways are those of [`relocate::Locator`]. A map is saved while the robot is told to stand, the motors
-//! are off and the place is sure: erasing a sector stops the processor for up to 0.8 s. A map about to be forgotten makes it stand.
+//! The other states and their ways are those of [`relocate::Locator`]. A map is saved while the place is sure, the motors are off and the
+//! wheels stand: erasing a sector stops the processor for up to 0.8 s. That is where the robot is told to stand, and where it is lifted; one
+//! that drives is made to stand where its map is about to be forgotten, or is twice what is kept.
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -19,7 +20,7 @@ use embedded_storage::nor_flash::NorFlash;
 use kept_map::{Corner, Record, Saved, Store, rig_hash};
 use relocate::{COMPARISONS, Event, Locator, State, Step};
 use robot::{AreaCorner, AreaKind, PoseNotes};
-use slam_core::kept::Kept;
+use slam_core::kept::{Kept, KeptFrame};
 use slam_core::{Pose, RobotSlam, StepReport};
 use wire::{Place, PlaceState, SENSORS};
 
@@ -28,6 +29,13 @@ pub const SLOT_BYTES: u32 = 16 * 1024;
 
 /// Path after which a map is worth saving again, metres.
 const WORTH_M: f32 = 3.0;
+
+/// Walls of the first map that a driving robot stands for, those of a room: one that is switched off then knows it again. Afterwards it
+/// stands for twice as many as it has kept, so that power that fails costs half of a map at most, for five stops up to 64 walls.
+const ROOM: u16 = 4;
+
+/// The wheels of a robot that stands turn by less in a step, metres: an encoder's edge may jitter.
+const STILL_M: f32 = 0.001;
 
 /// NOR flash that can be read as memory.
 pub trait MapFlash: NorFlash {
@@ -104,11 +112,13 @@ impl<F: MapFlash> Keeper<F> {
         self.unsaved_m += travelled_m;
         let receives = self.receives(now);
         let is_saving = !receives && self.is_worth_saving(slam, now);
-        let is_waiting = is_saving && !now.is_off;
+        let is_waiting = is_saving && !(now.is_off && travelled_m < STILL_M);
         if is_saving && !is_waiting {
             self.save(slam);
         }
-        self.lift(slam, now);
+        if !is_waiting {
+            self.lift(slam, now);
+        }
         let restarts = core::mem::replace(&mut self.restarts, slam.counters().restarts);
         if !self.is_lifted {
             if now.is_docked && self.is_located() {
@@ -153,7 +163,7 @@ impl<F: MapFlash> Keeper<F> {
 
     /// A corner of the areas in the kept map, one after the other from step to step; none where there are none.
     pub fn corner(&mut self, step: u32) -> Option<AreaCorner> {
-        let record = Record::whole(slot(self.store.flash(), self.saved?)?).ok()?;
+        let record = self.record()?;
         let of = u8::try_from(record.corners().count()).ok()?;
         let index = step.checked_rem(of.into())? as u8;
         let Corner { kind, is_first, at_m } = record.corners().nth(index.into())?;
@@ -178,17 +188,31 @@ impl<F: MapFlash> Keeper<F> {
         Place { state, sequence: self.saved.map_or(0, |saved| saved.sequence), log_odds, ..self.tally }
     }
 
+    /// The newest record.
+    fn record(&mut self) -> Option<Record<'_>> {
+        Record::whole(slot(self.store.flash(), self.saved?)?).ok()
+    }
+
     /// Whether it is beyond doubt where the robot is.
     fn is_sure(&self) -> bool {
         self.locator.state() == State::Tracking && !self.is_lifted
     }
 
-    /// Whether the map is to be saved now: where the robot stands and there is enough to save, or it is about to be forgotten and the robot
-    /// could find itself in it.
-    fn is_worth_saving(&self, slam: &RobotSlam, now: Circumstances) -> bool {
+    /// Whether the map is to be saved now: where there is enough to save and the robot stands, or is no longer where it was in it, or has
+    /// outgrown what is kept; or it is about to be forgotten and the robot could find itself in it.
+    fn is_worth_saving(&mut self, slam: &RobotSlam, now: Circumstances) -> bool {
         let frame = slam.frame();
+        if !self.is_sure() || frame.walls == 0 {
+            return false;
+        }
         let is_last = slam.is_about_to_forget() && frame.has_grid;
-        self.is_sure() && frame.walls > 0 && (is_last || now.stands && self.unsaved_m >= WORTH_M)
+        is_last || self.unsaved_m >= WORTH_M && (now.stands || now.is_lifted || self.is_outgrown(&frame))
+    }
+
+    /// Whether a map is worth a stop. None is where a save failed: it would be tried again and again.
+    fn is_outgrown(&mut self, frame: &KeptFrame) -> bool {
+        let kept = self.record().map_or(0, |record| record.frame().walls);
+        frame.has_grid && self.tally.failed == 0 && frame.walls >= ROOM.max(2 * kept)
     }
 
     fn save(&mut self, slam: &RobotSlam) {

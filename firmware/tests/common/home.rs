@@ -22,7 +22,7 @@ use robot::{
 use slam_core::kept::Kept;
 use slam_core::{Config, RobotSlam};
 use std::collections::VecDeque;
-use wire::{Command, Decoder, Estimate, Frame, encode};
+use wire::{Command, Decoder, Estimate, Floor, Frame, Place, encode};
 
 use super::Wire;
 use super::nor::Nor;
@@ -129,6 +129,16 @@ pub fn frames(line: &RefCell<VecDeque<u8>>) -> Vec<Frame> {
 /// The estimates among these frames.
 pub fn estimates(said: &[Frame]) -> impl DoubleEndedIterator<Item = &Estimate> {
     said.iter().filter_map(|frame| if let Frame::Estimate(estimate) = frame { Some(estimate) } else { None })
+}
+
+/// What these frames say last of the robot's place.
+pub fn place(said: &[Frame]) -> Option<Place> {
+    said.iter().rev().find_map(|frame| if let Frame::Place(place) = frame { Some(*place) } else { None })
+}
+
+/// What they say last of its floor.
+pub fn floor(said: &[Frame]) -> Option<Floor> {
+    said.iter().rev().find_map(|frame| if let Frame::Floor(floor) = frame { Some(*floor) } else { None })
 }
 
 /// Steps of the clock, milliseconds.

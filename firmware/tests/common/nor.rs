@@ -6,7 +6,7 @@ use firmware::keeper::{MapFlash, SLOT_BYTES};
 /// Three slots.
 pub struct Nor {
     bytes: Vec<u8>,
-    /// Words that are still written before the power fails.
+    /// Words that are still written before the power fails, once.
     pub words_left: usize,
 }
 
@@ -54,7 +54,11 @@ impl NorFlash for Nor {
     }
 
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), PowerCut> {
-        self.words_left = self.words_left.checked_sub(1).ok_or(PowerCut)?;
+        let Some(left) = self.words_left.checked_sub(1) else {
+            self.words_left = usize::MAX;
+            return Err(PowerCut);
+        };
+        self.words_left = left;
         for (cell, byte) in self.bytes[offset as usize..].iter_mut().zip(bytes) {
             assert_eq!(*cell & byte, *byte, "a bit is set only by erasing");
             *cell &= byte;

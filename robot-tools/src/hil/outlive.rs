@@ -46,12 +46,15 @@ impl Hil {
     /// What is not as it has to be, for people.
     pub fn outlive(&self) -> Result<Outlived, String> {
         let mut story = Story { hil: self, home: self.simulation()?, flash: self.flash()?, told: Outlived::default() };
+        let mut kept = 0;
         story.boot(None, |boot, _| {
             boot.command(Command::Start)?;
             let driving = pass(boot, 60.0 * self.minutes)?;
-            driving.expect("while it drives", |place| place.state == PlaceState::Fresh && place.saves == 0)?;
+            driving.expect("while it drives", |place| place.state == PlaceState::Tracking && place.failed == 0)?;
             boot.command(Command::Stop)?;
-            pass(boot, SAVE_S)?.expect("once it stands", |place| place.saves == 1 && place.sequence == 1)?;
+            kept = driving.place.saves + 1;
+            pass(boot, SAVE_S)?
+                .expect("once it stands", |place| place.saves == kept && place.sequence == kept)?;
             boot.command(Command::Start)?;
             pass(boot, ON_S).map(|_| ())
         })?;
@@ -67,7 +70,7 @@ impl Hil {
         }
         story.boot(None, |boot, told| {
             find(boot, told)?;
-            stand(boot)?.expect("after the power cut", |place| (place.saves, place.failed, place.sequence) == (1, 0, 2))
+            stand(boot)?.expect("after the power cut", |place| (place.saves, place.failed, place.sequence) == (1, 0, kept + 1))
         })?;
         Ok(story.told)
     }

@@ -1,0 +1,63 @@
+//! A robot that is lifted in its first drive finds itself in what it has mapped so far, though it was never told to stand, and goes on with
+//! its floor.
+//!
+//! One test only: the clock is one for the whole process.
+
+mod common;
+
+use common::home::{self, Home, estimates, place};
+use common::ranges::Ranges;
+use hal_sim::mishap::Kidnap;
+use hal_sim::{SimOptions, plan_file};
+use robot::FloorState;
+use robot::rig::BuiltIn;
+use wire::{Command, Floor, Frame, Place, PlaceState};
+
+/// When it is lifted, and how long it is off the floor, seconds.
+const LIFTED_S: f64 = 240.0;
+const CARRIED_S: f64 = 6.0;
+
+/// Longest that it may take to find itself and to sweep the rest of the floor, tens of seconds.
+const LONGEST: usize = 120;
+
+/// What the robot said last of its floor and its place.
+fn told(said: &[Frame]) -> (Floor, Place) {
+    home::floor(said).zip(place(said)).expect("both are told once a second")
+}
+
+#[test]
+fn a_first_drive_goes_on_after_a_lift() {
+    let mut plan = plan_file::load("l-shape").expect("a built-in plan");
+    plan.mishaps.kidnaps.push(Kidnap { at_s: LIFTED_S, carried_s: CARRIED_S, to: None });
+    let home = Home::of(&plan, BuiltIn::Sharp, SimOptions::default());
+    home.run(BuiltIn::Sharp, Ranges(home.board.range_sensors()), |tasks| {
+        home.command(Command::Clean { anew: true });
+        tasks.drive(LIFTED_S - 1.0);
+        let (before, driving) = told(&home.heard());
+        assert!(before.swept_m2 > 5.0, "{before:?}");
+
+        tasks.drive(CARRIED_S - 1.0);
+        let (_, lifted) = told(&home.heard());
+        assert_eq!((lifted.state, lifted.lost), (PlaceState::Searching, driving.lost + 1));
+        assert_eq!((lifted.saves, lifted.failed), (driving.saves + 1, 0), "all of its map is saved: {driving:?}");
+
+        let mut found = None;
+        for _ in 0..LONGEST {
+            tasks.drive(10.0);
+            let said = home.heard();
+            let (floor, place) = told(&said);
+            if place.state == PlaceState::Tracking && found.is_none() {
+                let (last, truth) = (estimates(&said).next_back().expect("estimates are told"), home.truth());
+                let error_m = (f64::from(last.pose[0]) - truth.x_m).hypot(f64::from(last.pose[1]) - truth.y_m);
+                assert!(error_m < 0.1, "estimate {:?}, truth {truth:?}", last.pose);
+                assert!(floor.swept_m2 > before.swept_m2, "the floor is what it was: {before:?} {floor:?}");
+                found = Some(place);
+            }
+            if floor.state() == Some(FloorState::Done) {
+                assert!(found.is_some() && floor.swept_m2 > 17.0, "{found:?} {floor:?}");
+                return;
+            }
+        }
+        panic!("not done: {found:?}");
+    });
+}
