@@ -17,7 +17,7 @@ mod last_pose;
 mod transfer;
 
 use embedded_storage::nor_flash::NorFlash;
-use kept_map::{Corner, Record, Saved, Store, rig_hash};
+use kept_map::{Corner, Record, Saved, Store, WORTH_M, is_outgrown, rig_hash};
 use relocate::{COMPARISONS, Event, Locator, State, Step};
 use robot::{AreaCorner, AreaKind, PoseNotes};
 use slam_core::kept::{Kept, KeptFrame};
@@ -26,13 +26,6 @@ use wire::{Place, PlaceState, SENSORS};
 
 /// Bytes of a slot: the small sectors of the processor's flash.
 pub const SLOT_BYTES: u32 = 16 * 1024;
-
-/// Path after which a map is worth saving again, metres.
-const WORTH_M: f32 = 3.0;
-
-/// Walls of the first map that a driving robot stands for, those of a room: one that is switched off then knows it again. Afterwards it
-/// stands for twice as many as it has kept, so that power that fails costs half of a map at most, for five stops up to 64 walls.
-const ROOM: u16 = 4;
 
 /// The wheels of a robot that stands turn by less in a step, metres: an encoder's edge may jitter.
 const STILL_M: f32 = 0.001;
@@ -198,21 +191,22 @@ impl<F: MapFlash> Keeper<F> {
         self.locator.state() == State::Tracking && !self.is_lifted
     }
 
-    /// Whether the map is to be saved now: where there is enough to save and the robot stands, or is no longer where it was in it, or has
-    /// outgrown what is kept; or it is about to be forgotten and the robot could find itself in it.
+    /// Whether the map is to be saved now: where there is enough to save and the robot stands, or is lifted, or has mapped far more than is kept;
+    /// or the map is about to be forgotten and the robot could find itself in it.
     fn is_worth_saving(&mut self, slam: &RobotSlam, now: Circumstances) -> bool {
         let frame = slam.frame();
         if !self.is_sure() || frame.walls == 0 {
             return false;
         }
         let is_last = slam.is_about_to_forget() && frame.has_grid;
-        is_last || self.unsaved_m >= WORTH_M && (now.stands || now.is_lifted || self.is_outgrown(&frame))
+        let is_worth = (now.stands || now.is_lifted) && self.unsaved_m >= WORTH_M;
+        is_last || is_worth || self.is_outgrown(&frame)
     }
 
-    /// Whether a map is worth a stop. None is where a save failed: it would be tried again and again.
+    /// Whether it makes a stop to save. None where a save failed: it would try again and again.
     fn is_outgrown(&mut self, frame: &KeptFrame) -> bool {
-        let kept = self.record().map_or(0, |record| record.frame().walls);
-        frame.has_grid && self.tally.failed == 0 && frame.walls >= ROOM.max(2 * kept)
+        let unsaved_m = self.unsaved_m;
+        self.tally.failed == 0 && is_outgrown(self.record().as_ref(), frame, unsaved_m)
     }
 
     fn save(&mut self, slam: &RobotSlam) {

@@ -366,7 +366,8 @@ fn place_words(place: &Place) -> String {
     let kept = format!("its kept map, number {}", place.sequence);
     match place.state {
         PlaceState::Fresh => {
-            "It keeps no map yet: it saves one when it has mapped a room, or has driven for three metres and stands.".to_owned()
+            "It keeps no map yet: it saves one when it has mapped a room, or has driven for three metres and stands."
+                .to_owned()
         }
         PlaceState::Searching => format!("It looks for itself in {kept}."),
         PlaceState::Probation => format!("It takes itself to be in {kept}, on probation."),

@@ -82,7 +82,9 @@ impl MapRefusal {
     /// What it means, and what would be right.
     pub fn text(self) -> &'static str {
         match self {
-            Self::Nothing => "the robot keeps no map; it saves one when it has mapped a room, or was driven for three metres and stands",
+            Self::Nothing => {
+                "the robot keeps no map; it saves one when it has mapped a room, or was driven for three metres and stands"
+            }
             Self::Driving => "the robot is driving or off the floor; it must stand on the floor: stop it first",
             Self::Foreign => "this is no kept map; it must be a map.bin of this robot, or of lab run with its rig",
             Self::Version => {

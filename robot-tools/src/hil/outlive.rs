@@ -53,8 +53,7 @@ impl Hil {
             driving.expect("while it drives", |place| place.state == PlaceState::Tracking && place.failed == 0)?;
             boot.command(Command::Stop)?;
             kept = driving.place.saves + 1;
-            pass(boot, SAVE_S)?
-                .expect("once it stands", |place| place.saves == kept && place.sequence == kept)?;
+            pass(boot, SAVE_S)?.expect("once it stands", |place| place.saves == kept && place.sequence == kept)?;
             boot.command(Command::Start)?;
             pass(boot, ON_S).map(|_| ())
         })?;
@@ -70,7 +69,8 @@ impl Hil {
         }
         story.boot(None, |boot, told| {
             find(boot, told)?;
-            stand(boot)?.expect("after the power cut", |place| (place.saves, place.failed, place.sequence) == (1, 0, kept + 1))
+            stand(boot)?
+                .expect("after the power cut", |place| (place.saves, place.failed, place.sequence) == (1, 0, kept + 1))
         })?;
         Ok(story.told)
     }
