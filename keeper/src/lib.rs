@@ -206,7 +206,7 @@ impl<F: MapFlash> Keeper<F> {
     /// Whether it makes a stop to save. None where a save failed: it would try again and again.
     fn is_outgrown(&mut self, frame: &KeptFrame) -> bool {
         let unsaved_m = self.unsaved_m;
-        self.tally.failed == 0 && is_outgrown(self.record().as_ref(), frame, unsaved_m)
+        self.tally.failed == 0 && is_outgrown(self.record().map(|record| record.frame()), frame, unsaved_m)
     }
 
     fn save(&mut self, slam: &RobotSlam) {

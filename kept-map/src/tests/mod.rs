@@ -1,4 +1,5 @@
 mod areas;
+mod growth;
 mod nor;
 mod power_cuts;
 mod receiving;

@@ -246,8 +246,8 @@ impl Life {
     /// Keeps the map where a robot makes a stop to save it. That takes a quarter of a second and a sector's erase, which are not simulated.
     fn keep_outgrown(&mut self, slam: &HostSlam, travelled_m: f32) {
         self.unsaved_m += travelled_m;
-        let kept = self.kept.as_deref().and_then(|kept| Record::whole(kept).ok());
-        if self.locator.state() == State::Tracking && is_outgrown(kept.as_ref(), &slam.frame(), self.unsaved_m) {
+        let kept = self.kept.as_deref().and_then(|kept| Record::whole(kept).ok()).map(|record| record.frame());
+        if self.locator.state() == State::Tracking && is_outgrown(kept, &slam.frame(), self.unsaved_m) {
             self.kept = self.record_of(slam).or_else(|| self.kept.take());
             self.unsaved_m = 0.0;
         }
