@@ -254,7 +254,9 @@ impl<F: MapFlash> Keeper<F> {
     #[inline(never)]
     fn locate(&mut self, slam: &mut RobotSlam, report: &StepReport<SENSORS>, travelled_m: f32, is_docked: bool) {
         let Self { store, saved, locator, .. } = self;
-        let bytes = saved.and_then(|saved| slot(store.flash(), saved));
+        // A map that it has made itself since its start, as far as it goes, is no reason to doubt where it is.
+        let is_in_it = self.tally.found > 0 || locator.state() == State::Searching;
+        let bytes = saved.filter(|_| is_in_it).and_then(|saved| slot(store.flash(), saved));
         let record = bytes.and_then(|bytes| Record::whole(bytes).ok());
         let kept = record.as_ref().map(|record| record as &dyn Kept);
         let step = Step { is_docked, ..Step::of(slam, report, travelled_m, kept) };

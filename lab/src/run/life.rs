@@ -4,7 +4,7 @@
 //! itself; then it takes that up. What the robot does with its flash is done here with a record in memory.
 
 use hal_sim::pose::Pose2;
-use kept_map::{Areas, Corner, Record, Writer, is_outgrown, rig_hash};
+use kept_map::{Areas, Corner, Record, Writer, rig_hash};
 use relocate::{Event, Hypothesis, Locator, State, Step, path_on_grid};
 use robot::{AreaCorner, AreaKind, Bounds};
 use slam_core::kept::{Kept, LastPose};
@@ -53,8 +53,6 @@ pub struct Life {
     /// Counts the areas that were drawn: with others, the robot is in another world.
     world: u32,
     last: Pose2,
-    /// Path since the map was kept or found, metres.
-    unsaved_m: f32,
     searches: Vec<Searched>,
     places: Vec<Hypothesis>,
     lost: usize,
@@ -77,7 +75,6 @@ impl Life {
             was_carried: false,
             world: 0,
             last: Pose2::default(),
-            unsaved_m: 0.0,
             searches: Vec::new(),
             places: Vec::new(),
             lost: 0,
@@ -220,7 +217,6 @@ impl Life {
         self.lost += usize::from(self.locator.state().is_located());
         self.locator.lost();
         self.places.clear();
-        self.unsaved_m = 0.0;
     }
 
     /// Begins a fresh map, with the calibration as it is known.
@@ -243,16 +239,6 @@ impl Life {
         false
     }
 
-    /// Keeps the map where a robot makes a stop to save it. That takes a quarter of a second and a sector's erase, which are not simulated.
-    fn keep_outgrown(&mut self, slam: &HostSlam, travelled_m: f32) {
-        self.unsaved_m += travelled_m;
-        let kept = self.kept.as_deref().and_then(|kept| Record::whole(kept).ok()).map(|record| record.frame());
-        if self.locator.state() == State::Tracking && is_outgrown(kept, &slam.frame(), self.unsaved_m) {
-            self.kept = self.record_of(slam).or_else(|| self.kept.take());
-            self.unsaved_m = 0.0;
-        }
-    }
-
     /// Takes in a step of the estimator, the row of this index; true where the robot is in another map, or elsewhere in its own.
     pub fn step(&mut self, slam: &mut HostSlam, report: &StepReport<MAX_SENSORS>, index: usize) -> bool {
         let restarts = core::mem::replace(&mut self.restarts, slam.counters().restarts);
@@ -272,10 +258,9 @@ impl Life {
         let reckoned: Pose2 = slam.dead_reckoning().into();
         let moved = self.last.relative(&reckoned);
         self.last = reckoned;
-        let travelled_m = moved.x_m.hypot(moved.y_m) as f32;
-        self.keep_outgrown(slam, travelled_m);
         let record = self.kept.as_deref().and_then(|kept| Record::whole(kept).ok());
         let kept = record.as_ref().map(|record| record as &dyn Kept);
+        let travelled_m = moved.x_m.hypot(moved.y_m) as f32;
         let step = Step { is_docked: self.is_docked, ..Step::of(slam, report, travelled_m, kept) };
         let before = self.locator.verdict().copied();
         let event = self.locator.step(&*slam, kept, &step, AT_ONCE);
@@ -292,7 +277,6 @@ impl Life {
         match event {
             Some(Event::Found(found)) => {
                 if record.is_some_and(|record| slam.take_up(&record, &found).is_ok()) {
-                    self.unsaved_m = 0.0;
                     return true;
                 }
                 self.lose(slam);
