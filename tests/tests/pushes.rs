@@ -35,7 +35,7 @@ fn who_is_pushed_along_again_and_again_finds_out() {
     let wrong = jobs.iter().map(|(wrong, _)| wrong).sum::<f64>() / jobs.len() as f64;
     let home = jobs.iter().filter(|(_, is_home)| *is_home).count();
     println!("{wrong:.2} {home} of {}: {jobs:.2?}", jobs.len());
-    // Half of the time to six tenths, and 14 of 32; of a robot that doubts its place after five metres in which nothing fits, and believes in
-    // what it drew meanwhile, three quarters and none.
+    // Half of the time, and 7 of 16; of a robot that doubts its place after five metres in which nothing fits, and believes in what it drew
+    // meanwhile, three quarters and none.
     assert!(wrong < 0.67 && 4 * home >= jobs.len(), "{jobs:?}");
 }

@@ -9,7 +9,7 @@ const FILE: &str = "docs/results/on-target.md";
 /// Measures and writes the page.
 pub fn figures() -> Result {
     let (sizes, _) = size::measure()?;
-    let drive = Drive::read()?;
+    let drive = Drive::measure()?;
     let (counts, compiler) = timing::measure()?;
     let mut page = String::from(
         "# On the robot's processor\n\nWritten by `cargo xtask figures`. All of it is from the emulated STM32F405; nothing \
@@ -51,7 +51,8 @@ struct Drive {
 }
 
 impl Drive {
-    fn read() -> Result<Self> {
+    fn measure() -> Result<Self> {
+        hil::drive()?;
         Ok(Self {
             identical: hil::figure("identical")?,
             differences: hil::figure("differences")?,
