@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::home::{self, Home, Tasks, estimates};
+use common::home::{self, Home, Tasks};
 use common::ranges::Ranges;
 use robot::rig::BuiltIn;
 use wire::{Command, Frame, Place, PlaceState};
@@ -33,10 +33,8 @@ fn find(home: &Home, tasks: &mut Tasks<'_>) {
         tasks.drive(10.0);
         let said = home.heard();
         if told.insert(place(&said)).state == PlaceState::Tracking {
-            let last = estimates(&said).next_back().expect("estimates are told");
-            let truth = home.truth();
-            let error_m = (f64::from(last.pose[0]) - truth.x_m).hypot(f64::from(last.pose[1]) - truth.y_m);
-            assert!(error_m < 0.1, "estimate {:?}, truth {truth:?}", last.pose);
+            let error_m = home.error_m(&said);
+            assert!(error_m < 0.1, "{error_m} m off");
             return;
         }
     }
@@ -50,9 +48,10 @@ fn the_map_outlives_resets_and_power_cuts() {
     run(&home, |tasks| {
         home.command(Command::Start);
         let mut off_ms = 0;
-        for _ in 0..10_000 {
+        for step in 1..=10_000 {
             tasks.drive(0.02);
             off_ms += if home.enabled.get() { 0 } else { 20 };
+            assert!(step != 3000 || place(&home.heard()).saves > 0, "nothing is saved in the first minute");
         }
         let driving = place(&home.heard());
         assert_eq!((driving.state, driving.failed), (PlaceState::Tracking, 0));

@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::home::{self, Home, Tasks, estimates};
+use common::home::{self, Home, Tasks};
 use common::ranges::Ranges;
 use hal_sim::mishap::Kidnap;
 use hal_sim::{SimOptions, plan_file};
@@ -54,10 +54,8 @@ fn find(home: &Home, tasks: &mut Tasks<'_>) -> u32 {
         tasks.drive(1.0);
         let said = home.heard();
         if place(&said).state != PlaceState::Searching {
-            let last = estimates(&said).next_back().expect("estimates are told");
-            let truth = home.truth();
-            let error_m = (f64::from(last.pose[0]) - truth.x_m).hypot(f64::from(last.pose[1]) - truth.y_m);
-            assert!(error_m < 0.3, "estimate {:?}, truth {truth:?}", last.pose);
+            let error_m = home.error_m(&said);
+            assert!(error_m < 0.3, "{error_m} m off");
             return seconds;
         }
     }

@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::home::{self, Home, estimates, place};
+use common::home::{self, Home, place};
 use common::ranges::Ranges;
 use hal_sim::mishap::Kidnap;
 use hal_sim::{SimOptions, plan_file};
@@ -47,9 +47,8 @@ fn a_first_drive_goes_on_after_a_lift() {
             let said = home.heard();
             let (floor, place) = told(&said);
             if place.state == PlaceState::Tracking && found.is_none() {
-                let (last, truth) = (estimates(&said).next_back().expect("estimates are told"), home.truth());
-                let error_m = (f64::from(last.pose[0]) - truth.x_m).hypot(f64::from(last.pose[1]) - truth.y_m);
-                assert!(error_m < 0.1, "estimate {:?}, truth {truth:?}", last.pose);
+                let error_m = home.error_m(&said);
+                assert!(error_m < 0.1, "{error_m} m off");
                 assert!(floor.swept_m2 > before.swept_m2, "the floor is what it was: {before:?} {floor:?}");
                 found = Some(place);
             }

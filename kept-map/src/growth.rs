@@ -5,7 +5,7 @@ use slam_core::kept::KeptFrame;
 /// Path after which a map is worth saving again, metres.
 pub const WORTH_M: f32 = 3.0;
 
-/// Walls of the first map that a robot makes a stop for, those of a room: switched off after that, it knows where it is again.
+/// Walls of the first map that a robot makes a stop for, those of a room.
 const ROOM: u16 = 4;
 
 /// Whether a map is worth a stop, so long after it was saved or found, metres: where it has twice as many walls as the one that is kept.

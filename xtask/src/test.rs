@@ -101,8 +101,8 @@ fn host() -> Result {
 
 /// The robot's crates build for a processor that has no standard library.
 fn no_std() -> Result {
-    let mut check = Thumb::require()?.cargo(".", "check");
-    run(check.args([
+    let mut build = Thumb::require()?.cargo(".", "build");
+    run(build.args([
         "--release",
         "--package",
         "slam-core",
@@ -115,7 +115,7 @@ fn no_std() -> Result {
         "--package",
         "wire",
     ]))?;
-    let mut with_defmt = Thumb::require()?.cargo(".", "check");
+    let mut with_defmt = Thumb::require()?.cargo(".", "build");
     run(with_defmt.args(["--release", "--package", "slam-core", "--features", "defmt"]))
 }
 

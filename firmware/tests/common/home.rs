@@ -257,6 +257,13 @@ impl Home {
         self.board.with_simulation(|simulation| simulation.pose())
     }
 
+    /// How far the last of the estimates among these frames is from the true position, metres.
+    pub fn error_m(&self, said: &[Frame]) -> f64 {
+        let [x_m, y_m, _] = estimates(said).next_back().expect("estimates are told").pose.map(f64::from);
+        let truth = self.truth();
+        (x_m - truth.x_m).hypot(y_m - truth.y_m)
+    }
+
     /// Puts bytes onto the line to the robot.
     pub fn say(&self, bytes: &[u8]) {
         self.down.borrow_mut().extend(bytes);
