@@ -28,11 +28,41 @@ enum Mode {
     Spinning { duty: Duty, periods: u32 },
 }
 
-/// What pilot or floor job decided.
+/// What pilot or floor job decided last, as long as it stands.
+#[derive(Default)]
 struct Decision {
-    /// When the senses were taken, microseconds.
-    time_us: u64,
-    speeds: WheelSpeeds,
+    /// When the senses were taken, microseconds, and the speeds; none where nobody is in charge.
+    made: Option<(u64, WheelSpeeds)>,
+    /// The motors are held off.
+    is_held: bool,
+    /// When they were held off last, microseconds: they are told nothing that was decided by senses of before.
+    held_us: u64,
+}
+
+impl Decision {
+    /// The motors are held off now, or not.
+    fn hold(&mut self, is_held: bool) {
+        // In this beat they were held off, too, where they were in the last: a save stops the processor.
+        if core::mem::replace(&mut self.is_held, is_held) || is_held {
+            (self.made, self.held_us) = (None, Instant::now().as_micros());
+        }
+    }
+
+    /// Takes in what was decided by senses of then, microseconds.
+    fn take(&mut self, time_us: u64, speeds: WheelSpeeds) {
+        if !self.is_held && time_us > self.held_us {
+            self.made = Some((time_us, speeds));
+        }
+    }
+
+    /// Whether it is too old by now: nobody is in charge any more.
+    fn lapses(&mut self, now_us: u64) -> bool {
+        self.made.take_if(|(time_us, _)| now_us.saturating_sub(*time_us) > DECISION_US).is_some()
+    }
+
+    fn speeds(&self) -> WheelSpeeds {
+        self.made.map_or(WheelSpeeds::STOP, |(_, speeds)| speeds)
+    }
 }
 
 /// Drives the wheels at the odometry's beat, by what the job decided last, once told to start or to clean. Without senses the
@@ -54,7 +84,7 @@ pub async fn drive(
     let mut stalls = control.stall_watch();
     let mut duty = Duty::default();
     let mut mode = Mode::Stopped;
-    let mut decision: Option<Decision> = None;
+    let mut decision = Decision::default();
     let mut last_us = None;
     let mut decided = 0_u32;
     let mut goes_on = false;
@@ -65,6 +95,7 @@ pub async fn drive(
             mode = obey(command, mode, job, robot);
         }
         let period_s = period_s(last_us.replace(odometry.time_us), &odometry);
+        decision.hold(shared.hold.load(Ordering::Relaxed));
         let is_stalled = stalls.update(duty, odometry.ticks, period_s);
         if let Some(Told { senses, whereabouts }) = shared.told.try_take() {
             let (battery_v, is_charging) = (supply.battery_v(), supply.is_charging());
@@ -75,23 +106,20 @@ pub async fn drive(
             }
             let speeds = job.step(&Senses { condition, ..senses }, &whereabouts);
             job.note(whereabouts.kept, memory);
-            decision = Some(Decision { time_us: senses.time_us, speeds });
+            decision.take(senses.time_us, speeds);
             decided = decided.wrapping_add(1);
             tell_floor(job, decided, shared);
             if mode == Mode::Driving && job.is_over() {
                 mode = Mode::Stopped;
             }
         }
-        if decision.take_if(|made| odometry.time_us.saturating_sub(made.time_us) > DECISION_US).is_some() {
+        if decision.lapses(odometry.time_us) {
             shared.faults.count(|faults| &mut faults.dead_man_stops);
         }
-        // Motors that are held off are told nothing that they would do all at once afterwards.
-        let is_held = shared.hold.load(Ordering::Relaxed);
-        let target = decision.as_ref().filter(|_| !is_held).map_or(WheelSpeeds::STOP, |made| made.speeds);
         let touch = shared.touch.lock(Cell::get);
         duty = match mode {
             Mode::Stopped => control.update(WheelSpeeds::STOP, odometry.ticks, period_s),
-            Mode::Driving => control.update(stalls.guard(touch.contacts.guard(target)), odometry.ticks, period_s),
+            Mode::Driving => control.update(stalls.guard(touch.contacts.guard(decision.speeds())), odometry.ticks, period_s),
             Mode::Spinning { duty, .. } if touch.contacts.any() => {
                 Duty { left: duty.left.min(0.0), right: duty.right.min(0.0) }
             }

@@ -29,7 +29,7 @@ where
 {
     let mut before = Touch::default();
     let mut stops = 0_u32;
-    let mut driven = false;
+    let (mut driven, mut is_held) = (false, false);
     let mut released = None;
     loop {
         let contacts = inputs.read();
@@ -42,10 +42,11 @@ where
         before = Touch { contacts, stop };
         shared.touch.lock(|touch| touch.set(before));
         let was_driven = core::mem::replace(&mut driven, is_driven(shared));
-        if was_driven && !driven {
+        let was_held = core::mem::replace(&mut is_held, shared.hold.load(Ordering::Relaxed));
+        // Motors that were held off are not stopped: a save stops the processor meanwhile.
+        if was_driven && !driven && !was_held {
             shared.faults.count(|faults| &mut faults.dead_man_stops);
         }
-        let is_held = shared.hold.load(Ordering::Relaxed);
         let done = if stop.is_none() && driven && !is_held { enable.set_high() } else { enable.set_low() };
         shared.is_held.store(is_held && done.is_ok(), Ordering::Relaxed);
         if done.is_err() {

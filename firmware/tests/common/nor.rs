@@ -1,5 +1,6 @@
 //! NOR flash in memory whose power can fail.
 
+use embassy_time::{Duration, MockDriver};
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
 use firmware::keeper::{MapFlash, SLOT_BYTES};
 
@@ -49,6 +50,8 @@ impl NorFlash for Nor {
     const ERASE_SIZE: usize = SLOT_BYTES as usize;
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), PowerCut> {
+        // As long as the processor stands still for a sector, in whole beats.
+        MockDriver::get().advance(Duration::from_millis(240));
         self.bytes[from as usize..to as usize].fill(0xFF);
         Ok(())
     }
