@@ -105,7 +105,8 @@ impl<F: MapFlash> Keeper<F> {
         self.unsaved_m += travelled_m;
         let receives = self.receives(now);
         let is_saving = !receives && self.is_worth_saving(slam, now);
-        let is_waiting = is_saving && !(now.is_off && travelled_m < STILL_M);
+        // Whoever has the robot in hands may turn its wheels.
+        let is_waiting = is_saving && !(now.is_off && (now.is_lifted || travelled_m < STILL_M));
         if is_saving && !is_waiting {
             self.save(slam);
         }

@@ -119,7 +119,9 @@ pub async fn drive(
         let touch = shared.touch.lock(Cell::get);
         duty = match mode {
             Mode::Stopped => control.update(WheelSpeeds::STOP, odometry.ticks, period_s),
-            Mode::Driving => control.update(stalls.guard(touch.contacts.guard(decision.speeds())), odometry.ticks, period_s),
+            Mode::Driving => {
+                control.update(stalls.guard(touch.contacts.guard(decision.speeds())), odometry.ticks, period_s)
+            }
             Mode::Spinning { duty, .. } if touch.contacts.any() => {
                 Duty { left: duty.left.min(0.0), right: duty.right.min(0.0) }
             }
