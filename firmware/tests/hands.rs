@@ -1,4 +1,4 @@
-//! A robot whose wheels somebody turns while it is off the floor: its map is saved at once, for it is where it is lifted.
+//! A robot whose wheels somebody turns while it is off the floor: its map is saved at once, not when they stand.
 
 mod common;
 

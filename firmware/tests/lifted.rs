@@ -13,8 +13,8 @@ use robot::FloorState;
 use robot::rig::BuiltIn;
 use wire::{Command, Floor, Frame, Place, PlaceState};
 
-/// When it is lifted, and how long it is off the floor, seconds.
-const LIFTED_S: f64 = 240.0;
+/// When it is lifted in each drive, and how long it is off the floor, seconds.
+const LIFTED_S: [f64; 4] = [232.0, 236.0, 240.0, 244.0];
 const CARRIED_S: f64 = 6.0;
 
 /// Longest that it may take to find itself and to sweep the rest of the floor, tens of seconds.
@@ -25,14 +25,15 @@ fn told(said: &[Frame]) -> (Floor, Place) {
     home::floor(said).zip(place(said)).expect("both are told once a second")
 }
 
-#[test]
-fn a_first_drive_goes_on_after_a_lift() {
+/// How far off it is from the moment on at which it has found itself after a lift at this time, metres, once in ten seconds until its floor is done.
+fn errors_m(lifted_s: f64) -> Vec<f64> {
     let mut plan = plan_file::load("l-shape").expect("a built-in plan");
-    plan.mishaps.kidnaps.push(Kidnap { at_s: LIFTED_S, carried_s: CARRIED_S, to: None });
+    plan.mishaps.kidnaps.push(Kidnap { at_s: lifted_s, carried_s: CARRIED_S, to: None });
     let home = Home::of(&plan, BuiltIn::Sharp, SimOptions::default());
+    let mut errors_m = Vec::new();
     home.run(BuiltIn::Sharp, Ranges(home.board.range_sensors()), |tasks| {
         home.command(Command::Clean { anew: true });
-        tasks.drive(LIFTED_S - 1.0);
+        tasks.drive(lifted_s - 1.0);
         let (before, driving) = told(&home.heard());
         assert!(before.swept_m2 > 5.0, "{before:?}");
 
@@ -42,7 +43,6 @@ fn a_first_drive_goes_on_after_a_lift() {
         assert_eq!((lifted.saves, lifted.failed), (driving.saves + 1, 0), "all of its map is saved: {driving:?}");
 
         let mut found = None;
-        let mut errors_m = Vec::new();
         for _ in 0..LONGEST {
             tasks.drive(10.0);
             let said = home.heard();
@@ -56,12 +56,22 @@ fn a_first_drive_goes_on_after_a_lift() {
             }
             if floor.state() == Some(FloorState::Done) {
                 assert!(found.is_some() && floor.swept_m2 > 17.0, "{found:?} {floor:?}");
-                // Of the minute after it found itself, and of all that follows.
-                let mean_m = errors_m.iter().take(6).sum::<f64>() / 6.0;
-                assert!(mean_m < 0.1 && errors_m.iter().all(|error_m| *error_m < 0.15), "{mean_m} m off: {errors_m:?}");
                 return;
             }
         }
         panic!("not done: {found:?}");
     });
+    errors_m
+}
+
+#[test]
+fn a_first_drive_goes_on_after_a_lift() {
+    let drives = LIFTED_S.map(errors_m);
+    let at_once = drives.iter().filter(|errors_m| errors_m[0] < 0.1).count();
+    assert!(at_once >= 3, "{drives:?}");
+    for errors_m in &drives {
+        let mean_m = errors_m.iter().take(6).sum::<f64>() / 6.0;
+        assert!(mean_m < 0.1, "{mean_m} m off in the first minute: {errors_m:?}");
+        assert!(errors_m.iter().all(|error_m| *error_m < 0.15), "{errors_m:?}");
+    }
 }

@@ -42,7 +42,7 @@ struct Decision {
 impl Decision {
     /// The motors are held off now, or not.
     fn hold(&mut self, is_held: bool) {
-        // In this beat they were held off, too, where they were in the last: a save stops the processor.
+        // The first beat after a hold counts as held, too: samples that were taken before its end come late.
         if core::mem::replace(&mut self.is_held, is_held) || is_held {
             (self.made, self.held_us) = (None, Instant::now().as_micros());
         }
