@@ -26,14 +26,7 @@ fn wheels_that_turn_in_the_air_do_not_put_a_save_off() {
     let mut keeper = Keeper::start(&mut flash, &slam);
     let (mut driving, mut lifted) = (None, None);
     robot.record(62.0, &mut |sample| {
-        let slam_core::Motion::Ticks(ticks) = sample.motion else { panic!("the built-in robot has encoders") };
-        let sent = wire::Sample {
-            time_us: sample.time_us,
-            left_ticks: ticks.left,
-            right_ticks: ticks.right,
-            ranges: sample.ranges.iter().take(wire::SENSORS).map(|range| wire::Range::from(*range)).collect(),
-            contacts: wire::Contacts::default(),
-        };
+        let sent = wire::Sample::of(sample).expect("the built-in robot has encoders");
         let report = slam.step(&sent.to_slam());
         let is_lifted = slam.counters().steps > LIFTED;
         let now = Circumstances { is_lifted, is_docked: false, stands: false, is_off: is_lifted };

@@ -3,11 +3,25 @@
 use robot::{FloorProgress, FloorState};
 
 use crate::frames::{
-    Calibration, Estimate, Factor, Floor, Frozen, Health, Parameter, Range, SENSORS, Sample, SlamFaults, Wall, WallKind,
+    Calibration, Contacts, Estimate, Factor, Floor, Frozen, Health, Parameter, Range, SENSORS, Sample, SlamFaults,
+    Wall, WallKind,
 };
 use slam_core::{Counters, Motion, RangeInput, Slam, Ticks, WallView};
 
 impl Sample {
+    /// The frame of an estimator's input, with as many of its ranges as a frame carries and no contact; none of one without encoder counts.
+    pub fn of<const S: usize>(sample: &slam_core::Sample<S>) -> Option<Self> {
+        let Motion::Ticks(Ticks { left, right }) = sample.motion else { return None };
+        let ranges = sample.ranges.iter().take(SENSORS).map(|range| (*range).into()).collect();
+        Some(Self {
+            time_us: sample.time_us,
+            left_ticks: left,
+            right_ticks: right,
+            ranges,
+            contacts: Contacts::default(),
+        })
+    }
+
     /// The estimator's input. Sensors that the frame does not carry have no reading.
     pub fn to_slam(&self) -> slam_core::Sample<SENSORS> {
         let mut ranges = [RangeInput::Missing; SENSORS];

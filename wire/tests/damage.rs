@@ -241,5 +241,9 @@ fn both_kinds_of_range_reach_the_estimator() {
     let inputs = heard.to_slam().ranges;
     assert_eq!(inputs[..3], [RangeInput::Counts(1234), RangeInput::Missing, RangeInput::Metres(0.75)]);
     assert!(inputs[3..].iter().all(|input| *input == RangeInput::Missing));
-    assert!(inputs[..3].iter().map(|input| Range::from(*input)).eq(ranges));
+    let sent = Sample::of(&heard.to_slam()).expect("it has encoders");
+    assert_eq!(sent.ranges[..3], ranges);
+    assert_eq!(sent.to_slam(), heard.to_slam());
+    let travelled = slam_core::Motion::Increment(slam_core::Increment::default());
+    assert_eq!(Sample::of(&slam_core::Sample { motion: travelled, ..heard.to_slam() }), None);
 }

@@ -17,15 +17,7 @@ fn robot_bytes(seconds: f64) -> Vec<u8> {
     let mut slam = Box::new(RobotSlam::with_config(narrow, config).expect("the built-in rig"));
     let mut bytes = Vec::new();
     robot.record(seconds, &mut |sample| {
-        let ranges = sample.ranges.iter().take(wire::SENSORS).map(|range| wire::Range::from(*range)).collect();
-        let slam_core::Motion::Ticks(ticks) = sample.motion else { panic!("the built-in robot has encoders") };
-        let sent = wire::Sample {
-            time_us: sample.time_us,
-            left_ticks: ticks.left,
-            right_ticks: ticks.right,
-            ranges,
-            contacts: wire::Contacts::default(),
-        };
+        let sent = wire::Sample::of(sample).expect("the built-in robot has encoders");
         let report = slam.step(&sent.to_slam());
         let estimate = wire::Estimate::of(&slam, sample.time_us);
         // A wall with each sample, the rest once a second.
