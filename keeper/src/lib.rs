@@ -119,14 +119,15 @@ impl<F: MapFlash> Keeper<F> {
                 slam.stands_in_dock();
             }
             if restarts != self.restarts && self.saved.is_some() {
-                self.forget_place();
+                self.locator.lost();
+                self.unsaved_m = 0.0;
             } else if !slam.is_about_to_forget() {
                 self.locate(slam, report, travelled_m, now.is_docked);
             } else if is_waiting {
                 slam.put_off_forgetting();
             } else if self.saved.is_some() {
-                self.lose(slam);
                 self.locator.contradicted();
+                self.begin_fresh(slam);
             }
         }
         receives || is_waiting
@@ -179,7 +180,8 @@ impl<F: MapFlash> Keeper<F> {
             State::Doubtful => PlaceState::Doubtful,
         };
         let log_odds = self.locator.verdict().map(|verdict| verdict.log_odds);
-        Place { state, sequence: self.saved.map_or(0, |saved| saved.sequence), log_odds, ..self.tally }
+        let lost = self.locator.times_lost().into();
+        Place { state, sequence: self.saved.map_or(0, |saved| saved.sequence), lost, log_odds, ..self.tally }
     }
 
     /// The newest record.
@@ -229,7 +231,8 @@ impl<F: MapFlash> Keeper<F> {
             return;
         }
         if now.is_lifted && self.saved.is_some() {
-            self.lose(slam);
+            self.locator.lost();
+            self.begin_fresh(slam);
         } else {
             // What the wheels turned in the air is no motion.
             slam.restart_map();
@@ -238,16 +241,9 @@ impl<F: MapFlash> Keeper<F> {
         self.restarts = slam.counters().restarts;
     }
 
-    /// The robot is in a fresh map: what was found out in another one's frame is of no use.
-    fn forget_place(&mut self) {
-        self.tally.lost = self.tally.lost.saturating_add(u32::from(self.locator.state().is_located()));
-        self.locator.lost();
-        self.unsaved_m = 0.0;
-    }
-
     /// Begins a fresh map, with the calibration as it is known.
-    fn lose(&mut self, slam: &mut RobotSlam) {
-        self.forget_place();
+    fn begin_fresh(&mut self, slam: &mut RobotSlam) {
+        self.unsaved_m = 0.0;
         slam.restart_map();
         self.restarts = slam.counters().restarts;
     }
@@ -267,7 +263,8 @@ impl<F: MapFlash> Keeper<F> {
                     self.tally.found = self.tally.found.saturating_add(1);
                     self.unsaved_m = 0.0;
                 } else {
-                    self.lose(slam);
+                    self.locator.lost();
+                    self.begin_fresh(slam);
                 }
             }
             Some(Event::Docked) => {
@@ -278,7 +275,7 @@ impl<F: MapFlash> Keeper<F> {
                 // A copy whose walls went in this step is found again.
                 let _ = slam.give_up_copy(&copy, &found);
             }
-            Some(Event::Lost) => self.lose(slam),
+            Some(Event::Lost) => self.begin_fresh(slam),
             None => {}
         }
     }

@@ -6,7 +6,7 @@
 //! Probation -> Searching      they do not: the claim is revoked
 //! Tracking  -> Doubtful       few of the last readings of walls agree
 //! Doubtful  -> Tracking       they do again
-//! Doubtful  -> Searching      they do not, and the odds that it is elsewhere are those that a claim needs
+//! Doubtful  -> Searching      they do not, and the odds that it is elsewhere are those that a claim needs: it is sought near there
 //! any       -> Searching      lifted
 //! ```
 
@@ -165,6 +165,7 @@ pub struct Locator {
     counted_m: f32,
     dock: DockTries,
     verdict: Option<Verdict>,
+    times_lost: u16,
 }
 
 impl Locator {
@@ -186,6 +187,7 @@ impl Locator {
             counted_m: 0.0,
             dock: DockTries::NONE,
             verdict: None,
+            times_lost: 0,
         };
         locator.restart(state);
         locator
@@ -206,6 +208,11 @@ impl Locator {
     /// What the robot knows.
     pub fn state(&self) -> State {
         self.state
+    }
+
+    /// How often the robot did not know any more where it was. It saturates.
+    pub fn times_lost(&self) -> u16 {
+        self.times_lost
     }
 
     /// What the last search found.
@@ -256,7 +263,7 @@ impl Locator {
             State::Tracking if self.agreement.is_poor() => self.become_state(State::Doubtful),
             State::Doubtful if self.agreement.is_good() => self.become_state(State::Tracking),
             // Much that hides walls is no reason to give them up, where it has been there all the time.
-            State::Doubtful if for_m > DOUBT_M && step.elsewhere.log_odds > CLAIM => return Some(self.lost()),
+            State::Doubtful if for_m > DOUBT_M && step.elsewhere.log_odds > CLAIM => return Some(self.contradicted()),
             _ => {}
         }
         self.watch(own, step.elsewhere.since, comparisons)
@@ -303,14 +310,16 @@ impl Locator {
 
     /// The robot does not know any more where it is: it was lifted.
     pub fn lost(&mut self) -> Event {
+        self.times_lost = self.times_lost.saturating_add(self.state.is_located().into());
         self.restart(State::Searching);
         Event::Lost
     }
 
     /// The same of a robot whose readings contradict its map, in whose frame it goes on.
-    pub fn contradicted(&mut self) {
-        self.restart(State::Searching);
+    pub fn contradicted(&mut self) -> Event {
+        let event = self.lost();
         self.begun = Begun::Contradicted;
+        event
     }
 
     /// A robot that was switched on begins to look for itself. When its power went it stood here, as far as it knew.

@@ -55,7 +55,6 @@ pub struct Life {
     last: Pose2,
     searches: Vec<Searched>,
     places: Vec<Hypothesis>,
-    lost: usize,
     /// Maps that the estimator itself began anew.
     restarts: u32,
     /// Areas that the user drew, in the frame of the start.
@@ -77,7 +76,6 @@ impl Life {
             last: Pose2::default(),
             searches: Vec::new(),
             places: Vec::new(),
-            lost: 0,
             restarts: 0,
             bounds: Bounds::NONE,
         }
@@ -161,7 +159,7 @@ impl Life {
 
     /// How often a place was given up.
     pub fn lost(&self) -> usize {
-        self.lost
+        self.locator.times_lost().into()
     }
 
     /// The record that the robot would keep now; none without a map.
@@ -204,7 +202,8 @@ impl Life {
         if is_lifted && !self.is_lifted {
             self.kept = self.record(slam).or_else(|| self.kept.take());
             self.was_carried = true;
-            self.lose(slam);
+            self.locator.lost();
+            self.begin_anew(slam);
         } else if self.is_lifted && !is_lifted {
             // What the wheels turned in the air is no motion.
             slam.restart_map();
@@ -212,16 +211,9 @@ impl Life {
         self.is_lifted = is_lifted;
     }
 
-    /// The robot is in a fresh map: what was found out in another one's frame is of no use.
-    fn forget_place(&mut self) {
-        self.lost += usize::from(self.locator.state().is_located());
-        self.locator.lost();
+    /// Begins a fresh map, with the calibration as it is known: what was found out in another one's frame is of no use.
+    fn begin_anew(&mut self, slam: &mut HostSlam) {
         self.places.clear();
-    }
-
-    /// Begins a fresh map, with the calibration as it is known.
-    fn lose(&mut self, slam: &mut HostSlam) {
-        self.forget_place();
         slam.restart_map();
         self.restarts = slam.counters().restarts;
     }
@@ -233,8 +225,8 @@ impl Life {
             self.kept = self.record_of(slam).or_else(|| self.kept.take());
         }
         if self.kept.is_some() {
-            self.lose(slam);
             self.locator.contradicted();
+            self.begin_anew(slam);
         }
         false
     }
@@ -249,7 +241,8 @@ impl Life {
             slam.stands_in_dock();
         }
         if slam.counters().restarts != restarts && self.kept.is_some() {
-            self.forget_place();
+            self.locator.lost();
+            self.places.clear();
             return false;
         }
         if slam.is_about_to_forget() {
@@ -258,9 +251,9 @@ impl Life {
         let reckoned: Pose2 = slam.dead_reckoning().into();
         let moved = self.last.relative(&reckoned);
         self.last = reckoned;
+        let travelled_m = moved.x_m.hypot(moved.y_m) as f32;
         let record = self.kept.as_deref().and_then(|kept| Record::whole(kept).ok());
         let kept = record.as_ref().map(|record| record as &dyn Kept);
-        let travelled_m = moved.x_m.hypot(moved.y_m) as f32;
         let step = Step { is_docked: self.is_docked, ..Step::of(slam, report, travelled_m, kept) };
         let before = self.locator.verdict().copied();
         let event = self.locator.step(&*slam, kept, &step, AT_ONCE);
@@ -279,7 +272,8 @@ impl Life {
                 if record.is_some_and(|record| slam.take_up(&record, &found).is_ok()) {
                     return true;
                 }
-                self.lose(slam);
+                self.locator.lost();
+                self.begin_anew(slam);
             }
             Some(Event::Docked) => {
                 let is_new_frame = slam.begin_in_dock();
@@ -288,7 +282,7 @@ impl Life {
                 return is_new_frame;
             }
             Some(Event::Copied(copy, found)) => return slam.give_up_copy(&copy, &found).is_ok(),
-            Some(Event::Lost) => self.lose(slam),
+            Some(Event::Lost) => self.begin_anew(slam),
             None => {}
         }
         false

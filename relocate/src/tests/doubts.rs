@@ -30,8 +30,11 @@ fn much_that_hides_walls_is_doubt_and_no_reason_to_give_a_place_up() {
     assert_eq!(drive(&mut locator, 100, [3, 1], 0.0), None);
     assert_eq!(locator.state(), State::Tracking);
     assert_eq!(drive(&mut locator, 100, [3, 1], 1.1 * CLAIM), None, "readings that mostly agree are not of elsewhere");
+    assert_eq!(locator.times_lost(), 0);
     assert_eq!(drive(&mut locator, 100, [1, 3], 1.1 * CLAIM), Some(Event::Lost));
-    assert_eq!(locator.state(), State::Searching);
+    assert_eq!((locator.state(), locator.times_lost()), (State::Searching, 1));
+    locator.lost();
+    assert_eq!(locator.times_lost(), 1, "it did not know before");
 }
 
 #[test]

@@ -8,7 +8,7 @@ use crate::geometry::angle::wrap;
 use crate::walls::decision::{GRID_SHARE, decide};
 use crate::walls::founding::upkeep;
 use crate::walls::manhattan::ManhattanFrame;
-use crate::walls::map::Map;
+use crate::walls::map::{Map, MapFrame};
 use crate::walls::wall::WallPolicy;
 use crate::walls::wall::{Direction, Wall, WallKind};
 
@@ -52,6 +52,34 @@ fn one_wall_alone_founds_no_grid() {
         assert!(!map.has_grid, "{directions:?}");
         assert_eq!(ekf.covariance(ALPHA, ALPHA), 0.0);
         assert!(kinds(&map).iter().all(|kind| *kind == WallKind::Free));
+    }
+}
+
+#[test]
+fn a_pair_of_which_little_is_known_founds_no_grid_again() {
+    for (sigma_deg, is_enough) in [(1.0, true), (3.0, false)] {
+        let (mut ekf, mut map) = home_known_to(sigma_deg, &[10.0, 100.0]);
+        map.is_grid_expected = true;
+        for turn in 0..20 {
+            upkeep(&mut map, &mut ekf, WallPolicy::Grid, turn);
+        }
+        assert_eq!(map.has_grid, is_enough, "{sigma_deg} degrees");
+    }
+}
+
+#[test]
+fn a_grid_is_founded_again_by_directions_that_are_less_sure() {
+    for is_expected in [false, true] {
+        let (mut ekf, mut map) = home_known_to(3.0, &[10.0, 102.0, -79.0]);
+        map.is_grid_expected = is_expected;
+        for turn in 0..20 {
+            upkeep(&mut map, &mut ekf, WallPolicy::Grid, turn);
+        }
+        assert_eq!(map.has_grid, is_expected);
+        map.forget_walls(&mut ekf);
+        assert_eq!((map.has_grid, map.is_grid_expected), (false, is_expected));
+        map.clear(MapFrame::Start);
+        assert!(!map.is_grid_expected, "it may be another home");
     }
 }
 

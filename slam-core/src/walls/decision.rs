@@ -34,11 +34,12 @@ pub fn density(off_rad: f32, variance: f32) -> f32 {
     libm::expf(-0.5 * off_rad * off_rad / variance) / libm::sqrtf(2.0 * PI * variance)
 }
 
-/// Logarithm of the odds that a wall `off_rad` from the nearest grid direction, with that variance, stands on the grid:
-/// normal density on it, uniform over a quarter turn off it; `share` of such walls do.
-fn log_odds(off_rad: f32, variance: f32, share: f32) -> f32 {
+/// Logarithm of how many times likelier a direction `off_rad` from the nearest one of a grid, with that variance, is of a wall on the
+/// grid than of one off it: normal density on it, uniform over a quarter turn off it.
+pub fn evidence(off_rad: f32, variance: f32) -> f32 {
+    let variance = variance + GRID_TOLERANCE * GRID_TOLERANCE;
     let log_grid = -0.5 * off_rad * off_rad / variance - 0.5 * libm::logf(2.0 * PI * variance);
-    log_grid - libm::logf(FRAC_2_PI) + libm::logf(share / (1.0 - share))
+    log_grid - libm::logf(FRAC_2_PI)
 }
 
 /// Variance of a wall's direction about the grid's, rad^2, beyond what walls of a perfect grid have.
@@ -57,9 +58,9 @@ pub fn looseness(policy: WallPolicy) -> f32 {
     }
 }
 
-/// On the grid (true), off it (false), or not clear yet.
+/// On the grid (true), where `share` of such walls stand, off it (false), or not clear yet.
 pub fn decide(off_rad: f32, variance: f32, share: f32) -> Option<bool> {
-    let odds = log_odds(off_rad, variance + GRID_TOLERANCE * GRID_TOLERANCE, share);
+    let odds = evidence(off_rad, variance) + libm::logf(share / (1.0 - share));
     if odds > SURE {
         Some(true)
     } else if odds < -SURE {

@@ -7,7 +7,7 @@
 use crate::filter::ekf::{EkfView, Jacobian};
 use crate::filter::layout::ALPHA;
 use crate::geometry::angle::{off_quarter, wrap};
-use crate::walls::decision::{GRID_SHARE, decide, deviation, looseness, relative_variance, tie};
+use crate::walls::decision::{GRID_SHARE, SURE, decide, deviation, evidence, looseness, relative_variance, tie};
 use crate::walls::exact_grid;
 use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::map::MapView;
@@ -15,11 +15,32 @@ use crate::walls::wall::WallPolicy;
 use crate::walls::wall::{Direction, Wall};
 use core::f32::consts::FRAC_PI_2;
 
-/// Largest sigma of the angle between two walls that may found the grid, radians: two degrees.
+/// Largest sigma of the angle between two walls that may found the first grid of a home, radians: two degrees.
 const FOUNDING_SIGMA: f32 = 0.035;
 
 /// Length of the walls that found the grid, metres, together.
 const FOUNDING_LENGTH_M: f32 = 1.0;
+
+/// What walls have to show before a grid is founded by them.
+#[derive(Clone, Copy)]
+struct Needed {
+    /// Largest variance of the angle between two walls that tells anything, rad^2.
+    variance: f32,
+    /// Logarithm of how many times likelier their directions are of one grid than of none.
+    evidence: f32,
+}
+
+impl Needed {
+    /// A home that may have none is asked for walls whose directions are known: a grid that is none bends all that follows.
+    const FIRST: Self = Self { variance: FOUNDING_SIGMA * FOUNDING_SIGMA, evidence: 0.0 };
+    /// That a home has one is known where a map before had found it. A robot that lost its place there is often one whose heading nobody
+    /// knows to two degrees, and it can be looked for on a grid only; so it is enough that walls tell the more together the less each tells.
+    const AGAIN: Self = Self { variance: f32::INFINITY, evidence: SURE };
+
+    fn of(map: &MapView) -> Self {
+        if map.is_grid_expected { Self::AGAIN } else { Self::FIRST }
+    }
+}
 
 /// Founds the grid where there is none, or takes one free wall into it.
 pub fn upkeep(map: &mut MapView, ekf: &mut EkfView, policy: WallPolicy, turn: usize) {
@@ -27,7 +48,7 @@ pub fn upkeep(map: &mut MapView, ekf: &mut EkfView, policy: WallPolicy, turn: us
         return;
     }
     if !map.has_grid {
-        let Some(theta) = founder(map.walls(), ekf, deviation(policy)) else { return };
+        let Some(theta) = founder(map.walls(), ekf, deviation(policy), Needed::of(map)) else { return };
         let mut jacobian = Jacobian::new();
         let _ = jacobian.push((theta, 1.0));
         let direction = ekf.mean(theta);
@@ -47,7 +68,7 @@ pub fn upkeep(map: &mut MapView, ekf: &mut EkfView, policy: WallPolicy, turn: us
 }
 
 /// The direction state of the free wall with which the most length of wall agrees, where that is enough and a majority.
-fn founder(walls: &[Wall], ekf: &EkfView, deviation: f32) -> Option<usize> {
+fn founder(walls: &[Wall], ekf: &EkfView, deviation: f32, needed: Needed) -> Option<usize> {
     let mut best: Option<(f32, usize)> = None;
     let mut total_m = 0.0;
     for (i, wall) in walls.iter().enumerate() {
@@ -55,7 +76,7 @@ fn founder(walls: &[Wall], ekf: &EkfView, deviation: f32) -> Option<usize> {
         let Direction::Free(theta) = wall.direction else { continue };
         let theta = usize::from(theta);
         let mut support_m = wall.length_m();
-        let mut others = 0;
+        let mut told = 0.0;
         for (j, other) in walls.iter().enumerate() {
             let Direction::Free(other_theta) = other.direction else { continue };
             let other_theta = usize::from(other_theta);
@@ -65,12 +86,13 @@ fn founder(walls: &[Wall], ekf: &EkfView, deviation: f32) -> Option<usize> {
             let variance = relative_variance(ekf, theta, other_theta);
             let off = off_quarter(ekf.mean(theta), ekf.mean(other_theta));
             let agrees = decide(off, variance + deviation, GRID_SHARE) == Some(true);
-            if variance < FOUNDING_SIGMA * FOUNDING_SIGMA && agrees {
+            if variance < needed.variance && agrees {
                 support_m += other.length_m();
-                others += 1;
+                told += evidence(off, variance + deviation);
             }
         }
-        if others > 0 && support_m >= FOUNDING_LENGTH_M && best.is_none_or(|(most, _)| support_m > most) {
+        let is_enough = told > needed.evidence && support_m >= FOUNDING_LENGTH_M;
+        if is_enough && best.is_none_or(|(most, _)| support_m > most) {
             best = Some((support_m, theta));
         }
     }
@@ -87,7 +109,7 @@ fn take_in(map: &mut MapView, ekf: &mut EkfView, policy: WallPolicy, index: usiz
     let variance = relative_variance(ekf, theta, ALPHA);
     let deviation = deviation(policy);
     let on_grid = decide(off, variance + deviation, GRID_SHARE);
-    if variance > FOUNDING_SIGMA * FOUNDING_SIGMA || on_grid != Some(true) {
+    if variance > Needed::of(map).variance || on_grid != Some(true) {
         return;
     }
     let looseness = looseness(policy);

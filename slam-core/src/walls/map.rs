@@ -62,6 +62,8 @@ pub struct MapInner<V: ?Sized> {
     displaced: Option<Displaced>,
     /// The grid was founded.
     pub has_grid: bool,
+    /// The home has one: a map before this one had found it.
+    pub is_grid_expected: bool,
     /// How likely that grid is exact, where walls are put on it once they are known to stand there.
     pub exactness: Exactness,
     /// What holds the map frame.
@@ -86,6 +88,7 @@ impl<const W: usize> Map<W> {
         epoch: 0,
         displaced: None,
         has_grid: false,
+        is_grid_expected: false,
         exactness: Exactness::UNKNOWN,
         frame: MapFrame::Start,
         start: Pose::ORIGIN,
@@ -112,7 +115,7 @@ impl MapView {
     pub fn clear(&mut self, frame: MapFrame) {
         self.next_id = 0;
         self.begin_epoch();
-        self.has_grid = false;
+        (self.has_grid, self.is_grid_expected) = (false, false);
         self.exactness = Exactness::UNKNOWN;
         self.frame = frame;
         self.start = Pose::ORIGIN;
@@ -124,7 +127,7 @@ impl MapView {
     pub fn forget_walls(&mut self, ekf: &mut EkfView) {
         self.begin_epoch();
         self.forget_some(ekf, |_| true);
-        self.has_grid = false;
+        self.is_grid_expected |= core::mem::take(&mut self.has_grid);
         self.exactness = Exactness::UNKNOWN;
         ekf.initialise(ALPHA, 0.0, &Jacobian::new(), 0.0);
     }
