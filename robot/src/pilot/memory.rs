@@ -44,6 +44,11 @@ const STEP_SHIFT: u32 = 5;
 /// Touched by the bumper or without a floor: no beam that passes above clears it.
 const BLOCKED: u8 = 0x80;
 
+/// Whether a cell of this value is an obstacle. Blocked is the highest bit.
+fn holds_obstacle(value: u8) -> bool {
+    value >= BLOCKED || value & EVIDENCE >= OCCUPIED
+}
+
 /// `N` by `N` cells, one byte each, of a plane that is rolled up both ways: when the picture moves, cells stay where they are
 /// stored, and those that fall off at one side come in, empty, at the other.
 #[derive(Clone, Debug)]
@@ -146,8 +151,7 @@ impl<const N: usize> Memory<N> {
     }
 
     pub(crate) fn is_obstacle(&self, cell: Cell) -> bool {
-        let value = self.get(cell);
-        value & BLOCKED != 0 || value & EVIDENCE >= OCCUPIED
+        holds_obstacle(self.get(cell))
     }
 
     pub(crate) fn is_visited(&self, cell: Cell) -> bool {
@@ -156,7 +160,16 @@ impl<const N: usize> Memory<N> {
 
     /// Whether an obstacle lies within this many king's moves.
     pub(crate) fn obstacle_within(&self, cell: Cell, moves: i16) -> bool {
-        (-moves..=moves).any(|row| (-moves..=moves).any(|col| self.is_obstacle(cell.offset(col, row))))
+        let last = N as i16 - 1;
+        let (from, to) = ((cell.col - moves).max(0), (cell.col + moves).min(last));
+        let columns = [from, to].map(|col| stored::<N>(col, self.origin[0]));
+        let ([Some(from), Some(to)], true) = (columns, from <= to) else { return false };
+        ((cell.row - moves).max(0)..=(cell.row + moves).min(last))
+            .filter_map(|row| self.cells.get(stored::<N>(row, self.origin[1])?))
+            .any(|row| {
+                let parts = if from <= to { [row.get(from..=to), None] } else { [row.get(from..), row.get(..=to)] };
+                parts.into_iter().flatten().flatten().any(|value| holds_obstacle(*value))
+            })
     }
 
     /// A beam passed here.
@@ -222,8 +235,7 @@ impl<const N: usize> Memory<N> {
         for row in [row - 1, row, row + 1] {
             let Some(row) = stored::<N>(row, self.origin[1]).and_then(|row| self.cells.get(row)) else { continue };
             for (is_tight, value) in is_tight.iter_mut().zip(row) {
-                // Blocked is the highest bit.
-                *is_tight |= *value >= BLOCKED || *value & EVIDENCE >= OCCUPIED;
+                *is_tight |= holds_obstacle(*value);
             }
         }
         let Some(row) = stored::<N>(row, self.origin[1]).and_then(|row| self.cells.get_mut(row)) else { return };

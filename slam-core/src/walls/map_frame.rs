@@ -105,13 +105,28 @@ impl CommonMotion {
     }
 }
 
+/// The filter's frame in the map frame, with sine and cosine of its direction; none where they are one.
+struct Moved(Option<(Pose, (f32, f32))>);
+
+impl Moved {
+    /// A line of the filter's frame in the map frame, and how much its coordinates along it grow.
+    fn line(&self, line: &Line) -> (Line, f32) {
+        let Some((Pose { x_m, y_m, theta_rad }, (s, c))) = self.0 else { return (*line, 0.0) };
+        let [nx, ny] = line.normal;
+        let normal = [c * nx - s * ny, s * nx + c * ny];
+        let rho_m = line.rho_m + x_m * normal[0] + y_m * normal[1];
+        let beta_rad = wrap(line.beta_rad + theta_rad);
+        (Line { rho_m, beta_rad, normal }, y_m * normal[0] - x_m * normal[1])
+    }
+}
+
 impl MapView {
     /// Moves the start pose so that walls stay where they were first drawn. `path_m` is the robot's path length so far.
     pub fn hold_frame(&mut self, ekf: &EkfView, path_m: f32) {
         if self.frame == MapFrame::Start {
             return;
         }
-        let importance = |wall: &Wall| if path_m - wall.seen_at_m < IN_VIEW_M { 1.0 } else { OUT_OF_VIEW };
+        let importance = |wall: &Wall, _: &Line| if path_m - wall.seen_at_m < IN_VIEW_M { 1.0 } else { OUT_OF_VIEW };
         let motion = self.motion_of_drawn(ekf, importance).steadied().solve();
         self.draw_all(ekf, |wall| wall.drawn.is_none() && wall.updates >= DRAWN_AFTER);
         if let Some(motion) = motion {
@@ -125,9 +140,9 @@ impl MapView {
         if self.frame == MapFrame::Start {
             return;
         }
-        let (grid, origin_rad) = (ManhattanFrame::of(ekf), self.origin().map_or(0.0, |origin| origin.theta_rad));
-        let importance = |wall: &Wall| {
-            let beta_rad = wall.line(ekf, &grid).beta_rad + origin_rad;
+        let origin_rad = self.origin().map_or(0.0, |origin| origin.theta_rad);
+        let importance = |wall: &Wall, line: &Line| {
+            let beta_rad = line.beta_rad + origin_rad;
             let has_turned = wall.drawn.is_some_and(|[_, drawn_rad]| wrap(drawn_rad - beta_rad).abs() > TURNED_RAD);
             if has_turned { 0.0 } else { 1.0 }
         };
@@ -147,14 +162,14 @@ impl MapView {
         }
     }
 
-    /// The motion of the map that brings the walls back to where they were drawn, by how important each is.
-    fn motion_of_drawn(&self, ekf: &EkfView, importance: impl Fn(&Wall) -> f32) -> CommonMotion {
-        let grid = ManhattanFrame::of(ekf);
+    /// The motion of the map that brings the walls back to where they were drawn, by how important each is, and its line in the filter's frame.
+    fn motion_of_drawn(&self, ekf: &EkfView, importance: impl Fn(&Wall, &Line) -> f32) -> CommonMotion {
+        let (grid, moved) = (ManhattanFrame::of(ekf), self.moved());
         let mut motion = CommonMotion::about(self.point_in_map([ekf.mean(X), ekf.mean(Y)]));
         for (wall, [rho_m, beta_rad]) in self.walls().iter().filter_map(|wall| Some((wall, wall.drawn?))) {
             let drawn = Line { rho_m, beta_rad, normal: normal(beta_rad) };
-            let (line, origin_m) = self.in_map(&wall.line(ekf, &grid));
-            let importance = importance(wall);
+            let own = wall.line(ekf, &grid);
+            let ((line, origin_m), importance) = (moved.line(&own), importance(wall, &own));
             motion.add(&line, &drawn, wall.lo_m + origin_m, importance);
             motion.add(&line, &drawn, wall.hi_m + origin_m, importance);
         }
@@ -170,15 +185,14 @@ impl MapView {
         }
     }
 
+    /// The motion from the filter's frame to the map frame, for many lines.
+    fn moved(&self) -> Moved {
+        Moved(self.origin().map(|origin| (origin, sin_cos(origin.theta_rad))))
+    }
+
     /// A line of the filter's frame in the map frame, and how much its coordinates along it grow.
     pub fn in_map(&self, line: &Line) -> (Line, f32) {
-        let Some(Pose { x_m, y_m, theta_rad }) = self.origin() else { return (*line, 0.0) };
-        let (s, c) = sin_cos(theta_rad);
-        let [nx, ny] = line.normal;
-        let normal = [c * nx - s * ny, s * nx + c * ny];
-        let rho_m = line.rho_m + x_m * normal[0] + y_m * normal[1];
-        let beta_rad = wrap(line.beta_rad + theta_rad);
-        (Line { rho_m, beta_rad, normal }, y_m * normal[0] - x_m * normal[1])
+        self.moved().line(line)
     }
 
     /// A point of the filter's frame in the map frame.
