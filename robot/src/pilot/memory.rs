@@ -339,6 +339,24 @@ mod tests {
     }
 
     #[test]
+    fn an_obstacle_is_near_wherever_the_picture_is_rolled_up() {
+        const N: i16 = 16;
+        let mut memory = Memory::<{ N as usize }>::new(0.2);
+        memory.shift(5, -3);
+        for cell in [(0, 0), (3, 13), (10, 12), (15, 2), (15, 15)].map(|(col, row)| Cell { col, row }) {
+            memory.block(cell);
+        }
+        for (col, row) in (-4..N + 4).flat_map(|col| (-4..N + 4).map(move |row| (col, row))) {
+            for moves in 0..=3 {
+                let mut around = (-moves..=moves).flat_map(|cols| (-moves..=moves).map(move |rows| (cols, rows)));
+                let cell = Cell { col, row };
+                let is_near = around.any(|(cols, rows)| memory.is_obstacle(cell.offset(cols, rows)));
+                assert_eq!(memory.obstacle_within(cell, moves), is_near, "{cell:?}, {moves} moves");
+            }
+        }
+    }
+
+    #[test]
     fn far_outside_is_unknown_and_harmless() {
         let mut memory = Memory::<16>::new(0.2);
         for far in [1e30, -1e30, f32::INFINITY] {
