@@ -60,7 +60,12 @@ pub fn looseness(policy: WallPolicy) -> f32 {
 
 /// On the grid (true), where `share` of such walls stand, off it (false), or not clear yet.
 pub fn decide(off_rad: f32, variance: f32, share: f32) -> Option<bool> {
-    let odds = evidence(off_rad, variance) + libm::logf(share / (1.0 - share));
+    decide_by(evidence(off_rad, variance), share)
+}
+
+/// The same by that [`evidence`].
+pub fn decide_by(evidence: f32, share: f32) -> Option<bool> {
+    let odds = evidence + libm::logf(share / (1.0 - share));
     if odds > SURE {
         Some(true)
     } else if odds < -SURE {

@@ -7,7 +7,9 @@
 use crate::filter::ekf::{EkfView, Jacobian};
 use crate::filter::layout::ALPHA;
 use crate::geometry::angle::{off_quarter, wrap};
-use crate::walls::decision::{GRID_SHARE, SURE, decide, deviation, evidence, looseness, relative_variance, tie};
+use crate::walls::decision::{
+    GRID_SHARE, SURE, decide, decide_by, deviation, evidence, looseness, relative_variance, tie,
+};
 use crate::walls::exact_grid;
 use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::map::MapView;
@@ -22,7 +24,6 @@ const FOUNDING_SIGMA: f32 = 0.035;
 const FOUNDING_LENGTH_M: f32 = 1.0;
 
 /// What walls have to show before a grid is founded by them.
-#[derive(Clone, Copy)]
 struct Needed {
     /// Largest variance of the angle between two walls that tells anything, rad^2.
     variance: f32,
@@ -48,7 +49,7 @@ pub fn upkeep(map: &mut MapView, ekf: &mut EkfView, policy: WallPolicy, turn: us
         return;
     }
     if !map.has_grid {
-        let Some(theta) = founder(map.walls(), ekf, deviation(policy), Needed::of(map)) else { return };
+        let Some(theta) = founder(map.walls(), ekf, deviation(policy), &Needed::of(map)) else { return };
         let mut jacobian = Jacobian::new();
         let _ = jacobian.push((theta, 1.0));
         let direction = ekf.mean(theta);
@@ -68,7 +69,7 @@ pub fn upkeep(map: &mut MapView, ekf: &mut EkfView, policy: WallPolicy, turn: us
 }
 
 /// The direction state of the free wall with which the most length of wall agrees, where that is enough and a majority.
-fn founder(walls: &[Wall], ekf: &EkfView, deviation: f32, needed: Needed) -> Option<usize> {
+fn founder(walls: &[Wall], ekf: &EkfView, deviation: f32, needed: &Needed) -> Option<usize> {
     let mut best: Option<(f32, usize)> = None;
     let mut total_m = 0.0;
     for (i, wall) in walls.iter().enumerate() {
@@ -84,11 +85,14 @@ fn founder(walls: &[Wall], ekf: &EkfView, deviation: f32, needed: Needed) -> Opt
                 continue;
             }
             let variance = relative_variance(ekf, theta, other_theta);
+            if variance >= needed.variance {
+                continue;
+            }
             let off = off_quarter(ekf.mean(theta), ekf.mean(other_theta));
-            let agrees = decide(off, variance + deviation, GRID_SHARE) == Some(true);
-            if variance < needed.variance && agrees {
+            let nats = evidence(off, variance + deviation);
+            if decide_by(nats, GRID_SHARE) == Some(true) {
                 support_m += other.length_m();
-                told += evidence(off, variance + deviation);
+                told += nats;
             }
         }
         let is_enough = told > needed.evidence && support_m >= FOUNDING_LENGTH_M;
