@@ -37,9 +37,7 @@ fn wheels_that_turn_in_the_air_do_not_put_a_save_off() {
         } else {
             driving = Some(told)
         }
-        let mut ranges_m = [None; hal_sim::MAX_SENSORS];
-        ranges_m.iter_mut().zip(report.readings).for_each(|(wide, reading)| *wide = reading.range_m);
-        Estimate { pose: slam.pose(), ranges_m }
+        Estimate::new(slam.pose(), &report)
     });
     assert_eq!(driving, Some((true, PlaceState::Fresh, 0)), "a robot that drives has to stand for it");
     assert_eq!(lifted, Some((false, PlaceState::Searching, 1)));

@@ -1,7 +1,7 @@
 //! Board, wheel control, the robot's job and an estimator in one loop.
 
 use robot::{FloorConfig, Job, PilotConfig, Senses, WheelSpeeds, Whereabouts};
-use slam_core::{Adc, Pose, RangeInput, RangeModel, Rig, Sample};
+use slam_core::{Adc, Pose, RangeInput, RangeModel, Rig, Sample, StepReport};
 
 use crate::pose::Pose2;
 use crate::simulation::{MAX_SENSORS, Simulation};
@@ -13,6 +13,15 @@ pub struct Estimate {
     pub pose: Pose,
     /// Corrected ranges, metres, in the rig's order; none where there is no valid reading.
     pub ranges_m: [Option<f32>; MAX_SENSORS],
+}
+
+impl Estimate {
+    /// Of a robot with at most as many sensors as are simulated, by its pose and what came of its readings.
+    pub fn new<const S: usize>(pose: Pose, report: &StepReport<S>) -> Self {
+        const { assert!(S <= MAX_SENSORS) };
+        let range_m = |index: usize| report.readings.get(index)?.range_m;
+        Self { pose, ranges_m: std::array::from_fn(range_m) }
+    }
 }
 
 /// One sample and the truth at its time: record a drive once, feed it to many estimators.

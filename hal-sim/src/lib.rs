@@ -16,7 +16,7 @@
 //! // Record once; feed the samples to as many estimators as you like.
 //! let frames = robot.record(5.0, &mut |sample| {
 //!     let report = slam.step(sample);
-//!     Estimate { pose: slam.pose(), ranges_m: report.readings.map(|reading| reading.range_m) }
+//!     Estimate::new(slam.pose(), &report)
 //! });
 //! assert_eq!(frames.len(), 126);
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -56,7 +56,7 @@ impl<const B: usize> Tracker<B> {
     pub fn estimate(&mut self, sample: &Sample<MAX_SENSORS>) -> Estimate {
         let report = self.slam.step(sample);
         self.track.add(&self.slam, sample.time_us, &report, true);
-        Estimate { pose: self.slam.pose(), ranges_m: report.readings.map(|reading| reading.range_m) }
+        Estimate::new(self.slam.pose(), &report)
     }
 
     /// The track, with the truth of the frames that it was made from.

@@ -60,7 +60,7 @@ pub fn drive_altered(
             alter(&mut sample);
             let report = slam.step(&sample);
             done = Some(report);
-            Estimate { pose: slam.pose(), ranges_m: report.readings.map(|reading| reading.range_m) }
+            Estimate::new(slam.pose(), &report)
         });
         let moved = last.replace(frame.truth).map_or(Pose2::default(), |last| last.relative(&frame.truth));
         path_m += moved.x_m.hypot(moved.y_m);

@@ -13,7 +13,7 @@ pub fn recorded(plan: &str, minutes: f64, seed: u64, options: SimOptions) -> Vec
     let mut robot = ClosedLoop::new(simulation, &rig, PilotConfig::default());
     robot.record(60.0 * minutes, &mut |sample| {
         let report = slam.step(sample);
-        Estimate { pose: slam.pose(), ranges_m: report.readings.map(|reading| reading.range_m) }
+        Estimate::new(slam.pose(), &report)
     })
 }
 

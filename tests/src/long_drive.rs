@@ -102,8 +102,7 @@ pub fn drive(robot: &Robot, plan: &Plan, hours: f64, seed: u64, mut each: impl F
         // Not recorded, as a drive of the workbench is: three days would be gigabytes.
         let frame = driven.step_in(&mut |sample| {
             let report = session.estimate(sample);
-            let ranges_m = report.readings.map(|reading| reading.range_m);
-            (Estimate { pose: session.slam().pose(), ranges_m }, session.whereabouts())
+            (Estimate::new(session.slam().pose(), &report), session.whereabouts())
         });
         let time_s = driven.simulation.time_s();
         let slam = session.slam();

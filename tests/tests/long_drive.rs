@@ -46,7 +46,7 @@ fn worst_with_hand_overs(plan: &str, minutes: f64, seed: u64) -> (f64, u32) {
             let _ = back.hand_over(&mut slam);
             let report = slam.step(sample);
             back.record(&slam, &report);
-            Estimate { pose: slam.pose(), ranges_m: report.readings.map(|reading| reading.range_m) }
+            Estimate::new(slam.pose(), &report)
         });
         let (pose, start) = (slam.pose().into(), slam.start_pose().into());
         let error = Step { pose, start, truth: Some(frame.truth), ..Step::default() }.error();

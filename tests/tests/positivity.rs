@@ -29,7 +29,7 @@ fn drive(plan: &Plan, minutes: f64, seed: u64) -> f64 {
     while robot.simulation.time_s() < 60.0 * minutes {
         let frame = robot.step(&mut |sample| {
             let report = slam.step(sample);
-            Estimate { pose: slam.pose(), ranges_m: report.readings.map(|reading| reading.range_m) }
+            Estimate::new(slam.pose(), &report)
         });
         steps += 1;
         let (pose, p) = (slam.pose(), slam.estimate().covariance.map(f64::from));

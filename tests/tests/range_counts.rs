@@ -178,7 +178,7 @@ fn spikes_do_not_move_the_estimate() {
             tally.add(sample, &report, 8, true);
             assert_sane(&slam);
             refused += report.readings.iter().filter(|r| matches!(r.outcome, Outcome::Gated { .. })).count() as u32;
-            Estimate { pose: slam.pose(), ranges_m: report.readings.map(|reading| reading.range_m) }
+            Estimate::new(slam.pose(), &report)
         });
         let pose = slam.pose();
         let off_m = f64::hypot(f64::from(pose.x_m) - frame.truth.x_m, f64::from(pose.y_m) - frame.truth.y_m);

@@ -63,10 +63,8 @@ impl Drive {
         let docked = self.robot.simulation.condition().is_charging;
         session.dock(docked);
         let frame = self.robot.step_in(&mut |sample| {
-            let done = session.estimate(sample);
-            let ranges_m = done.readings.map(|reading| reading.range_m);
-            report = Some(done);
-            (Estimate { pose: session.slam().pose(), ranges_m }, session.whereabouts())
+            let done = report.insert(session.estimate(sample));
+            (Estimate::new(session.slam().pose(), done), session.whereabouts())
         });
         session.lift(frame.lifted);
         let t_s = frame.sample.time_us as f64 * 1e-6;

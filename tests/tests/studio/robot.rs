@@ -31,9 +31,7 @@ fn robot_bytes(seconds: f64) -> Vec<u8> {
         for frame in frames.into_iter().chain(wall.map(wire::Frame::Wall)).chain(now_and_then) {
             bytes.extend(wire::encode(&frame).expect("it fits"));
         }
-        let mut ranges_m = [None; hal_sim::MAX_SENSORS];
-        ranges_m.iter_mut().zip(report.readings).for_each(|(wide, reading)| *wide = reading.range_m);
-        Estimate { pose: slam.pose(), ranges_m }
+        Estimate::new(slam.pose(), &report)
     });
     bytes
 }
