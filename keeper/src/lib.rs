@@ -231,14 +231,19 @@ impl<F: MapFlash> Keeper<F> {
             return;
         }
         if now.is_lifted && self.saved.is_some() {
-            self.locator.lost();
-            self.begin_fresh(slam);
+            self.lose(slam);
         } else {
             // What the wheels turned in the air is no motion.
             slam.restart_map();
             self.world = self.world.wrapping_add(u32::from(self.saved.is_none()));
         }
         self.restarts = slam.counters().restarts;
+    }
+
+    /// The robot does not know where it is from now on.
+    fn lose(&mut self, slam: &mut RobotSlam) {
+        self.locator.lost();
+        self.begin_fresh(slam);
     }
 
     /// Begins a fresh map, with the calibration as it is known.
@@ -263,8 +268,7 @@ impl<F: MapFlash> Keeper<F> {
                     self.tally.found = self.tally.found.saturating_add(1);
                     self.unsaved_m = 0.0;
                 } else {
-                    self.locator.lost();
-                    self.begin_fresh(slam);
+                    self.lose(slam);
                 }
             }
             Some(Event::Docked) => {

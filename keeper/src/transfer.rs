@@ -94,8 +94,7 @@ impl<F: MapFlash> Keeper<F> {
         let saved = self.store.seal(receiving, crc).map_err(|error| refusal(&error))?;
         self.saved = Some(saved);
         self.world = self.world.wrapping_add(1);
-        self.locator.lost();
-        self.begin_fresh(slam);
+        self.lose(slam);
         Ok(MapAnswer::Kept { sequence: saved.sequence })
     }
 
