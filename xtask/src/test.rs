@@ -1,4 +1,5 @@
-//! Every test and check, in the order of how soon they fail.
+//! Every test and check, in the order of how soon they fail. Those of the host and those of the firmware build in folders of their own and run
+//! beside each other: an emulator and a linker leave a core idle.
 
 use crate::fail_safe;
 use crate::hil;
@@ -10,6 +11,9 @@ use crate::size;
 use crate::studio;
 use crate::thumb::Thumb;
 use crate::timing;
+use std::io::{Read, pipe};
+use std::process::Command;
+use std::thread;
 use std::time::Instant;
 
 struct Step {
@@ -23,14 +27,17 @@ const fn step(name: &'static str, run: fn() -> Result) -> Step {
     Step { name, run, missing: || None }
 }
 
-const STEPS: &[Step] = &[
+const HOST: &[Step] = &[
     step("fmt", fmt),
     step("clippy", clippy),
     step("doc", doc),
-    step("no-std", no_std),
     step("host", host),
     step("studio", studio::test),
     Step { name: "real-logs", run: real_logs::test, missing: real_logs::missing },
+];
+
+const FIRMWARE: &[Step] = &[
+    step("no-std", no_std),
     step("firmware-lint", firmware_lint),
     step("firmware-host", firmware_host),
     step("fail-safe", fail_safe::test),
@@ -40,24 +47,60 @@ const STEPS: &[Step] = &[
     step("timing", || timing::timing(false)),
 ];
 
-/// The steps' names, for the help text.
-pub fn step_names() -> String {
-    STEPS.iter().map(|step| step.name).collect::<Vec<_>>().join(", ")
+fn names(steps: &[Step]) -> Vec<&'static str> {
+    steps.iter().map(|step| step.name).collect()
 }
 
-/// Installs what is missing, then runs the named steps, or all. A step that cannot run here is an error where it was named,
-/// and said twice where it was not.
+/// The steps' names, for the help text.
+pub fn step_names() -> String {
+    [names(HOST), names(FIRMWARE)].concat().join(", ")
+}
+
+/// Installs what is missing, then runs the named steps, one after the other, or all.
 pub fn test(wanted: &[&str]) -> Result {
-    if let Some(unknown) = wanted.iter().find(|name| STEPS.iter().all(|step| step.name != **name)) {
+    let known = [names(HOST), names(FIRMWARE)].concat();
+    if let Some(unknown) = wanted.iter().find(|name| !known.contains(name)) {
         return Err(format!("no step is called '{unknown}'; there are: {}", step_names()));
     }
     setup::setup()?;
+    if wanted.is_empty() {
+        return all();
+    }
+    run_steps(HOST.iter().chain(FIRMWARE).filter(|step| wanted.contains(&step.name)), true)
+}
+
+/// Runs the host's steps, and beside them the firmware's by another process, whose words come last.
+fn all() -> Result {
+    let failed = |error: std::io::Error| format!("the firmware's steps: {error}");
+    let (mut words, writer) = pipe().map_err(failed)?;
+    let mut beside = Command::new(std::env::current_exe().map_err(failed)?);
+    beside.arg("test").args(names(FIRMWARE)).stderr(writer.try_clone().map_err(failed)?).stdout(writer);
+    let mut child = beside.spawn().map_err(failed)?;
+    // It holds the pipe's other end open, at which reading would wait for ever.
+    drop(beside);
+    let reader = thread::spawn(move || {
+        let mut said = Vec::new();
+        words.read_to_end(&mut said).map(|_| said)
+    });
+    let host = run_steps(HOST.iter(), false);
+    let status = child.wait().map_err(failed)?;
+    let said = reader.join().map_err(|_| "reading the firmware's steps failed".to_owned())?.map_err(failed)?;
+    println!("{}", String::from_utf8_lossy(&said).trim_end());
+    let firmware = if status.success() { Ok(()) } else { Err("the firmware's steps failed, as said above".to_owned()) };
+    match (host, firmware) {
+        (Err(host), Err(firmware)) => Err(format!("{host}; {firmware}")),
+        (host, firmware) => host.and(firmware),
+    }
+}
+
+/// One after the other. A step that cannot run here is an error where it was named, and said twice where it was not.
+fn run_steps(steps: impl Iterator<Item = &'static Step>, are_named: bool) -> Result {
     let (mut times, mut not_run) = (Vec::new(), Vec::new());
-    for Step { name, run, missing } in STEPS.iter().filter(|step| wanted.is_empty() || wanted.contains(&step.name)) {
+    for Step { name, run, missing } in steps {
         println!("== {name}");
         if let Some(missing) = missing() {
             let message = format!("step '{name}' CANNOT RUN: {missing}");
-            if !wanted.is_empty() {
+            if are_named {
                 return Err(message);
             }
             eprintln!("\n!! {message}\n");
