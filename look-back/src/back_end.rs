@@ -52,6 +52,8 @@ enum Phase {
     Closing,
     /// Takes in what was written down meanwhile, that keyframe, too.
     CatchingUp,
+    /// Has taken that in, and goes on as soon as a step leaves the time for a hand-over.
+    CaughtUp,
     /// Takes in the few steps that this took, the last one, too, before the next one.
     Arriving,
     /// Has something to hand over, before the next step.
@@ -99,7 +101,7 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
         if before == self.epoch {
             self.diary.record(slam, report, self.phase == Phase::Closing);
             match self.phase {
-                Phase::Closing => {
+                Phase::Closing | Phase::CaughtUp => {
                     self.look_back.catch_up();
                     self.phase = Phase::CatchingUp;
                 }
@@ -142,10 +144,20 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
     /// The same, slice by slice as somebody has them done who measures them.
     pub fn work_by(&mut self, time_us: u32, mut slice: impl FnMut(&mut Self) -> Option<u32>) {
         let (budget, mut spent) = (WORK_PER_MS * time_us.min(LONGEST_US) / 1000, 0u32);
-        // What the last steps saw is little, and taken in before the next one, whatever time is left.
-        while spent < budget || self.phase == Phase::Arriving {
+        while spent < self.most(budget) {
             let Some(cost) = slice(self) else { return };
             spent = spent.saturating_add(cost);
+        }
+    }
+
+    /// Until so much of a step's budget is spent it goes on.
+    fn most(&self, budget: u32) -> u32 {
+        match self.phase {
+            // A hand-over follows, which takes about as long as half of it.
+            Phase::CaughtUp => budget / 2,
+            // What the last steps saw is little, and taken in before the next one, whatever time is left.
+            Phase::Arriving => u32::MAX,
+            _ => budget,
         }
     }
 
@@ -178,6 +190,11 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
                     Some(0)
                 }
             },
+            Phase::CaughtUp => {
+                self.look_back.arrive();
+                self.phase = Phase::Arriving;
+                Some(0)
+            }
             Phase::Closing | Phase::Ready => None,
         }
     }
@@ -230,10 +247,7 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
     fn end(&mut self, progress: Progress) {
         match (progress, self.phase) {
             (Progress::Done, Phase::LookingBack) => self.phase = Phase::Closing,
-            (Progress::Done, Phase::CatchingUp) => {
-                self.look_back.arrive();
-                self.phase = Phase::Arriving;
-            }
+            (Progress::Done, Phase::CatchingUp) => self.phase = Phase::CaughtUp,
             (Progress::Done, _) => self.phase = Phase::Ready,
             _ => {
                 self.is_fast |= progress == Progress::Interrupted;

@@ -34,10 +34,14 @@ const BARS: &[(&str, u32)] = &[
     ("look_back_full", 1_500_000_000),
     ("look_back_slice", 350_000),
     ("back_end_slice", 350_000),
+    // A step's period, less the worst of the filter's step and of the pilot's.
+    ("back_end_handing_over", 3_000_000),
     // Five seconds of an idle core.
     ("search_full", 440_000_000),
     ("floor_job_average", 40_000),
     ("floor_job_worst", 150_000),
+    ("pilot_average", 40_000),
+    ("pilot_worst", 150_000),
 ];
 
 /// By case, then by compiler.

@@ -34,7 +34,7 @@ fn main() -> ! {
     let (mut home, mut is_up) = (Drive::new(), true);
     // Writing down eight hits where nothing has to make room: times, and all of their cost; and the costliest where something has.
     let (mut times, mut cost) = (0, 0);
-    let (mut costliest, mut hand_over, mut work) = (0, 0, Work::default());
+    let (mut costliest, mut hand_over, mut handing_over, mut work) = (0, 0, 0, Work::default());
     for _ in 0..STEPS {
         let report = slam.step(&home.next(false));
         let before = back_end.diary().losses();
@@ -45,9 +45,10 @@ fn main() -> ! {
             times += 1;
             cost += recorded;
         }
-        work.add(&bench, back_end);
+        let worked = work.add(&bench, back_end);
         if let (Some(_), taken) = bench.measure(|| back_end.hand_over(slam)) {
             hand_over = hand_over.max(taken);
+            handing_over = handing_over.max(worked + taken);
         }
         if is_up && slam.walls().count() == WALLS {
             is_up = false;
@@ -61,6 +62,7 @@ fn main() -> ! {
     bench.print("hand_over", hand_over);
     bench.print("back_end_slice", work.slice);
     bench.print("back_end_step", work.step);
+    bench.print("back_end_handing_over", handing_over);
     finish()
 }
 
@@ -74,8 +76,8 @@ struct Work {
 }
 
 impl Work {
-    /// Does that of one step.
-    fn add(&mut self, bench: &Bench, back_end: &mut HalfBackEnd) {
+    /// Does that of one step, and says what it took.
+    fn add(&mut self, bench: &Bench, back_end: &mut HalfBackEnd) -> u32 {
         let (mut longest, mut all) = (0, 0);
         back_end.work_by(STEP_US, |back_end| {
             let (operations, taken) = bench.measure(|| back_end.slice());
@@ -85,6 +87,7 @@ impl Work {
         });
         self.slice = self.slice.max(longest);
         self.step = self.step.max(all);
+        all
     }
 }
 

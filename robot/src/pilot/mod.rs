@@ -13,6 +13,7 @@ mod config;
 mod confinement;
 pub(crate) mod memory;
 mod patience;
+mod route;
 pub(crate) mod search;
 pub(crate) mod steer;
 
@@ -26,7 +27,8 @@ pub use config::PilotConfig;
 use confinement::Confinement;
 use memory::{Cell, Memory};
 use patience::Patience;
-use search::{Front, Route, Squeeze};
+use route::Wave;
+use search::{Route, Search};
 
 /// What the pilot decides by, at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,8 +85,6 @@ const BACK_OFF_US: u64 = 320_000;
 const TURN_AWAY_US: u64 = 1_200_000;
 /// A stuck robot tries again after this long, microseconds: a chair may have been moved.
 const STUCK_US: u64 = 60_000_000;
-/// A route is looked for this often, microseconds.
-const ROUTE_US: u64 = 250_000;
 /// Held up by something ahead for this long, the pilot takes the place to be blocked, microseconds.
 const PINCH_US: u64 = 1_000_000;
 /// Beams clear obstacles in one of so many steps only: a chair leg is hit by few beams and passed by many.
@@ -97,7 +97,9 @@ const TRAIL: i16 = 2;
 pub struct Pilot<const S: usize, const N: usize = 80> {
     config: PilotConfig,
     memory: Memory<N>,
-    front: Front,
+    search: Search,
+    /// What the search is at, while it is under way.
+    wave: Option<Wave>,
     beams: [Beam; S],
     route: Option<Route>,
     next_route_us: u64,
@@ -120,7 +122,8 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
     pub(crate) const BLANK: Self = Self {
         config: PilotConfig::DEFAULT,
         memory: Memory::new(PilotConfig::DEFAULT.cell_m),
-        front: Front::new(),
+        search: Search::ENDED,
+        wave: None,
         beams: [Beam::NONE; S],
         route: None,
         next_route_us: 0,
@@ -166,7 +169,7 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
     pub fn forget(&mut self) {
         self.memory.clear(self.config.cell_m);
         self.route = None;
-        self.next_route_us = 0;
+        self.look_anew();
     }
 
     /// What the pilot is doing.
@@ -193,7 +196,7 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
         let pose = &senses.pose;
         if self.memory.keep_around(pose) != (0, 0) {
             self.route = None;
-            self.next_route_us = 0;
+            self.look_anew();
         }
         let here = self.memory.cell_at(pose.x_m, pose.y_m);
         if self.memory.visit(here, TRAIL) {
@@ -226,7 +229,7 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
             Activity::TurningAway => {
                 if elapsed_us > TURN_AWAY_US {
                     self.begin(Activity::Wandering, senses);
-                    self.next_route_us = 0;
+                    self.look_anew();
                 }
                 (0.0, 0.7 * self.config.turn_radps * self.turn_sign)
             }
@@ -267,14 +270,18 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
 
     fn travel(&mut self, senses: &Senses<S>) -> (f32, f32) {
         let pose = &senses.pose;
-        if senses.time_us >= self.next_route_us {
-            self.next_route_us = senses.time_us.saturating_add(ROUTE_US);
-            self.look_for_route(senses);
-        }
+        self.look_for_route(senses);
         if self.activity == Activity::Stuck {
             return (0.0, 0.0);
         }
-        let Some(route) = self.route else { return self.wander() };
+        let is_there = |route: &Route| route.target == self.memory.cell_at(pose.x_m, pose.y_m);
+        let route = match (self.route, self.wave) {
+            (None, None) => return self.wander(),
+            // It will soon know where to go.
+            (None, Some(_)) => return (0.0, 0.0),
+            (Some(route), Some(_)) if is_there(&route) => return (0.0, 0.0),
+            (Some(route), _) => route,
+        };
         if self.patience.is_over(senses.time_us) {
             self.give_up(route, senses);
             return (0.0, 0.0);
@@ -295,43 +302,7 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
             if let Some(Route { count: 1.., first: [next, ..], .. }) = self.route {
                 self.memory.block(next);
             }
-            self.next_route_us = 0;
-        }
-    }
-
-    fn look_for_route(&mut self, senses: &Senses<S>) {
-        let pose = &senses.pose;
-        let start = self.memory.cell_at(pose.x_m, pose.y_m);
-        let eighths = libm::roundf(pose.theta_rad * (4.0 / core::f32::consts::PI)) as i32;
-        let octant = (eighths & 7) as usize;
-        let before = self.route;
-        let (memory, front) = (&mut self.memory, &mut self.front);
-        self.route = search::find_route(memory, front, start, octant, Squeeze::Leave)
-            .or_else(|| search::find_route(memory, front, start, octant, Squeeze::Through));
-        if self.route.is_none() {
-            if self.confinement.attempt(pose, self.config.radius_m) {
-                self.begin(Activity::Stuck, senses);
-                return;
-            }
-            self.rounds = self.rounds.saturating_add(1);
-            self.memory.forget_visits();
-            self.memory.visit(start, TRAIL);
-            self.patience.renew(senses.time_us);
-            self.route = search::find_route(&mut self.memory, &mut self.front, start, octant, Squeeze::Leave);
-        }
-        let activity = match self.route {
-            None => Activity::Wandering,
-            Some(Route { wall: true, .. }) => Activity::FollowingWalls,
-            Some(_) => Activity::Exploring,
-        };
-        if activity != self.activity {
-            self.begin(activity, senses);
-        }
-        if let Some(route) = self.route
-            && self.patience.note(before.as_ref(), &route, senses.time_us)
-            && let Some(before) = before
-        {
-            self.memory.visit(before.target, 1);
+            self.look_anew();
         }
     }
 

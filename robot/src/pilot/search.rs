@@ -1,4 +1,7 @@
-//! Where to go next: a wave through the free cells finds the nearest place worth a visit.
+//! Where to go next: a wave through the free cells finds the nearest place worth a visit. It goes on from step to step, some cells
+//! in each.
+
+use core::ops::ControlFlow;
 
 use heapless::Deque;
 
@@ -24,10 +27,6 @@ pub(crate) enum Squeeze {
     /// For five cells: when there is no other way.
     Through,
 }
-
-/// The wave's front: columns and rows of cells, those that are as many steps from the start one after the other. The pilot keeps it, for
-/// the stack has no room.
-pub(crate) type Front = Deque<[u8; 2], FRONT>;
 
 /// Length of the path's first part that is handed out, in cells.
 pub(crate) const LOOK_AHEAD: usize = 4;
@@ -64,59 +63,93 @@ fn borders_on_unknown<const N: usize>(memory: &Memory<N>, cell: Cell) -> bool {
     [0, 2, 4, 6].iter().any(unknown)
 }
 
-/// The route to the nearest place that is worth a visit: unvisited and beside a wall, or else at the edge of the
-/// unknown. `octant` is the robot's heading in eighths of a turn.
-pub(crate) fn find_route<const N: usize>(
-    memory: &mut Memory<N>,
-    front: &mut Front,
+/// A wave under way, to the nearest place that is worth a visit: unvisited and beside a wall, or else at the edge of the unknown.
+#[derive(Clone, Debug)]
+pub(crate) struct Search {
     start: Cell,
-    octant: usize,
-    squeeze: Squeeze,
-) -> Option<Route> {
-    if !memory.is_inside(start) {
-        return None;
-    }
-    memory.clear_steps();
-    front.clear();
-    let mut edge: Option<(Cell, u16)> = None;
-    let escape = match squeeze {
-        Squeeze::Through => 5,
-        Squeeze::Leave if is_passable(memory, start) => 0,
-        Squeeze::Leave => 2,
+    /// The robot's heading in eighths of a turn.
+    octant: u8,
+    /// How far from the start the wave may pass beside obstacles, in cells.
+    escape: i16,
+    /// Columns and rows of cells where the wave arrived and from which it did not go on, those that are as many steps from the start
+    /// one after the other.
+    front: Deque<[u8; 2], FRONT>,
+    /// Steps from the start, and how many cells of the front are so many.
+    steps: u16,
+    left: u16,
+    /// The nearest cell at the edge of the unknown, and its steps.
+    edge: Option<(Cell, u16)>,
+}
+
+impl Search {
+    /// Nothing to go on with.
+    pub(crate) const ENDED: Self = Self {
+        start: Cell { col: 0, row: 0 },
+        octant: 0,
+        escape: 0,
+        front: Deque::new(),
+        steps: 0,
+        left: 0,
+        edge: None,
     };
-    memory.set_step_label(start, 0);
-    let _ = front.push_back(start.packed());
-    // Cells of the front that are so many steps from the start.
-    let (mut steps, mut left) = (0_u16, 1);
-    while let Some(cell) = front.pop_front().map(Cell::unpacked) {
-        if left == 0 {
-            (steps, left) = (steps + 1, front.len() + 1);
+
+    /// Begins at a cell, the robot's heading as given in eighths of a turn.
+    pub(crate) fn begin<const N: usize>(&mut self, memory: &mut Memory<N>, start: Cell, octant: u8, squeeze: Squeeze) {
+        let escape = match squeeze {
+            Squeeze::Through => 5,
+            Squeeze::Leave if is_passable(memory, start) => 0,
+            Squeeze::Leave => 2,
+        };
+        (self.start, self.octant, self.escape) = (start, octant, escape);
+        (self.steps, self.left, self.edge) = (0, 1, None);
+        self.front.clear();
+        memory.clear_steps();
+        if memory.is_inside(start) {
+            memory.set_step_label(start, 0);
+            let _ = self.front.push_back(start.packed());
         }
-        left -= 1;
-        if let Some((target, edge_steps)) = edge
-            && steps > edge_steps + WALL_PREFERENCE
-        {
-            return Some(trace(memory, target, edge_steps, false));
-        }
-        if !memory.is_visited(cell) && is_passable(memory, cell) {
-            if is_beside_wall(memory, cell) {
-                return Some(trace(memory, cell, steps, true));
+    }
+
+    /// Goes on by at most so many cells: once it has ended, the route if there is one.
+    pub(crate) fn go_on<const N: usize>(&mut self, memory: &mut Memory<N>, cells: u16) -> ControlFlow<Option<Route>> {
+        for _ in 0..cells {
+            let Some(cell) = self.front.pop_front().map(Cell::unpacked) else {
+                return ControlFlow::Break(self.edge.map(|(target, steps)| trace(memory, target, steps, false)));
+            };
+            if self.left == 0 {
+                (self.steps, self.left) = (self.steps + 1, self.front.len() as u16 + 1);
             }
-            if edge.is_none() && borders_on_unknown(memory, cell) {
-                edge = Some((cell, steps));
+            self.left -= 1;
+            if let Some((target, edge_steps)) = self.edge
+                && self.steps > edge_steps + WALL_PREFERENCE
+            {
+                return ControlFlow::Break(Some(trace(memory, target, edge_steps, false)));
             }
+            if !memory.is_visited(cell) && is_passable(memory, cell) {
+                if is_beside_wall(memory, cell) {
+                    return ControlFlow::Break(Some(trace(memory, cell, self.steps, true)));
+                }
+                if self.edge.is_none() && borders_on_unknown(memory, cell) {
+                    self.edge = Some((cell, self.steps));
+                }
+            }
+            self.spread(memory, cell);
         }
+        ControlFlow::Continue(())
+    }
+
+    /// The wave goes on from a cell to its neighbours.
+    fn spread<const N: usize>(&mut self, memory: &mut Memory<N>, cell: Cell) {
         for turn in AHEAD_FIRST {
-            let (cols, rows) = NEIGHBOURS[(octant + turn) % 8];
+            let (cols, rows) = NEIGHBOURS[(usize::from(self.octant) + turn) % 8];
             let next = cell.offset(cols, rows);
-            let near = next.moves_to(start) <= escape && memory.is_free(next);
+            let near = next.moves_to(self.start) <= self.escape && memory.is_free(next);
             if memory.step_label(next).is_none() && (near || is_passable(memory, next)) {
-                memory.set_step_label(next, ((steps + 1) % 3) as u8);
-                let _ = front.push_back(next.packed());
+                memory.set_step_label(next, ((self.steps + 1) % 3) as u8);
+                let _ = self.front.push_back(next.packed());
             }
         }
     }
-    edge.map(|(target, steps)| trace(memory, target, steps, false))
 }
 
 /// Follows the labels back from the target and keeps the part next to the robot.
@@ -165,6 +198,23 @@ mod tests {
         (memory, start)
     }
 
+    /// What is found with so many cells in each step.
+    fn find_by<const N: usize>(memory: &mut Memory<N>, start: Cell, octant: u8, cells: u16) -> Option<Route> {
+        let mut search = Search::ENDED;
+        search.begin(memory, start, octant, Squeeze::Leave);
+        loop {
+            if let ControlFlow::Break(route) = search.go_on(memory, cells) {
+                return route;
+            }
+        }
+    }
+
+    fn find<const N: usize>(memory: &mut Memory<N>, start: Cell, octant: u8) -> Option<Route> {
+        let route = find_by(memory, start, octant, u16::MAX);
+        assert_eq!(find_by(memory, start, octant, 1), route);
+        route
+    }
+
     #[test]
     fn the_way_leads_through_the_door() {
         let (mut memory, start) = drawn(&[
@@ -181,7 +231,7 @@ mod tests {
             "#vvvvvvvv#.........#",
             "####################",
         ]);
-        let route = find_route(&mut memory, &mut Front::new(), start, 0, Squeeze::Leave).unwrap();
+        let route = find(&mut memory, start, 0).unwrap();
         assert!(route.wall && route.target.col > 11, "{route:?}");
         assert_eq!(route.count, LOOK_AHEAD);
         assert_eq!(route.first[0].moves_to(start), 1);
@@ -191,13 +241,13 @@ mod tests {
     #[test]
     fn everything_visited_leaves_nothing_to_do() {
         let (mut memory, start) = drawn(&["######", "#vvvv#", "#vvRv#", "#vvvv#", "######"]);
-        assert_eq!(find_route(&mut memory, &mut Front::new(), start, 3, Squeeze::Leave), None);
+        assert_eq!(find(&mut memory, start, 3), None);
     }
 
     #[test]
     fn the_edge_of_the_unknown_is_a_target_where_no_wall_is_in_sight() {
         let (mut memory, start) = drawn(&["vvvvvvv...", "vvvRvvv...", "vvvvvvv..."]);
-        let route = find_route(&mut memory, &mut Front::new(), start, 0, Squeeze::Leave).unwrap();
+        let route = find(&mut memory, start, 0).unwrap();
         assert!(!route.wall && route.target.col >= 9, "{route:?}");
     }
 }
