@@ -235,14 +235,14 @@ impl Home {
         Record::whole(record).expect("a whole record").frame().has_dock
     }
 
-    /// The same home, robot and flash after the power was off.
-    pub fn restarted(self) -> Self {
+    /// The same home, robot and flash after the power was off. What becomes of one is nothing to another.
+    pub fn restarted(&self) -> Self {
         let Self { board, flash, backup, pose_backup, .. } = self;
         Self {
-            board,
-            flash,
-            backup,
-            pose_backup,
+            board: Board::new(board.with_simulation(Simulation::clone)),
+            flash: flash.clone(),
+            backup: backup.clone(),
+            pose_backup: pose_backup.clone(),
             shared: Shared::new(),
             look_backs: LookBacks::new(),
             enabled: Cell::new(false),

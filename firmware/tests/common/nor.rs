@@ -5,6 +5,7 @@ use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashEr
 use firmware::keeper::{MapFlash, SLOT_BYTES};
 
 /// Three slots.
+#[derive(Clone)]
 pub struct Nor {
     bytes: Vec<u8>,
     /// Words that are still written before the power fails, once.
