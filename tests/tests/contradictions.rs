@@ -112,11 +112,15 @@ fn a_contradicted_map_is_kept_and_the_robot_finds_itself_in_it() {
     assert!(jolts <= 3, "{jolts} jolts");
 }
 
+/// Drives that are turned, and of those that find themselves how many are looked back on.
+const TURNED: u64 = 15;
+const LOOKED_BACK: u64 = 5;
+
 #[test]
 fn a_look_back_across_a_contradiction_has_all_of_it_on_one_grid() {
     let (robot, _) = built_in_robot().expect("the built-in rig is good");
     let mut found = 0;
-    for seed in 1..=5 {
+    for seed in 1..=TURNED {
         let mut rows = crowded(seed);
         turn(&mut rows, &robot.rig.drive);
         rows.retain(|row| row.t_s < UNTIL_S);
@@ -130,6 +134,9 @@ fn a_look_back_across_a_contradiction_has_all_of_it_on_one_grid() {
             continue;
         }
         found += 1;
+        if found > LOOKED_BACK {
+            continue;
+        }
         score::score(&mut recording, &[], None);
         let back = smoother::add(&mut recording, &robot.rig, &mut |_| ()).expect("there are walls");
         let after = back.steps.iter().filter(|step| step.t_s > AFTER_S);
@@ -141,5 +148,5 @@ fn a_look_back_across_a_contradiction_has_all_of_it_on_one_grid() {
         }
     }
     // One that is lost only after the people have gone takes longer.
-    assert!(found >= 4, "{found} of 5 have found themselves");
+    assert!(5 * found >= 4 * TURNED, "{found} of {TURNED} have found themselves");
 }

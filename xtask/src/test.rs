@@ -1,5 +1,5 @@
-//! Every test and check, in the order of how soon they fail. Those of the host and those of the firmware build in folders of their own and run
-//! beside each other: an emulator and a linker leave a core idle.
+//! Every test and check, in the order of how soon they fail. Those of the host and those of the firmware and the browser build in folders of
+//! their own and run beside each other: an emulator, a browser and a linker leave a core idle.
 
 use crate::fail_safe;
 use crate::hil;
@@ -32,11 +32,10 @@ const HOST: &[Step] = &[
     step("clippy", clippy),
     step("doc", doc),
     step("host", host),
-    step("studio", studio::test),
     Step { name: "real-logs", run: real_logs::test, missing: real_logs::missing },
 ];
 
-const FIRMWARE: &[Step] = &[
+const BESIDE: &[Step] = &[
     step("no-std", no_std),
     step("firmware-lint", firmware_lint),
     step("firmware-host", firmware_host),
@@ -45,6 +44,7 @@ const FIRMWARE: &[Step] = &[
     step("panic-check", panic_check),
     step("size", size::size),
     step("timing", || timing::timing(false)),
+    step("studio", studio::test),
 ];
 
 fn names(steps: &[Step]) -> Vec<&'static str> {
@@ -53,12 +53,12 @@ fn names(steps: &[Step]) -> Vec<&'static str> {
 
 /// The steps' names, for the help text.
 pub fn step_names() -> String {
-    [names(HOST), names(FIRMWARE)].concat().join(", ")
+    [names(HOST), names(BESIDE)].concat().join(", ")
 }
 
 /// Installs what is missing, then runs the named steps, one after the other, or all.
 pub fn test(wanted: &[&str]) -> Result {
-    let known = [names(HOST), names(FIRMWARE)].concat();
+    let known = [names(HOST), names(BESIDE)].concat();
     if let Some(unknown) = wanted.iter().find(|name| !known.contains(name)) {
         return Err(format!("no step is called '{unknown}'; there are: {}", step_names()));
     }
@@ -66,15 +66,15 @@ pub fn test(wanted: &[&str]) -> Result {
     if wanted.is_empty() {
         return all();
     }
-    run_steps(HOST.iter().chain(FIRMWARE).filter(|step| wanted.contains(&step.name)), true)
+    run_steps(HOST.iter().chain(BESIDE).filter(|step| wanted.contains(&step.name)), true)
 }
 
-/// Runs the host's steps, and beside them the firmware's by another process, whose words come last.
+/// Runs the host's steps, and beside them the others by another process, whose words come last.
 fn all() -> Result {
-    let failed = |error: std::io::Error| format!("the firmware's steps: {error}");
+    let failed = |error: std::io::Error| format!("the steps beside: {error}");
     let (mut words, writer) = pipe().map_err(failed)?;
     let mut beside = Command::new(std::env::current_exe().map_err(failed)?);
-    beside.arg("test").args(names(FIRMWARE)).stderr(writer.try_clone().map_err(failed)?).stdout(writer);
+    beside.arg("test").args(names(BESIDE)).stderr(writer.try_clone().map_err(failed)?).stdout(writer);
     let mut child = beside.spawn().map_err(failed)?;
     // It holds the pipe's other end open, at which reading would wait for ever.
     drop(beside);
@@ -84,12 +84,12 @@ fn all() -> Result {
     });
     let host = run_steps(HOST.iter(), false);
     let status = child.wait().map_err(failed)?;
-    let said = reader.join().map_err(|_| "reading the firmware's steps failed".to_owned())?.map_err(failed)?;
+    let said = reader.join().map_err(|_| "reading the steps beside failed".to_owned())?.map_err(failed)?;
     println!("{}", String::from_utf8_lossy(&said).trim_end());
-    let firmware = if status.success() { Ok(()) } else { Err("the firmware's steps failed, as said above".to_owned()) };
-    match (host, firmware) {
-        (Err(host), Err(firmware)) => Err(format!("{host}; {firmware}")),
-        (host, firmware) => host.and(firmware),
+    let beside = if status.success() { Ok(()) } else { Err("a step beside failed, as said above".to_owned()) };
+    match (host, beside) {
+        (Err(host), Err(beside)) => Err(format!("{host}; {beside}")),
+        (host, beside) => host.and(beside),
     }
 }
 
