@@ -23,15 +23,15 @@ fn scores(every: usize) -> Vec<(String, PathScore, PathScore)> {
     scores
 }
 
-fn assert_honest(every: usize) {
+/// All but so many are twice as near to the truth as dead reckoning, and the error bars are honest.
+fn assert_honest(every: usize, most_far: usize) {
     let scores = scores(every);
     let is_far = |(_, estimate, odometry): &&(String, PathScore, PathScore)| estimate.ate_m >= 0.5 * odometry.ate_m;
     let told = |(drive, estimate, odometry): &(String, PathScore, PathScore)| {
         format!("{drive}: {:.3} m, dead reckoning {:.3} m", estimate.ate_m, odometry.ate_m)
     };
     let far: Vec<_> = scores.iter().filter(is_far).map(told).collect();
-    // Not every one: where dead reckoning is good by chance, or a door is met with the heading badly known.
-    assert!(20 * far.len() <= scores.len(), "every {every}th row, of {} drives: {far:?}", scores.len());
+    assert!(far.len() <= most_far, "every {every}th row, of {} drives: {far:?}", scores.len());
     let nees: Vec<f64> = scores.iter().filter_map(|(_, estimate, _)| estimate.nees).collect();
     println!("every {every}th row: {nees:?}");
     // 3 is ideal.
@@ -41,10 +41,11 @@ fn assert_honest(every: usize) {
 
 #[test]
 fn five_samples_a_second_are_enough() {
-    assert_honest(5);
+    assert_honest(5, 0);
 }
 
 #[test]
 fn three_samples_a_second_are_enough() {
-    assert_honest(8);
+    // One in twenty-four: where dead reckoning is good by chance, or a door is met with the heading badly known.
+    assert_honest(8, 2);
 }

@@ -58,15 +58,15 @@ pub fn step_names() -> String {
 
 /// Installs what is missing, then runs the named steps, one after the other, or all.
 pub fn test(wanted: &[&str]) -> Result {
-    let known = [names(HOST), names(BESIDE)].concat();
-    if let Some(unknown) = wanted.iter().find(|name| !known.contains(name)) {
+    let steps = || HOST.iter().chain(BESIDE);
+    if let Some(unknown) = wanted.iter().find(|name| steps().all(|step| step.name != **name)) {
         return Err(format!("no step is called '{unknown}'; there are: {}", step_names()));
     }
     setup::setup()?;
     if wanted.is_empty() {
         return all();
     }
-    run_steps(HOST.iter().chain(BESIDE).filter(|step| wanted.contains(&step.name)), true)
+    run_steps(steps().filter(|step| wanted.contains(&step.name)), true)
 }
 
 /// Runs the host's steps, and beside them the others by another process, whose words come last.
