@@ -28,14 +28,53 @@ fn home_known_to(sigma_deg: f32, directions_deg: &[f32]) -> (Filter, Map<8>) {
         ekf.augment(0.0, &Jacobian::new(), if i == THETA { 9.0 * DEGREE * DEGREE } else { 0.0 });
     }
     for direction_deg in directions_deg {
-        let rho = ekf.augment(1.0, &Jacobian::new(), 1e-4).unwrap();
-        let mut jacobian = Jacobian::new();
-        jacobian.push((THETA, 1.0)).unwrap();
-        let theta = ekf.augment(direction_deg * DEGREE, &jacobian, sigma_deg * sigma_deg * DEGREE * DEGREE).unwrap();
-        let direction = Direction::Free(theta as u16);
-        map.add(Wall::at(rho, direction, (-0.6, 0.6)), 30, 0.0);
+        add_free(&mut ekf, &mut map, (1.0, *direction_deg), sigma_deg);
     }
     (ekf, map)
+}
+
+/// Adds a free wall of 1.2 m so far from the origin, metres, with this direction, known to so much relative to the heading, degrees.
+fn add_free(ekf: &mut Filter, map: &mut Map<8>, (rho_m, direction_deg): (f32, f32), sigma_deg: f32) {
+    let rho = ekf.augment(rho_m, &Jacobian::new(), 1e-4).unwrap();
+    let mut jacobian = Jacobian::new();
+    jacobian.push((THETA, 1.0)).unwrap();
+    let theta = ekf.augment(direction_deg * DEGREE, &jacobian, sigma_deg * sigma_deg * DEGREE * DEGREE).unwrap();
+    map.add(Wall::at(rho, Direction::Free(theta as u16), (-0.6, 0.6)), 30, 0.0);
+}
+
+/// Whether walls at such places and directions (metres, degrees), drawn under a heading that is known to three degrees against a grid at
+/// zero, are taken into that.
+fn are_taken_in(policy: WallPolicy, walls: &[(f32, f32)]) -> bool {
+    let (mut ekf, mut map) = home(&[]);
+    map.has_grid = true;
+    for wall in walls {
+        add_free(&mut ekf, &mut map, *wall, 0.3);
+    }
+    for turn in 0..4 * walls.len() {
+        upkeep(&mut map, &mut ekf, policy, turn);
+    }
+    let taken = kinds(&map).iter().filter(|kind| **kind != WallKind::Free).count();
+    assert!(taken == 0 || taken == walls.len(), "{taken} of {}", walls.len());
+    if taken > 0 {
+        let heading_deg = ekf.mean(THETA) / DEGREE;
+        let share = -heading_deg / walls[0].1;
+        assert!((0.75..1.0).contains(&share), "the heading was off by as much: {heading_deg} degrees");
+    }
+    taken > 0
+}
+
+#[test]
+fn a_second_grid_is_the_first_under_a_heading_astray() {
+    let grid = WallPolicy::Grid;
+    assert!(are_taken_in(grid, &[(3.0, 8.0), (3.0, 98.0), (3.0, -172.0), (2.0, -82.0)]));
+    assert!(are_taken_in(grid, &[(3.0, -12.0), (3.0, 78.0), (3.0, 168.0), (2.0, -102.0), (6.0, 78.0)]));
+    assert!(!are_taken_in(grid, &[(3.0, 8.0), (3.0, 98.0)]), "two walls may both stand askew");
+    assert!(!are_taken_in(grid, &[(3.0, 8.0), (3.0, 108.0), (3.0, -160.0), (2.0, -115.0)]), "each by its own angle");
+    assert!(!are_taken_in(grid, &[(0.5, 8.0), (0.5, 98.0), (0.5, -172.0), (0.5, -82.0)]), "a chest that stands askew");
+    let wing = [(3.0, 20.0), (3.0, 110.0), (3.0, -160.0), (2.0, -70.0), (6.0, 110.0), (7.0, 20.0)];
+    assert!(!are_taken_in(grid, &wing), "farther off than any heading: a wing");
+    let theirs = WallPolicy::Snapped { theta_moves: false };
+    assert!(!are_taken_in(theirs, &[(3.0, 8.0), (3.0, 98.0), (3.0, -172.0), (2.0, -82.0)]), "not in the paper");
 }
 
 fn kinds(map: &Map<8>) -> std::vec::Vec<WallKind> {

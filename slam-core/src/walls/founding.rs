@@ -7,6 +7,7 @@
 use crate::filter::ekf::{EkfView, Jacobian};
 use crate::filter::layout::ALPHA;
 use crate::geometry::angle::{off_quarter, wrap};
+use crate::walls::astray::{Leaning, TELLING, is_astray};
 use crate::walls::decision::{
     GRID_SHARE, SURE, decide, decide_by, deviation, evidence, looseness, relative_variance, tie,
 };
@@ -16,9 +17,6 @@ use crate::walls::map::MapView;
 use crate::walls::wall::WallPolicy;
 use crate::walls::wall::{Direction, Wall};
 use core::f32::consts::FRAC_PI_2;
-
-/// Largest sigma of the angle between two walls that may found the first grid of a home, radians: two degrees.
-const FOUNDING_SIGMA: f32 = 0.035;
 
 /// Length of the walls that found the grid, metres, together.
 const FOUNDING_LENGTH_M: f32 = 1.0;
@@ -33,7 +31,7 @@ struct Needed {
 
 impl Needed {
     /// A home that may have none is asked for walls whose directions are known: a grid that is none bends all that follows.
-    const FIRST: Self = Self { variance: FOUNDING_SIGMA * FOUNDING_SIGMA, evidence: 0.0 };
+    const FIRST: Self = Self { variance: TELLING, evidence: 0.0 };
     /// That a home has one is known where a map before had found it. A robot that lost its place there is often one whose heading nobody
     /// knows to two degrees, and it can be looked for on a grid only; so it is enough that walls tell the more together the less each tells.
     const AGAIN: Self = Self { variance: f32::INFINITY, evidence: SURE };
@@ -103,7 +101,7 @@ fn founder(walls: &[Wall], ekf: &EkfView, deviation: f32, needed: &Needed) -> Op
     best.filter(|(support_m, _)| *support_m > 0.5 * total_m).map(|(_, theta)| theta)
 }
 
-/// Takes a free wall into the grid where the odds are for it.
+/// Takes a free wall into the grid where the odds are for it: its own, or those of all that stand as it does.
 fn take_in(map: &mut MapView, ekf: &mut EkfView, policy: WallPolicy, index: usize) {
     let Some(Direction::Free(state)) = map.walls().get(index).map(|w| w.direction) else { return };
     let theta = usize::from(state);
@@ -112,8 +110,12 @@ fn take_in(map: &mut MapView, ekf: &mut EkfView, policy: WallPolicy, index: usiz
     let off = wrap(ekf.mean(theta) - grid.beta(quarter));
     let variance = relative_variance(ekf, theta, ALPHA);
     let deviation = deviation(policy);
-    let on_grid = decide(off, variance + deviation, GRID_SHARE);
-    if variance > Needed::of(map).variance || on_grid != Some(true) {
+    let is_known = variance <= Needed::of(map).variance;
+    let leaning = Leaning { index, theta, off_rad: off, variance: variance + deviation, deviation };
+    let stands = is_known && decide(off, leaning.variance, GRID_SHARE) == Some(true);
+    // The method of Rousse & Qiu is left as it is.
+    let is_theirs = matches!(policy, WallPolicy::Snapped { .. });
+    if !stands && (is_theirs || !is_astray(map.walls(), ekf, &leaning)) {
         return;
     }
     let looseness = looseness(policy);

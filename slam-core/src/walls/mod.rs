@@ -1,6 +1,7 @@
 //! The walls of the map, the grid that they stand on and the frame that they hold (Rousse & Qiu 3.2).
 
 pub mod anchor;
+pub mod astray;
 pub mod decision;
 pub mod exact_grid;
 pub mod exactness;
