@@ -73,8 +73,9 @@ fn a_second_grid_is_the_first_under_a_heading_astray() {
     assert!(!are_taken_in(grid, &[(0.5, 8.0), (0.5, 98.0), (0.5, -172.0), (0.5, -82.0)]), "a chest that stands askew");
     let wing = [(3.0, 20.0), (3.0, 110.0), (3.0, -160.0), (2.0, -70.0), (6.0, 110.0), (7.0, 20.0)];
     assert!(!are_taken_in(grid, &wing), "farther off than any heading: a wing");
-    let theirs = WallPolicy::Snapped { theta_moves: false };
-    assert!(!are_taken_in(theirs, &[(3.0, 8.0), (3.0, 98.0), (3.0, -172.0), (2.0, -82.0)]), "not in the paper");
+    for other in [WallPolicy::Snapped { theta_moves: false }, WallPolicy::NearGrid] {
+        assert!(!are_taken_in(other, &[(3.0, 8.0), (3.0, 98.0), (3.0, -172.0), (2.0, -82.0)]), "{other:?}");
+    }
 }
 
 fn kinds(map: &Map<8>) -> std::vec::Vec<WallKind> {

@@ -36,8 +36,6 @@ pub struct Leaning {
     /// Its angle off the grid, radians, and the variance of that.
     pub off_rad: f32,
     pub variance: f32,
-    /// Variance of walls about the direction of their grid, rad^2.
-    pub deviation: f32,
 }
 
 /// Whether a free wall stands on the grid and the heading was off, by all walls that stand as it does: that it does so by such an angle,
@@ -45,7 +43,7 @@ pub struct Leaning {
 /// angle; and that each other one does, against one more of a direction that stands askew (`births::askew`).
 #[inline(never)]
 pub fn is_astray(walls: &[Wall], ekf: &EkfView, leaning: &Leaning) -> bool {
-    let Leaning { index, theta, off_rad, variance, deviation } = *leaning;
+    let Leaning { index, theta, off_rad, variance } = *leaning;
     let square = off_rad * off_rad / variance;
     let Some(wall) = walls.get(index).filter(|_| variance > TELLING && square < SIGMAS * SIGMAS) else { return false };
     let [x, y] = middle(wall, ekf, theta);
@@ -59,7 +57,7 @@ pub fn is_astray(walls: &[Wall], ekf: &EkfView, leaning: &Leaning) -> bool {
         let apart_rad = off_quarter(ekf.mean(theta), ekf.mean(other_theta));
         let [to_x, to_y] = middle(other, ekf, other_theta);
         let is_another = (to_x - x) * (to_x - x) + (to_y - y) * (to_y - y) > APART_M * APART_M;
-        if is_another && relative < TELLING && decide(apart_rad, relative + deviation, GRID_SHARE) == Some(true) {
+        if is_another && relative < TELLING && decide(apart_rad, relative, GRID_SHARE) == Some(true) {
             others += 1.0;
             log_odds += libm::logf(share / others).max(0.0);
         }

@@ -109,13 +109,12 @@ fn take_in(map: &mut MapView, ekf: &mut EkfView, policy: WallPolicy, index: usiz
     let quarter = grid.quarter(ekf.mean(theta));
     let off = wrap(ekf.mean(theta) - grid.beta(quarter));
     let variance = relative_variance(ekf, theta, ALPHA);
-    let deviation = deviation(policy);
     let is_known = variance <= Needed::of(map).variance;
-    let leaning = Leaning { index, theta, off_rad: off, variance: variance + deviation, deviation };
-    let stands = is_known && decide(off, leaning.variance, GRID_SHARE) == Some(true);
-    // The method of Rousse & Qiu is left as it is.
-    let is_theirs = matches!(policy, WallPolicy::Snapped { .. });
-    if !stands && (is_theirs || !is_astray(map.walls(), ekf, &leaning)) {
+    let stands = is_known && decide(off, variance + deviation(policy), GRID_SHARE) == Some(true);
+    // Where each wall keeps a deviation of its own it is tied by half a degree, and the heading turns at once by more than derivatives
+    // taken before bear; the method of Rousse & Qiu is left as it is.
+    let leaning = Leaning { index, theta, off_rad: off, variance };
+    if !stands && (policy != WallPolicy::Grid || !is_astray(map.walls(), ekf, &leaning)) {
         return;
     }
     let looseness = looseness(policy);
