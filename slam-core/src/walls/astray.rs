@@ -5,13 +5,10 @@
 //! the same angle is the less likely the more there are.
 
 use crate::filter::ekf::EkfView;
-use crate::geometry::angle::{off_quarter, sin_cos};
-use crate::walls::decision::{GRID_SHARE, SURE, decide, relative_variance};
+use crate::geometry::angle::off_quarter;
+use crate::walls::decision::{GRID_SHARE, SURE, TELLING, decide, relative_variance};
+use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::wall::{Direction, Wall};
-
-/// Largest variance of the angle between two walls of which each tells where the other stands, rad^2: two degrees, as of those that found
-/// a grid. A wall whose direction against the grid is known better is judged alone.
-pub const TELLING: f32 = 0.035 * 0.035;
 
 /// Largest angle of such walls off the grid, in standard deviations of the heading: beyond it any number of them stands askew.
 const SIGMAS: f32 = 5.0;
@@ -26,27 +23,23 @@ const APART_M: f32 = 1.5;
 /// directions off the grid, which are uniform over a quarter turn: ln(3/8 / (2/pi)).
 const STUDENT: f32 = -0.529;
 
-/// A wall whose direction is off the grid's.
-#[derive(Clone, Copy)]
-pub struct Leaning {
-    /// Which one it is.
-    pub index: usize,
-    /// The state that is its direction.
-    pub theta: usize,
-    /// Its angle off the grid, radians, and the variance of that.
-    pub off_rad: f32,
-    pub variance: f32,
-}
-
-/// Whether a free wall stands on the grid and the heading was off, by all walls that stand as it does: that it does so by such an angle,
-/// for Student's t in place of the normal distribution, since the noise of motion is itself known from a few metres only, against any
-/// angle; and that each other one does, against one more of a direction that stands askew (`births::askew`).
+/// Whether a free wall, `off_rad` from the grid with that variance, stands on it and the heading was off, by all walls that stand as it
+/// does: that it does so by such an angle, for Student's t in place of the normal distribution, since the noise of motion is itself known
+/// from a few metres only, against any angle; and that each other one does, against one more of a direction that stands askew
+/// (`births::askew`).
 #[inline(never)]
-pub fn is_astray(walls: &[Wall], ekf: &EkfView, leaning: &Leaning) -> bool {
-    let Leaning { index, theta, off_rad, variance } = *leaning;
+pub fn is_astray(
+    walls: &[Wall],
+    ekf: &EkfView,
+    grid: &ManhattanFrame,
+    wall: &Wall,
+    (off_rad, variance): (f32, f32),
+) -> bool {
     let square = off_rad * off_rad / variance;
-    let Some(wall) = walls.get(index).filter(|_| variance > TELLING && square < SIGMAS * SIGMAS) else { return false };
-    let [x, y] = middle(wall, ekf, theta);
+    let Some(theta) = wall.direction.state().filter(|_| variance > TELLING && square < SIGMAS * SIGMAS) else {
+        return false;
+    };
+    let [x, y] = middle(wall, ekf, grid);
     let share = GRID_SHARE / (1.0 - GRID_SHARE);
     let mut log_odds = libm::logf(share) + STUDENT - 0.5 * libm::logf(variance) - 2.5 * libm::logf(1.0 + 0.25 * square);
     let mut others = 0.0;
@@ -55,9 +48,11 @@ pub fn is_astray(walls: &[Wall], ekf: &EkfView, leaning: &Leaning) -> bool {
         let other_theta = usize::from(other_theta);
         let relative = relative_variance(ekf, theta, other_theta);
         let apart_rad = off_quarter(ekf.mean(theta), ekf.mean(other_theta));
-        let [to_x, to_y] = middle(other, ekf, other_theta);
-        let is_another = (to_x - x) * (to_x - x) + (to_y - y) * (to_y - y) > APART_M * APART_M;
-        if is_another && relative < TELLING && decide(apart_rad, relative, GRID_SHARE) == Some(true) {
+        if relative >= TELLING || decide(apart_rad, relative, GRID_SHARE) != Some(true) {
+            continue;
+        }
+        let [to_x, to_y] = middle(other, ekf, grid);
+        if (to_x - x) * (to_x - x) + (to_y - y) * (to_y - y) > APART_M * APART_M {
             others += 1.0;
             log_odds += libm::logf(share / others).max(0.0);
         }
@@ -65,10 +60,8 @@ pub fn is_astray(walls: &[Wall], ekf: &EkfView, leaning: &Leaning) -> bool {
     others >= OTHERS && log_odds > SURE
 }
 
-/// The middle of what is known of a wall whose direction is this state, metres.
+/// The middle of what is known of a wall, metres.
 #[inline(never)]
-fn middle(wall: &Wall, ekf: &EkfView, theta: usize) -> [f32; 2] {
-    let (s, c) = sin_cos(ekf.mean(theta));
-    let (rho_m, along_m) = (ekf.mean(wall.rho()), 0.5 * (wall.lo_m + wall.hi_m));
-    [rho_m * c - along_m * s, rho_m * s + along_m * c]
+fn middle(wall: &Wall, ekf: &EkfView, grid: &ManhattanFrame) -> [f32; 2] {
+    wall.line(ekf, grid).at(0.5 * (wall.lo_m + wall.hi_m))
 }

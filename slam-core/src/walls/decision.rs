@@ -17,6 +17,10 @@ pub const DECISION: f32 = 0.95;
 /// Log of the odds of that.
 pub const SURE: f32 = 2.944_439;
 
+/// Largest variance of the angle between two directions of which each tells where the other stands, rad^2: two degrees. A wall whose
+/// direction against the grid is known no better is not judged by that alone.
+pub const TELLING: f32 = 0.035 * 0.035;
+
 /// Angle within which walls of an exact grid are parallel or orthogonal, 1-sigma, radians: a twentieth of a degree.
 pub const GRID_TOLERANCE: f32 = 1e-3;
 

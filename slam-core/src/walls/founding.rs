@@ -7,9 +7,9 @@
 use crate::filter::ekf::{EkfView, Jacobian};
 use crate::filter::layout::ALPHA;
 use crate::geometry::angle::{off_quarter, wrap};
-use crate::walls::astray::{Leaning, TELLING, is_astray};
+use crate::walls::astray::is_astray;
 use crate::walls::decision::{
-    GRID_SHARE, SURE, decide, decide_by, deviation, evidence, looseness, relative_variance, tie,
+    GRID_SHARE, SURE, TELLING, decide, decide_by, deviation, evidence, looseness, relative_variance, tie,
 };
 use crate::walls::exact_grid;
 use crate::walls::manhattan::ManhattanFrame;
@@ -103,7 +103,8 @@ fn founder(walls: &[Wall], ekf: &EkfView, deviation: f32, needed: &Needed) -> Op
 
 /// Takes a free wall into the grid where the odds are for it: its own, or those of all that stand as it does.
 fn take_in(map: &mut MapView, ekf: &mut EkfView, policy: WallPolicy, index: usize) {
-    let Some(Direction::Free(state)) = map.walls().get(index).map(|w| w.direction) else { return };
+    let Some(&wall) = map.walls().get(index) else { return };
+    let Direction::Free(state) = wall.direction else { return };
     let theta = usize::from(state);
     let grid = ManhattanFrame::of(ekf);
     let quarter = grid.quarter(ekf.mean(theta));
@@ -113,8 +114,7 @@ fn take_in(map: &mut MapView, ekf: &mut EkfView, policy: WallPolicy, index: usiz
     let stands = is_known && decide(off, variance + deviation(policy), GRID_SHARE) == Some(true);
     // Where each wall keeps a deviation of its own it is tied by half a degree, and the heading turns at once by more than derivatives
     // taken before bear; the method of Rousse & Qiu is left as it is.
-    let leaning = Leaning { index, theta, off_rad: off, variance };
-    if !stands && (policy != WallPolicy::Grid || !is_astray(map.walls(), ekf, &leaning)) {
+    if !stands && (policy != WallPolicy::Grid || !is_astray(map.walls(), ekf, &grid, &wall, (off, variance))) {
         return;
     }
     let looseness = looseness(policy);
