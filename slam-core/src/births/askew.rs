@@ -51,19 +51,20 @@ pub fn among(
 ) -> Option<Among> {
     let theta_rad = ekf.mean(THETA) + line.normal_rad;
     let mut nearest: Option<Nearest> = None;
-    let mut count = 0.0;
+    let mut theirs = 0.0;
     for state in walls.iter().filter(|wall| wall.length_m() >= length_m).filter_map(|wall| askew(ekf, wall)) {
-        count += 1.0;
         let off_rad = off_quarter(theta_rad, ekf.mean(state));
         let known = relative_variance(ekf, THETA, state);
         let variance = line.direction_variance + known + BUILT_TOLERANCE * BUILT_TOLERANCE;
+        // Walls that stand askew by other angles tell nothing of a line like this one.
+        theirs += density(off_rad, variance);
         if nearest.is_none_or(|best| off_rad * off_rad * best.variance < best.off_rad * best.off_rad * variance) {
             nearest = Some(Nearest { state, off_rad, variance });
         }
     }
     let nearest = nearest?;
     let on_grid = share * density(off_rad, variance);
-    let askew = (1.0 - share) * count * density(nearest.off_rad, nearest.variance);
+    let askew = (1.0 - share) * theirs;
     let new = (1.0 - share) * FRAC_2_PI;
     let enough = DECISION * (on_grid + askew + new);
     let apart_rad = (off_rad - nearest.off_rad).abs();

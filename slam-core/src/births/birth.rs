@@ -5,7 +5,7 @@ use crate::births::verdict::Verdict;
 use crate::filter::ekf::{EkfView, Jacobian};
 use crate::filter::layout::{ALPHA, THETA, X, Y};
 use crate::geometry::angle::{off_quarter, wrap};
-use crate::walls::decision::{BUILT_TOLERANCE, tie};
+use crate::walls::decision::{LOOSE_RAD, tie};
 use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::wall::Direction;
 
@@ -23,8 +23,8 @@ pub fn add_states(ekf: &mut EkfView, verdict: Verdict, line: &LocalLine) -> Opti
         }
         Verdict::Askew(other, off_rad) => {
             let (rho, theta) = add_line(ekf, line)?;
-            // As built walls are parallel. Where that is numerically impossible it has a direction of its own, as it has anyway.
-            let _ = tie(ekf, theta, usize::from(other), off_rad, BUILT_TOLERANCE * BUILT_TOLERANCE);
+            // Where that is numerically impossible it has a direction of its own, as it has anyway.
+            let _ = tie(ekf, theta, usize::from(other), off_rad, LOOSE_RAD * LOOSE_RAD);
             Some((rho, Direction::Free(theta as u16)))
         }
         Verdict::Free => add_line(ekf, line).map(|(rho, theta)| (rho, Direction::Free(theta as u16))),

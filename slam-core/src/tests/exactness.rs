@@ -125,11 +125,12 @@ fn a_line_is_of_the_walls_that_it_is_along() {
         path_m: 0.0,
         by_calibration: heapless::Vec::new(),
     };
-    let of = |askew_deg: f32, line: &LocalLine| {
-        let (ekf, map) = home(&mut Random::new(3), 0.01, &[askew_deg, askew_deg + 90.0]);
+    let of_walls = |directions_deg: &[f32], line: &LocalLine| {
+        let (ekf, map) = home(&mut Random::new(3), 0.01, directions_deg);
         let off_rad = line.normal_rad - (line.normal_rad / FRAC_PI_2).round() * FRAC_PI_2;
         among(&ekf, map.walls(), line, (off_rad, line.direction_variance, 0.9), 1.0)
     };
+    let of = |askew_deg: f32, line: &LocalLine| of_walls(&[askew_deg, askew_deg + 90.0], line);
     // Across a wall that stands six degrees askew, and along the grid.
     assert!(matches!(of(6.0, &line(96.2, 1.0)), Some(Among::Askew(..))));
     assert_eq!(of(6.0, &line(90.3, 1.0)), Some(Among::Grid));
@@ -138,6 +139,9 @@ fn a_line_is_of_the_walls_that_it_is_along() {
     // Between both: drawn loosely where they are near one another, else it waits.
     assert!(matches!(of(3.0, &line(1.9, 1.0)), Some(Among::Either(_))));
     assert_eq!(of(8.0, &line(4.5, 1.8)), Some(Among::Unclear));
+    // A vague line is theirs where many stand so, not where as many stand askew each by an angle of its own.
+    assert!(matches!(of_walls(&[6.0, 96.0, 6.0, 96.0, 6.0, 6.0], &line(7.0, 2.5)), Some(Among::Askew(..))));
+    assert_eq!(of_walls(&[6.0, 14.0, -8.0, 21.0, -15.0, 30.0], &line(7.0, 2.5)), Some(Among::Unclear));
     // Where no wall stands askew there is no such question.
     let (ekf, map) = home(&mut Random::new(3), 0.01, &[]);
     assert_eq!(among(&ekf, map.walls(), &line(0.0, 1.0), (0.0, DEGREE * DEGREE, 0.9), 1.0), None);

@@ -228,6 +228,26 @@ fn a_wall_near_the_grid_that_would_hide_the_newborn_is_found_again() {
     assert!(!merged(0.7, true), "one may be a cupboard's back");
 }
 
+/// Two walls of the grid that are known badly to one another are one where they overlap. Where they stand side by side the one may be a
+/// cupboard before the other.
+#[test]
+fn walls_that_are_vague_to_one_another_are_one_where_they_overlap() {
+    let merged = |sigma_m: f32, extent: (f32, f32), newborn: bool| {
+        let mut ekf = filter(&mut Random::new(5));
+        let mut map = Map::<CAPACITY>::EMPTY;
+        for (rho_m, extent) in [(2.0, (-1.0, 1.0)), (2.0 - 1.3 * sigma_m, extent)] {
+            let rho = ekf.augment(rho_m, &Jacobian::new(), 0.5 * sigma_m * sigma_m).unwrap();
+            map.add(Wall::at(rho, Direction::Grid(0), extent), 20, 0.0);
+        }
+        map.merge(&mut ekf, 1, newborn)
+    };
+    for newborn in [false, true] {
+        assert!(merged(0.3, (0.0, 0.8), newborn), "overlapping");
+        assert!(!merged(0.3, (1.2, 2.0), newborn) && !merged(0.3, (0.8, 2.0), newborn), "side by side");
+        assert!(merged(0.02, (1.2, 2.0), newborn), "known well");
+    }
+}
+
 #[test]
 fn opposite_faces_of_a_partition_stay_two_walls() {
     let mut random = Random::new(5);

@@ -28,7 +28,8 @@ pub const GRID_TOLERANCE: f32 = 1e-3;
 /// is given as true, which has its share of that; up to 0.03 the results there are the same.
 pub const BUILT_TOLERANCE: f32 = 0.01;
 
-/// How far a wall may stand off the grid that it looks to stand on, 1-sigma, radians: partitions that are askew are so by some degrees.
+/// How far a wall may stand off the grid that it looks to stand on, or off a wall that it looks to be parallel to, 1-sigma, radians:
+/// partitions that are askew are so by some degrees.
 pub const LOOSE_RAD: f32 = 0.03;
 
 /// Density of a direction `off_rad` from where it is expected, with that variance, beside the tolerance of exact grids.

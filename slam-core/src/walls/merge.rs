@@ -137,6 +137,10 @@ impl Tie {
             let gate = if refound { REFIND_GATE } else { JOINT_GATE };
             *second_m = second_if_first_is_zero([*first_m, *second_m], [first_m2, second_m2], covariance_m2, gate)?;
         }
+        // What stands beside a wall may as well be a cupboard before the next one.
+        if is_vague && gap_m > -0.5 * wall.length_m().min(other.length_m()) {
+            return None;
+        }
         Some(Self { differences, updates: other.updates, refound, is_vague })
     }
 }
