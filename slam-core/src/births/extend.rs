@@ -68,7 +68,7 @@ impl<const B: usize> Extension<'_, B> {
             {
                 changes.births = changes.births.saturating_add(1);
                 let newborn = self.map.walls().len().saturating_sub(1);
-                changes.merges += u8::from(self.map.merge(self.ekf, newborn, true));
+                changes.merges += u8::from(self.map.merge(self.ekf, self.walls.policy, newborn, true));
             }
         }
         changes

@@ -12,7 +12,7 @@ use crate::measurement::beam::FixedMount;
 use crate::measurement::line_of_sight::first_met;
 use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::map::Map;
-use crate::walls::wall::{Direction, Wall};
+use crate::walls::wall::{Direction, Wall, WallPolicy};
 
 const CAPACITY: usize = 16;
 type Filter = Ekf<{ storage(40) }>;
@@ -150,8 +150,8 @@ fn collinear_walls_become_one() {
         map.add(Wall::at(rho, Direction::Grid(0), extent), 20, 0.0);
     }
     let len = ekf.len();
-    assert!(map.merge(&mut ekf, 0, false));
-    assert!(!map.merge(&mut ekf, 0, false), "the third is behind a door, the fourth behind the wall");
+    assert!(map.merge(&mut ekf, WallPolicy::Grid, 0, false));
+    assert!(!map.merge(&mut ekf, WallPolicy::Grid, 0, false), "the third is behind a door, the fourth behind the wall");
     assert_eq!((map.walls().len(), ekf.len()), (3, len - 1));
     let merged = map.walls().iter().find(|w| w.lo_m == -1.0 && w.hi_m == 1.5).unwrap();
     // Half way to the other but for the 5 mm by which stretches of a wall may be out of plane.
@@ -170,7 +170,7 @@ fn a_newborn_twin_only_prolongs_the_wall() {
         let rho = ekf.augment(rho_m, &Jacobian::new(), 1e-4).unwrap();
         map.add(Wall::at(rho, Direction::Grid(0), extent), 20, 0.0);
     }
-    assert!(map.merge(&mut ekf, 1, true));
+    assert!(map.merge(&mut ekf, WallPolicy::Grid, 1, true));
     let wall = map.walls()[0];
     assert_eq!((wall.lo_m, wall.hi_m), (-1.0, 1.5));
     assert_eq!((ekf.mean(wall.rho()), ekf.covariance(wall.rho(), wall.rho())), (2.0, 1e-4));
@@ -193,7 +193,7 @@ fn two_free_walls(ekf: &mut Filter, rho_m: f32, theta_rad: f32) -> Map<CAPACITY>
 fn walls_askew_to_one_another_stay_two() {
     let mut ekf = filter(&mut Random::new(8));
     let mut map = two_free_walls(&mut ekf, 2.0, 0.11);
-    assert!(!map.merge(&mut ekf, 0, false) && !map.merge(&mut ekf, 1, false));
+    assert!(!map.merge(&mut ekf, WallPolicy::Grid, 0, false) && !map.merge(&mut ekf, WallPolicy::Grid, 1, false));
 }
 
 /// Once they are one at one end they are nearly so at the other: said twice, it would turn them.
@@ -201,7 +201,7 @@ fn walls_askew_to_one_another_stay_two() {
 fn merging_walls_side_by_side_turns_neither() {
     let mut ekf = filter(&mut Random::new(9));
     let mut map = two_free_walls(&mut ekf, 2.2, 0.0);
-    assert!(map.merge(&mut ekf, 0, false));
+    assert!(map.merge(&mut ekf, WallPolicy::Grid, 0, false));
     let line = map.walls()[0].line(&ekf, &ManhattanFrame::of(&ekf));
     assert!(line.beta_rad.abs() < 1e-4, "turned by {} rad", line.beta_rad);
     assert!((line.rho_m - 2.1).abs() < 2e-3, "moved to {} m", line.rho_m);
@@ -221,7 +221,7 @@ fn a_wall_near_the_grid_that_would_hide_the_newborn_is_found_again() {
             let theta = ekf.augment(0.0, &Jacobian::new(), 1e-4).unwrap();
             map.add(Wall::at(rho, Direction::NearGrid(theta as u16, 0), (-1.0, 1.0)), 50, 0.0);
         }
-        map.merge(&mut ekf, 1, newborn)
+        map.merge(&mut ekf, WallPolicy::Grid, 1, newborn)
     };
     assert!(merged(0.3, true), "one would hide the other");
     assert!(!merged(0.3, false), "both may be known too well");
@@ -232,19 +232,22 @@ fn a_wall_near_the_grid_that_would_hide_the_newborn_is_found_again() {
 /// cupboard before the other.
 #[test]
 fn walls_that_are_vague_to_one_another_are_one_where_they_overlap() {
-    let merged = |sigma_m: f32, extent: (f32, f32), newborn: bool| {
+    let merged_by = |policy: WallPolicy, sigma_m: f32, extent: (f32, f32), newborn: bool| {
         let mut ekf = filter(&mut Random::new(5));
         let mut map = Map::<CAPACITY>::EMPTY;
         for (rho_m, extent) in [(2.0, (-1.0, 1.0)), (2.0 - 1.3 * sigma_m, extent)] {
             let rho = ekf.augment(rho_m, &Jacobian::new(), 0.5 * sigma_m * sigma_m).unwrap();
             map.add(Wall::at(rho, Direction::Grid(0), extent), 20, 0.0);
         }
-        map.merge(&mut ekf, 1, newborn)
+        map.merge(&mut ekf, policy, 1, newborn)
     };
+    let merged =
+        |sigma_m: f32, extent: (f32, f32), newborn: bool| merged_by(WallPolicy::Grid, sigma_m, extent, newborn);
     for newborn in [false, true] {
         assert!(merged(0.3, (0.0, 0.8), newborn), "overlapping");
         assert!(!merged(0.3, (1.2, 2.0), newborn) && !merged(0.3, (0.8, 2.0), newborn), "side by side");
         assert!(merged(0.02, (1.2, 2.0), newborn), "known well");
+        assert!(merged_by(WallPolicy::NearGrid, 0.3, (1.2, 2.0), newborn), "left as they are");
     }
 }
 
@@ -257,7 +260,7 @@ fn opposite_faces_of_a_partition_stay_two_walls() {
         let rho = ekf.augment(rho_m, &Jacobian::new(), 1e-4).unwrap();
         map.add(Wall::at(rho, Direction::Grid(quarter), (-1.0, 1.0)), 20, 0.0);
     }
-    assert!(!map.merge(&mut ekf, 0, false) && !map.merge(&mut ekf, 1, false));
+    assert!(!map.merge(&mut ekf, WallPolicy::Grid, 0, false) && !map.merge(&mut ekf, WallPolicy::Grid, 1, false));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::manhattan::ManhattanFrame;
 use super::map::MapView;
-use super::wall::{Direction, Wall};
+use super::wall::{Direction, Wall, WallPolicy};
 use crate::filter::ekf::{EkfView, Jacobian};
 use crate::filter::layout::ALPHA;
 use crate::geometry::line::Line;
@@ -34,7 +34,7 @@ const MERGE_GAP_M: f32 = super::wall::GAP_M;
 impl MapView {
     /// Merges wall `index` with the first other wall that is the same one: collinear within the uncertainty of both, and
     /// overlapping or nearly so. True where there was one.
-    pub fn merge(&mut self, ekf: &mut EkfView, index: usize, newborn: bool) -> bool {
+    pub fn merge(&mut self, ekf: &mut EkfView, policy: WallPolicy, index: usize, newborn: bool) -> bool {
         let grid = ManhattanFrame::of(ekf);
         let Some(&wall) = self.walls().get(index) else { return false };
         let line = wall.line(ekf, &grid);
@@ -44,7 +44,11 @@ impl MapView {
             if other == index || !comparable {
                 return None;
             }
-            Tie::between(ekf, &grid, (&wall, &line), candidate, newborn).map(|tie| (other, tie))
+            let tie = Tie::between(ekf, &grid, (&wall, &line), candidate, newborn)?;
+            // What stands beside a vague twin may as well be a cupboard before the next wall. Walls that keep deviations of their own have to
+            // fit at two places, and so tell a robot with the odometry of real wheels where it is; Rousse & Qiu's are left as they are.
+            let tells = !tie.is_vague || policy != WallPolicy::Grid || overlap_by_half(&wall, candidate);
+            tells.then_some((other, tie))
         });
         let Some((other, tie)) = twins.next() else { return false };
         // Where the pose does not tell which of two it is, it is neither.
@@ -63,6 +67,11 @@ impl MapView {
         self.unite(ekf, kept, gone);
         true
     }
+}
+
+/// Whether two collinear walls share half of the shorter one.
+fn overlap_by_half(a: &Wall, b: &Wall) -> bool {
+    a.hi_m.min(b.hi_m) - a.lo_m.max(b.lo_m) >= 0.5 * a.length_m().min(b.length_m())
 }
 
 /// The statement that two walls are one, as scalar measurements of zero.
@@ -136,10 +145,6 @@ impl Tie {
             let covariance_m2 = 2.0 * mean_m2 - 0.5 * (first_m2 + second_m2);
             let gate = if refound { REFIND_GATE } else { JOINT_GATE };
             *second_m = second_if_first_is_zero([*first_m, *second_m], [first_m2, second_m2], covariance_m2, gate)?;
-        }
-        // What stands beside a wall may as well be a cupboard before the next one.
-        if is_vague && gap_m > -0.5 * wall.length_m().min(other.length_m()) {
-            return None;
         }
         Some(Self { differences, updates: other.updates, refound, is_vague })
     }

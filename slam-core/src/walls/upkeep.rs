@@ -11,7 +11,7 @@ pub fn upkeep(map: &mut MapView, ekf: &mut EkfView, policy: WallPolicy, number: 
     founding::upkeep(map, ekf, policy, number);
     // One wall a step is held against all others.
     let turn = number % map.walls().len().max(1);
-    let merges = u8::from(map.merge(ekf, turn, false));
+    let merges = u8::from(map.merge(ekf, policy, turn, false));
     let prunes = u8::from(map.prune(ekf, path_m));
     Changes { merges, prunes, ..Changes::default() }
 }
