@@ -44,11 +44,7 @@ impl MapView {
             if other == index || !comparable {
                 return None;
             }
-            let tie = Tie::between(ekf, &grid, (&wall, &line), candidate, newborn)?;
-            // What stands beside a vague twin may as well be a cupboard before the next wall. Walls that keep deviations of their own have to
-            // fit at two places, and so tell a robot with the odometry of real wheels where it is; Rousse & Qiu's are left as they are.
-            let tells = !tie.is_vague || policy != WallPolicy::Grid || overlap_by_half(&wall, candidate);
-            tells.then_some((other, tie))
+            Tie::between(ekf, &grid, (&wall, &line), candidate, policy, newborn).map(|tie| (other, tie))
         });
         let Some((other, tie)) = twins.next() else { return false };
         // Where the pose does not tell which of two it is, it is neither.
@@ -67,11 +63,6 @@ impl MapView {
         self.unite(ekf, kept, gone);
         true
     }
-}
-
-/// Whether two collinear walls share half of the shorter one.
-fn overlap_by_half(a: &Wall, b: &Wall) -> bool {
-    a.hi_m.min(b.hi_m) - a.lo_m.max(b.lo_m) >= 0.5 * a.length_m().min(b.length_m())
 }
 
 /// The statement that two walls are one, as scalar measurements of zero.
@@ -93,6 +84,7 @@ impl Tie {
         grid: &ManhattanFrame,
         (wall, line): (&Wall, &Line),
         other: &Wall,
+        policy: WallPolicy,
         newborn: bool,
     ) -> Option<Self> {
         // The cheap questions first: most pairs face another way or stand elsewhere.
@@ -145,6 +137,11 @@ impl Tie {
             let covariance_m2 = 2.0 * mean_m2 - 0.5 * (first_m2 + second_m2);
             let gate = if refound { REFIND_GATE } else { JOINT_GATE };
             *second_m = second_if_first_is_zero([*first_m, *second_m], [first_m2, second_m2], covariance_m2, gate)?;
+        }
+        // What stands beside a vague twin may as well be a cupboard before the next wall. Walls that keep deviations of their own have to
+        // fit at two places, and so tell a robot with the odometry of real wheels where it is; Rousse & Qiu's are left as they are.
+        if is_vague && policy == WallPolicy::Grid && gap_m > -0.5 * wall.length_m().min(other.length_m()) {
+            return None;
         }
         Some(Self { differences, updates: other.updates, refound, is_vague })
     }
