@@ -173,7 +173,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     /// The robot moved by so much, as the odometry sensed it.
     pub fn travel(&mut self, moved: &Increment) {
         let Some(last) = self.keyframes.last_mut() else { return };
-        let path_m = libm::sqrtf(moved.forward_m * moved.forward_m + moved.left_m * moved.left_m);
+        let path_m = float::sqrtf(moved.forward_m * moved.forward_m + moved.left_m * moved.left_m);
         let Calibration { distance, turn, veer_rad_per_m } = self.calibration;
         let turned = turn * (moved.turn_rad + veer_rad_per_m * path_m);
         last.motion = last.motion.compose(&Pose::new(moved.forward_m, moved.left_m, moved.turn_rad));

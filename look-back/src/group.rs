@@ -143,7 +143,7 @@ impl Group {
         // The square of a sum of three is between the sum of their squares and three times that: mostly no root is needed.
         apart_m2 <= squares
             || (apart_m2 <= 3.0 * squares && {
-                let reach_m = libm::sqrtf(one_m2) + libm::sqrtf(other_m2) + SPACING_M;
+                let reach_m = float::sqrtf(one_m2) + float::sqrtf(other_m2) + SPACING_M;
                 apart_m2 <= reach_m * reach_m
             })
     }
@@ -192,6 +192,6 @@ impl Group {
     /// How far from its mean a group reaches along a line, metres: where its hits are spread evenly, or half of them at each end.
     pub fn reach_m(&self, offset: &Offset) -> f32 {
         let squares = if self.is_stretch() { 3.0 } else { 1.0 };
-        libm::sqrtf(squares * offset.along / self.weight)
+        float::sqrtf(squares * offset.along / self.weight)
     }
 }

@@ -127,9 +127,9 @@ impl Keyframe {
             path_m: self.path_m + next.path_m,
             turning_rad: self.turning_rad + next.turning_rad,
             swing: if is_sensed {
-                ((libm::sqrtf(swing_m2) / SWING_M) as u16).min(UNSENSED - 1)
+                ((float::sqrtf(swing_m2) / SWING_M) as u16).min(UNSENSED - 1)
             } else {
-                let known = unsensed([swing_m2, self.unknown_rad2() + next.unknown_rad2()].map(libm::sqrtf));
+                let known = unsensed([swing_m2, self.unknown_rad2() + next.unknown_rad2()].map(float::sqrtf));
                 if self.is_jolted() || next.is_jolted() { known | JOLTED } else { known }
             },
             ..*self

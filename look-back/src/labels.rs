@@ -63,7 +63,7 @@ impl<const W: usize> Labels<W> {
             if is_along && offset.square < nearest.map_or(SIGMAS * SIGMAS, |(_, square)| square) {
                 nearest = Some((i, offset.square));
             }
-            let far_m = SIGMAS * libm::sqrtf(group.variance());
+            let far_m = SIGMAS * float::sqrtf(group.variance());
             let is_within = |along_m: f32| (wall.lo_m..=wall.hi_m).contains(&along_m);
             if group.is_stretch()
                 && offset.behind_m > far_m

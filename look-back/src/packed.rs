@@ -93,7 +93,7 @@ impl<const P: usize> Packed<P> {
         let Some((pivot, done)) = row.split_last_mut() else { return false };
         let left = *pivot - sum_of_products(done, done);
         let is_told = left > SMALLEST_PIVOT * *pivot;
-        *pivot = 1.0 / libm::sqrtf(if is_told { left } else { pivot.max(1.0) });
+        *pivot = 1.0 / float::sqrtf(if is_told { left } else { pivot.max(1.0) });
         is_told
     }
 

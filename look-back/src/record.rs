@@ -83,7 +83,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         };
         let doubted = before.iter().rev().take_while(is_doubted).count();
         // Their variances add up to its own.
-        let each = |sigmas: [f32; 2]| sigmas.map(|sigma| sigma / libm::sqrtf(doubted as f32));
+        let each = |sigmas: [f32; 2]| sigmas.map(|sigma| sigma / float::sqrtf(doubted as f32));
         let mut next = here.pose;
         for key in before.iter_mut().rev().take(doubted) {
             match displaced {

@@ -64,7 +64,7 @@ fn factor(matrix: &Matrix3) -> Matrix3 {
                 left * factor[j][j]
             } else {
                 let least = 1e-6 * matrix[i][i];
-                1.0 / libm::sqrtf(if left > least { left } else { matrix[i][i].max(1.0) })
+                1.0 / float::sqrtf(if left > least { left } else { matrix[i][i].max(1.0) })
             };
         }
     }

@@ -145,7 +145,7 @@ impl<'m> Joint<'m> {
     }
 
     fn take(&mut self, offset: &Offset) {
-        let sigma_m = libm::sqrtf(offset.variance_m2);
+        let sigma_m = float::sqrtf(offset.variance_m2);
         // There is room for as many matches as fresh walls.
         let _ = self.factor.extend_from_slice(&offset.row);
         let _ = self.factor.push(sigma_m);

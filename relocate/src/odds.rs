@@ -46,7 +46,7 @@ pub(crate) fn same_askew([matched, missed]: [u8; 2]) -> f32 {
 /// Log-likelihood ratio of a fresh wall, `off_m` from a kept one that faces the same way and reaches along `overlap` of it, against
 /// anything that stands anywhere, where a share `same` of them stands as kept.
 pub(crate) fn of_wall(same: f32, off_m: f32, variance_m2: f32, overlap: f32) -> f32 {
-    let density = libm::expf(-0.5 * off_m * off_m / variance_m2) / libm::sqrtf(core::f32::consts::TAU * variance_m2);
+    let density = libm::expf(-0.5 * off_m * off_m / variance_m2) / float::sqrtf(core::f32::consts::TAU * variance_m2);
     libm::logf(1.0 - same + same * overlap * density * REACH_M)
 }
 
@@ -157,7 +157,7 @@ impl Displaced {
     /// Of a robot that stood where this is known so (m^2, rad^2) and that nobody carried: who takes out its battery or its power's plug nudges it as
     /// a kick does. That is one half; the other half was carried, for whoever carries a robot may switch it off first.
     pub(crate) fn nudged(known_m2: f32, known_rad2: f32) -> Self {
-        let turned_rad = libm::sqrtf(TURNED_RAD * TURNED_RAD + known_rad2);
+        let turned_rad = float::sqrtf(TURNED_RAD * TURNED_RAD + known_rad2);
         let moved_m2 = moved_m2(0.0) + known_m2;
         Self { moved_m2, turned_rad, share: HALF_OF_TURNS - libm::logf(turned_rad) }
     }

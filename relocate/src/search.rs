@@ -297,7 +297,7 @@ impl Search {
             let of = |a: &Side, b: &Side| a.sign() * b.sign() * map.covariance(usize::from(a.rho), usize::from(b.rho));
             let walls_m2 = of(side, side) + of(other, other) - 2.0 * of(side, other);
             let path_m2 = self.fresh.beside_m2(usize::from(seed.fresh));
-            odds::of_crossing(depth_m / libm::sqrtf(walls_m2.max(0.0) + path_m2 + odds::BENT_M * odds::BENT_M))
+            odds::of_crossing(depth_m / float::sqrtf(walls_m2.max(0.0) + path_m2 + odds::BENT_M * odds::BENT_M))
         };
         self.kept.iter().filter(|side| side.is_on_grid()).map(of_wall).sum()
     }

@@ -7,6 +7,7 @@
 //! One rule: nothing here knows the true pose or the true walls. Lengths are metres, angles radians, times seconds
 //! unless a name says otherwise; the robot's frame has its origin at the wheel axle's centre, x forward, y left.
 #![no_std]
+#![forbid(unsafe_code)]
 
 mod cleaning;
 pub mod condition;

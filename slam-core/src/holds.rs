@@ -205,7 +205,7 @@ impl<const S: usize> Holds<S> {
     /// Follows the wheels by a motion in the robot's frame.
     pub fn follow(&mut self, motion: &Pose, dt_s: f32) {
         let moved_m =
-            libm::sqrtf(motion.x_m * motion.x_m + motion.y_m * motion.y_m) + MIDDLE_M * motion.theta_rad.abs();
+            float::sqrtf(motion.x_m * motion.x_m + motion.y_m * motion.y_m) + MIDDLE_M * motion.theta_rad.abs();
         if moved_m > 0.0 {
             self.stillness.follow(motion, moved_m);
             let ((s, c), Pose { x_m, y_m, theta_rad }) = (self.heading, self.wheels);

@@ -32,6 +32,7 @@
 //! Frames: *map* is the robot's start pose (origin at the wheel axle's centre, x forward, y left, theta
 //! counter-clockwise), until walls hold it ([`MapFrame`]); *robot* is the same, moving with the robot. Units are metres, radians, seconds and volts.
 #![no_std]
+#![forbid(unsafe_code)]
 
 #[cfg(test)]
 extern crate std;

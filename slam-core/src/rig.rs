@@ -51,7 +51,7 @@ impl RangeModel {
             }
             Self::Metric { noise_m, noise_rel } => {
                 let proportional_m = noise_rel * range_m;
-                libm::sqrtf(noise_m * noise_m + proportional_m * proportional_m)
+                float::sqrtf(noise_m * noise_m + proportional_m * proportional_m)
             }
         }
     }

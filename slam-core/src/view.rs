@@ -182,7 +182,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     }
 
     fn sigma(&self, i: usize) -> f32 {
-        libm::sqrtf(self.ekf.covariance(i, i).max(0.0))
+        float::sqrtf(self.ekf.covariance(i, i).max(0.0))
     }
 
     /// The walls of the map.

@@ -10,6 +10,7 @@
 //! | host to robot | [`Frame::Command`], [`Frame::MapRequest`] |
 //! | with the robot's hardware simulated | [`Frame::Sample`] to the robot, [`Frame::Motors`] back |
 #![no_std]
+#![forbid(unsafe_code)]
 
 mod codec;
 mod convert;

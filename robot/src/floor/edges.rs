@@ -35,7 +35,7 @@ impl<const S: usize> FloorJob<S> {
         let square = |[x, y]: &[f32; 2]| x * x + y * y;
         let points = self.near.seen_from(pose, now_us);
         let Some([x, y]) = points.min_by(|a, b| square(a).total_cmp(&square(b))) else { return 1.0 };
-        let scale = 1.0 / libm::sqrtf(square(&[x, y])).max(0.01);
+        let scale = 1.0 / float::sqrtf(square(&[x, y])).max(0.01);
         // With it on the right the robot goes to the left of where it is.
         let way = [-y * scale, x * scale];
         let left = |sign: f32| -> u32 {

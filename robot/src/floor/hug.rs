@@ -82,9 +82,9 @@ impl Hug {
             let y = side * y;
             let bow_m = self.radius_m + 0.003;
             if x > 0.0 && y.abs() < self.radius_m - 0.01 {
-                ahead_m = ahead_m.min(x - libm::sqrtf(bow_m * bow_m - y * y));
+                ahead_m = ahead_m.min(x - float::sqrtf(bow_m * bow_m - y * y));
             }
-            let distance_m = libm::sqrtf(x * x + y * y);
+            let distance_m = float::sqrtf(x * x + y * y);
             // What is on the other side counts only where the body touches it.
             if y > 0.5 * distance_m {
                 other_m = other_m.min(distance_m);

@@ -168,7 +168,7 @@ pub(super) fn free_ahead_m(points: impl Iterator<Item = [f32; 2]>, radius_m: f32
     for [x_m, y_m] in points {
         // What is just beside the body is passed along, not run into.
         if x_m > 0.0 && y_m.abs() < radius_m - BESIDE_M {
-            free_m = free_m.min(x_m - libm::sqrtf(radius_m * radius_m - y_m * y_m));
+            free_m = free_m.min(x_m - float::sqrtf(radius_m * radius_m - y_m * y_m));
         }
     }
     free_m

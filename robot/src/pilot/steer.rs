@@ -14,7 +14,7 @@ pub(crate) fn gap_m(beams: &[Beam], config: &PilotConfig, backwards: bool) -> f3
     for [x_m, y_m] in beams.iter().filter_map(Beam::hit_m) {
         let ahead_m = sign * x_m;
         if ahead_m > 0.0 && y_m.abs() < half_width_m {
-            let bow_m = libm::sqrtf((half_width_m * half_width_m - y_m * y_m).max(0.0));
+            let bow_m = float::sqrtf((half_width_m * half_width_m - y_m * y_m).max(0.0));
             gap_m = gap_m.min(ahead_m - bow_m);
         }
     }

@@ -120,7 +120,7 @@ impl Unexplained<'_> {
         // The beam swept on while the reading was made.
         let i = timing.step.increment;
         let moved_m =
-            libm::sqrtf(i.forward_m * i.forward_m + i.left_m * i.left_m) + (i.turn_rad * reading.range_m).abs();
+            float::sqrtf(i.forward_m * i.forward_m + i.left_m * i.left_m) + (i.turn_rad * reading.range_m).abs();
         Outlier {
             sensor: sensor.index as u8,
             hit_m,

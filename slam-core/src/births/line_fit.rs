@@ -69,7 +69,7 @@ impl Moments {
         let yy = self.yy - self.first[1] * y;
         let half_difference = 0.5 * (xx - yy);
         let mean = 0.5 * (xx + yy);
-        let radius = libm::sqrtf(half_difference * half_difference + xy * xy);
+        let radius = float::sqrtf(half_difference * half_difference + xy * xy);
         let along_rad = 0.5 * libm::atan2f(xy, half_difference);
         Scatter {
             centroid_m: [self.reference_m[0] + x, self.reference_m[1] + y],
@@ -84,7 +84,7 @@ impl Moments {
 /// its chi-square distribution.
 fn is_noise_of_line(chi_square: f32, count: u32) -> bool {
     let freedom = count.saturating_sub(2) as f32;
-    chi_square <= freedom + 2.0 * libm::sqrtf(2.0 * freedom)
+    chi_square <= freedom + 2.0 * float::sqrtf(2.0 * freedom)
 }
 
 impl Scatter {
@@ -241,7 +241,7 @@ impl Shape {
             projection += weight * square * residual;
             norm += weight * square * square;
         }
-        let bend = projection.abs() / libm::sqrtf(norm.max(1e-8));
+        let bend = projection.abs() / float::sqrtf(norm.max(1e-8));
         Self { slope, spread, chi_square, bend, lo_m, hi_m }
     }
 }
@@ -275,7 +275,7 @@ impl FittedLine {
         let d = [point[0] - self.centroid_m[0], point[1] - self.centroid_m[1]];
         let t = d[1] * self.normal[0] - d[0] * self.normal[1];
         let variance = self.variance_m2 + t * t * self.direction_variance;
-        (d[0] * self.normal[0] + d[1] * self.normal[1], libm::sqrtf(variance))
+        (d[0] * self.normal[0] + d[1] * self.normal[1], float::sqrtf(variance))
     }
 
     /// Coordinate of a point along the line about the centroid, metres.

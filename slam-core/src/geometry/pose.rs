@@ -44,5 +44,5 @@ impl Pose {
 
 /// Length of a vector. `libm` computes it in f64, which a Cortex-M4F has only in software, two kilobytes of it.
 pub fn length(x: f32, y: f32) -> f32 {
-    libm::sqrtf(x * x + y * y)
+    float::sqrtf(x * x + y * y)
 }

@@ -305,7 +305,7 @@ impl<const S: usize> View<'_, S> {
         else {
             return false;
         };
-        let spread = 2.0 * libm::sqrtf(PI * self.true_noise.min(1.0)) * noise_v / adc.volts(1);
+        let spread = 2.0 * float::sqrtf(PI * self.true_noise.min(1.0)) * noise_v / adc.volts(1);
         f32::from(repeats) * libm::logf(spread * (1.0 / 3.0)) > REPEATED
     }
 

@@ -319,7 +319,7 @@ impl Look<'_> {
         let times = self.now_rad / self.last_rad;
         let to_m = times * self.last_m + 0.5 * self.from_m * self.now_rad * (self.now_rad - self.last_rad);
         let variance_m2 = rough_m2 * (1.0 + times * times);
-        if of_hold && self.range_m + to_m + libm::sqrtf(variance_m2) > self.limits.max_m {
+        if of_hold && self.range_m + to_m + float::sqrtf(variance_m2) > self.limits.max_m {
             return 0.0;
         }
         let moves = (self.off_m - to_m, variance_m2, change(MIDDLE_M * self.turn_rad));

@@ -24,14 +24,14 @@ pub fn change(moved_m: f32) -> f32 {
 /// Normal density at so far from the mean.
 pub fn density(off_m: f32, variance_m2: f32) -> f32 {
     let square = off_m * off_m / variance_m2;
-    INVERSE_SQRT_TAU / libm::sqrtf(variance_m2) * libm::expf(-0.5 * square)
+    INVERSE_SQRT_TAU / float::sqrtf(variance_m2) * libm::expf(-0.5 * square)
 }
 
 /// Odds that a reading is the wall's: the normal density of its innovation against the uniform one of what else may stand in
 /// the sensor's span.
 pub fn odds(innovation_m: f32, variance_m2: f32, span_m: f32) -> f32 {
     let square = innovation_m * innovation_m / variance_m2;
-    INVERSE_SQRT_TAU * span_m / libm::sqrtf(variance_m2) * libm::expf(-0.5 * square)
+    INVERSE_SQRT_TAU * span_m / float::sqrtf(variance_m2) * libm::expf(-0.5 * square)
 }
 
 /// Noise with which an update with these odds has as much gain as its probability is worth, p = odds / (1 + odds):

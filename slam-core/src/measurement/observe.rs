@@ -348,14 +348,14 @@ impl Observer<'_> {
         }
         let (sensor, wall, along_m, step) = (sight.sensor.index, met.wall, met.candidate.along_m, self.number);
         let count = self.correlation.count(sensor, wall, along_m, step);
-        let normalised = met.innovation_m / libm::sqrtf(met.variance_m2);
+        let normalised = met.innovation_m / float::sqrtf(met.variance_m2);
         self.correlation.note(sensor, Hit { wall, along_m, step, normalised });
         count
     }
 
     /// A reading well beyond a wall, well inside its extent, went through it.
     fn judge_pass(&mut self, met: &Hypothesis) {
-        let margin_m = 0.1 + 3.0 * libm::sqrtf(met.variance_m2);
+        let margin_m = 0.1 + 3.0 * float::sqrtf(met.variance_m2);
         if met.innovation_m > margin_m && met.candidate.inside_m > PASS_M {
             self.map.passed_through(met.candidate.index, met.candidate.along_m);
         }

@@ -113,7 +113,7 @@ impl Latency {
     /// readings that agree with it. An analogue reading is never of the moment.
     pub fn settle(&self, ekf: &mut EkfView) {
         let (Some(latency), true, half_step_s) = (self.state, self.of_metres, 0.5 * self.typical_dt_s) else { return };
-        let sigma_s = libm::sqrtf(ekf.covariance(latency, latency).max(0.0));
+        let sigma_s = float::sqrtf(ekf.covariance(latency, latency).max(0.0));
         let is_known = sigma_s < 0.25 * half_step_s && ekf.mean(latency).abs() + 2.0 * sigma_s < half_step_s;
         if !is_known || sigma_s < SETTLED_S {
             return;

@@ -108,8 +108,8 @@ impl NoiseLevels {
     /// wheels that are counted is as noisy as the rig states, while who logs poses guessed at it.
     pub fn of_motion(&self, stated: &[[f32; 3]; 3], drive: &DriveModel) -> [[f32; 3]; 3] {
         let is_stated = matches!(drive, DriveModel::Wheels { .. });
-        let heading = if is_stated { 1.0 } else { libm::sqrtf(self.heading.factor()) };
-        let position = libm::sqrtf(self.position.factor());
+        let heading = if is_stated { 1.0 } else { float::sqrtf(self.heading.factor()) };
+        let position = float::sqrtf(self.position.factor());
         let roots = [position, position, heading];
         core::array::from_fn(|i| core::array::from_fn(|j| roots[i] * roots[j] * stated[i][j]))
     }

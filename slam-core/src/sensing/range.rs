@@ -70,13 +70,13 @@ pub struct Innovation {
 impl Reading {
     /// Standard deviation at the reading itself, metres.
     pub fn sigma_m(&self) -> f32 {
-        libm::sqrtf(self.innovation(self.range_m).noise_m2)
+        float::sqrtf(self.innovation(self.range_m).noise_m2)
     }
 
     /// Standard deviation where the surface was before, metres: for points that are weighed by it.
     #[inline(never)]
     pub fn sigma_about_m(&self) -> f32 {
-        libm::sqrtf(self.innovation(self.about_m()).noise_m2)
+        float::sqrtf(self.innovation(self.about_m()).noise_m2)
     }
 
     /// What the sensor reported before on this surface, metres, or else this.
@@ -258,7 +258,7 @@ impl FrontEnd {
         }
         // A quantisation step adds a uniform error.
         let stated_v2 = noise_v * noise_v + adc.lsb_v() * adc.lsb_v() * (1.0 / 12.0);
-        let largest_v = STEP_SIGMAS * libm::sqrtf(2.0 * noise.factor() * stated_v2) + SURFACE_STEP * volts;
+        let largest_v = STEP_SIGMAS * float::sqrtf(2.0 * noise.factor() * stated_v2) + SURFACE_STEP * volts;
         let is_step = self.outputs.step_to(volts).is_some_and(|step_v| step_v.abs() > largest_v);
         if is_step {
             self.outputs = Outputs::starting_at(volts);

@@ -157,7 +157,7 @@ impl<const S: usize> Sign<S> {
         let share = if (self.log_odds > 0.0) == self.is_reversed { 0.0 } else { -2.0 };
         // What is settled leaves no doubt: a chance in a hundred of half a metre is no normal error of five centimetres.
         let is_open = self.log_odds.abs() < DECISION;
-        let spread = if is_open { 2.0 * libm::sqrtf(backwards * (1.0 - backwards)) } else { 0.0 };
+        let spread = if is_open { 2.0 * float::sqrtf(backwards * (1.0 - backwards)) } else { 0.0 };
         self.is_moving = false;
         self.is_reversed = false;
         self.surfaces.iter_mut().for_each(Surface::begin);

@@ -50,7 +50,7 @@ impl Stamps {
 
     /// 1-sigma of the offsets, seconds; none where they are not estimated.
     pub fn sigma_s(&self) -> Option<f32> {
-        self.state.map(|_| libm::sqrtf(self.variance_s2))
+        self.state.map(|_| float::sqrtf(self.variance_s2))
     }
 
     /// A new row, of whose offset nothing is known.

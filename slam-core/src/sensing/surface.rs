@@ -164,7 +164,7 @@ impl Surface {
         let changed_m = now_m - change.turned_m;
         let row_m2 =
             if before.normal.is_some() { ranges_m2 + change.variance_m2 + stamps_m2 } else { noise_m * noise_m };
-        if changed_m.abs() > change.most_m + SIGMAS * libm::sqrtf(row_m2) {
+        if changed_m.abs() > change.most_m + SIGMAS * float::sqrtf(row_m2) {
             return Says::default();
         }
         let first_m2 = if before.forwards_m == 0.0 { stamps_m2 } else { 0.0 };
@@ -184,7 +184,7 @@ impl Surface {
     /// moves by itself is explained as well as by the better of both ways.
     fn judge(&mut self, variance_m2: f32, span_m: f32) -> Says {
         const INVERSE_SQRT_TAU: f32 = 0.398_942_3; // 1 / sqrt(2 pi)
-        let most = INVERSE_SQRT_TAU * span_m / libm::sqrtf(variance_m2);
+        let most = INVERSE_SQRT_TAU * span_m / float::sqrtf(variance_m2);
         let fits = [-self.forwards_m, self.forwards_m].map(|way_m| {
             let off_m = self.changed_m + way_m;
             1.0 + most * libm::expf(-0.5 * off_m * off_m / variance_m2)

@@ -36,7 +36,7 @@ pub const LOOSE_RAD: f32 = 0.03;
 #[inline(never)]
 pub fn density(off_rad: f32, variance: f32) -> f32 {
     let variance = variance + GRID_TOLERANCE * GRID_TOLERANCE;
-    libm::expf(-0.5 * off_rad * off_rad / variance) / libm::sqrtf(2.0 * PI * variance)
+    libm::expf(-0.5 * off_rad * off_rad / variance) / float::sqrtf(2.0 * PI * variance)
 }
 
 /// Logarithm of how many times likelier a direction `off_rad` from the nearest one of a grid, with that variance, is of a wall on the
