@@ -3,6 +3,8 @@
 //! Messages are JSON with Foxglove's well-known schemas; all is in the frame `map`, metres and radians, times are those of the
 //! log since its first row.
 
+#![forbid(unsafe_code)]
+
 mod messages;
 mod schemas;
 

@@ -15,6 +15,8 @@
 //! assert_eq!(error.as_deref(), Some("wheel.toml:2: radius_m: is -0.2; it must be a number above 0"));
 //! ```
 
+#![forbid(unsafe_code)]
+
 mod error;
 mod number;
 mod text;

@@ -1,5 +1,7 @@
 //! The command line of the workbench.
 
+#![forbid(unsafe_code)]
+
 use std::error::Error;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};

@@ -8,6 +8,8 @@
 //! One rule: the truth scores an estimate and never reaches it. Here, on a desk, numbers are f64; what goes into the
 //! estimator and comes out of it is its own f32, unrounded.
 
+#![forbid(unsafe_code)]
+
 pub mod evaluate;
 pub mod input;
 pub mod numbers;

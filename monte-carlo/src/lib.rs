@@ -5,6 +5,8 @@
 //! keeps a [`row`] of metrics for each variant of each drive, so that a run can be resumed and its parts merged;
 //! [`table`]s, [`bar`]s, [`figures`] and the [`page`] are made from the rows alone.
 
+#![forbid(unsafe_code)]
+
 pub mod bar;
 mod clock;
 pub mod command;

@@ -3,6 +3,8 @@
 //! The modules are plain scripts that go into one scope, one after the other. A page adds a script of its own that puts them
 //! together.
 
+#![forbid(unsafe_code)]
+
 pub mod serve;
 
 /// The style sheet.

@@ -6,6 +6,8 @@
 //!
 //! Frames: a relative's poses and walls are in the frame of its start pose; [`Input`] is in the robot's frame.
 
+#![forbid(unsafe_code)]
+
 pub mod ekf;
 pub mod features;
 pub mod fit;

@@ -3,6 +3,8 @@
 //! part, [`kept_map`] fetches its map, stores and forgets it. Without the feature `desk` there is what needs no port, file or
 //! socket: the studio has that, too.
 
+#![forbid(unsafe_code)]
+
 pub mod doctor;
 #[cfg(feature = "desk")]
 pub mod hil;

@@ -4,6 +4,8 @@
 //! scripts are in `page`; `cargo xtask studio` puts both together. One rule: nothing waits and nothing is without bound. The
 //! page asks for a little work a frame, and gets what has come since.
 
+#![forbid(unsafe_code)]
+
 mod bindings;
 mod errands;
 mod looking_back;

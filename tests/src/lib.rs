@@ -1,5 +1,7 @@
 //! Cross-crate tests live in `tests/`; here is what several of them share.
 
+#![forbid(unsafe_code)]
+
 pub mod browser;
 pub mod carries;
 pub mod devtools;

@@ -1,5 +1,7 @@
 //! `cargo xtask`: set-up, tests and checks of the workspace.
 
+#![forbid(unsafe_code)]
+
 mod apt;
 #[cfg(test)]
 mod documents;
