@@ -4,6 +4,7 @@ use crate::births::buffer::{Outlier, OutlierBuffer};
 use crate::births::verdict::Doubts;
 use crate::filter::ekf::EkfView;
 use crate::geometry::angle::sin_cos;
+use crate::geometry::pose::length;
 use crate::measurement::beam::Beam;
 use crate::measurement::sensor::Sensor;
 use crate::motion::dead_reckoning::DeadReckoning;
@@ -119,8 +120,7 @@ impl Unexplained<'_> {
         let model = &sensor.limits.model;
         // The beam swept on while the reading was made.
         let i = timing.step.increment;
-        let moved_m =
-            float::sqrtf(i.forward_m * i.forward_m + i.left_m * i.left_m) + (i.turn_rad * reading.range_m).abs();
+        let moved_m = length(i.forward_m, i.left_m) + (i.turn_rad * reading.range_m).abs();
         Outlier {
             sensor: sensor.index as u8,
             hit_m,

@@ -6,7 +6,7 @@
 use crate::filter::ekf::MotionJacobian;
 use crate::filter::layout::{THETA, X, Y};
 use crate::geometry::angle::sin_cos;
-use crate::geometry::pose::Pose;
+use crate::geometry::pose::{Pose, length};
 use crate::motion::travel::Travel;
 use crate::rig::DriveModel;
 use crate::sample::Increment;
@@ -117,7 +117,7 @@ pub fn step(drive: &DriveModel, travel: &Travel, factors: &Factors) -> Step {
         (&DriveModel::Odometry { noise_m2_per_m, noise_rad2_per_m, noise_rad2_per_rad, .. }, &Travel::Body(raw)) => {
             let (distance, turn) = (factors.first.value, factors.second.value);
             let (forward_m, left_m) = (distance * raw.forward_m, distance * raw.left_m);
-            let path_m = distance * float::sqrtf(raw.forward_m * raw.forward_m + raw.left_m * raw.left_m);
+            let path_m = distance * length(raw.forward_m, raw.left_m);
             // Wheels of unequal size turn the robot as it drives; on average it has turned by half of that.
             let veered_rad = factors.third.value * forward_m;
             let position = noise_m2_per_m.max(LEAST_NOISE) * path_m;
