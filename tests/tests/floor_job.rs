@@ -62,7 +62,7 @@ fn a_kicked_robot_finds_its_dock_and_goes_on() {
         let mut plan = with_dock(&plan, *home).expect("there is room for a dock");
         plan.battery = Some(Battery { charge: 0.4, lasts_min: 20.0, charges_min: 5.0 });
         plan.mishaps.kicks.push(Kick { at_s: 120.0, slide_m: 0.1, turn_rad: 15_f64.to_radians() });
-        let drive = clean(&plan, SimOptions::default(), 1).expect("the robot fits");
+        let drive = clean(&plan, SimOptions::default(), *home).expect("the robot fits");
         drive.progress.state == FloorState::Done && drive.score.home_m <= 0.05 && drive.score.swept >= 0.95
     };
     let halves = [301..321, 321..341].map(|homes| thread::spawn(move || homes.filter(is_docked).count()));
