@@ -189,6 +189,7 @@ fn words_of(wall: &KeptWall) -> [u32; WALL] {
         Direction::Snapped(theta) => (1, 0, theta),
         Direction::Grid(quarter) => (2, quarter, 0),
         Direction::NearGrid(theta, quarter) => (3, quarter, theta),
+        Direction::Built(theta, quarter) => (4, quarter, theta),
     };
     let [t0, t1] = theta.to_le_bytes();
     let drawn = wall.drawn.unwrap_or_default();
@@ -367,7 +368,8 @@ impl Kept for Record<'_> {
                 0 => Direction::Free(theta),
                 1 => Direction::Snapped(theta),
                 2 => Direction::Grid(quarter & 3),
-                _ => Direction::NearGrid(theta, quarter & 3),
+                3 => Direction::NearGrid(theta, quarter & 3),
+                _ => Direction::Built(theta, quarter & 3),
             },
             lo_m: self.float(place + 2),
             hi_m: self.float(place + 3),

@@ -3,6 +3,7 @@
 use heapless::Vec;
 use slam_core::angle::wrap;
 use slam_core::hand_over::MOST_GAINS;
+use slam_core::pose::length;
 use slam_core::{Calibration, DriveModel, Increment, Pose};
 
 use crate::frame::{Frame, Moving, relative};
@@ -173,7 +174,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     /// The robot moved by so much, as the odometry sensed it.
     pub fn travel(&mut self, moved: &Increment) {
         let Some(last) = self.keyframes.last_mut() else { return };
-        let path_m = float::sqrtf(moved.forward_m * moved.forward_m + moved.left_m * moved.left_m);
+        let path_m = length(moved.forward_m, moved.left_m);
         let Calibration { distance, turn, veer_rad_per_m } = self.calibration;
         let turned = turn * (moved.turn_rad + veer_rad_per_m * path_m);
         last.motion = last.motion.compose(&Pose::new(moved.forward_m, moved.left_m, moved.turn_rad));

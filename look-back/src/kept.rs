@@ -72,7 +72,10 @@ impl Gauge {
         let line = wall.line();
         let half_m = (0.5 * (wall.hi_m - wall.lo_m)).max(LEAST_HALF_M);
         let direction = match kept.direction {
-            Direction::Free(state) | Direction::Snapped(state) | Direction::NearGrid(state, _) => usize::from(state),
+            Direction::Free(state)
+            | Direction::Snapped(state)
+            | Direction::NearGrid(state, _)
+            | Direction::Built(state, _) => usize::from(state),
             Direction::Grid(_) => ALPHA,
         };
         let [a, b] = self.moved(line.normal, -1.0);

@@ -33,7 +33,7 @@ impl Extents {
     /// How much likelier their ends, of these weights, are those of one wall than of any two.
     pub(crate) fn ends(&self, a: &Side, b: &Side, weights: [f32; 2]) -> f32 {
         let both = |lo_m: f32, hi_m: f32| {
-            libm::powf(odds::of_end(lo_m), weights[0]) * libm::powf(odds::of_end(hi_m), weights[1])
+            float::powf(odds::of_end(lo_m), weights[0]) * float::powf(odds::of_end(hi_m), weights[1])
         };
         if let Some(shift_m) = self.shift_m {
             let along_m = shift_m[1 - a.axis()];

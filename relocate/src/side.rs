@@ -61,7 +61,7 @@ impl Side {
         let askew_rad = wrap(off - quarters * FRAC_PI_2);
         let is_askew = askew_rad.abs() > OFF_GRID_RAD;
         let beta = match wall.direction {
-            Direction::Free(theta) | Direction::NearGrid(theta, _) => theta,
+            Direction::Free(theta) | Direction::NearGrid(theta, _) | Direction::Built(theta, _) => theta,
             Direction::Grid(_) | Direction::Snapped(_) => ALPHA as u16,
         };
         if may_be_noise(wall) || is_askew && direction_rad2(kept, beta) > KNOWN_RAD * KNOWN_RAD {

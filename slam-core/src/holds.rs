@@ -12,7 +12,7 @@ use crate::filter::ekf::EkfView;
 use crate::filter::layout;
 use crate::geometry::angle::{sin_cos, wrap};
 use crate::geometry::line::Line;
-use crate::geometry::pose::Pose;
+use crate::geometry::pose::{Pose, length};
 use crate::holds::stillness::{HELD, Stillness, log_odds_of_staying};
 use crate::jolts::confirmation::Confirmation;
 use crate::jolts::recent::{self, Recent};
@@ -204,8 +204,7 @@ impl<const S: usize> Holds<S> {
 
     /// Follows the wheels by a motion in the robot's frame.
     pub fn follow(&mut self, motion: &Pose, dt_s: f32) {
-        let moved_m =
-            float::sqrtf(motion.x_m * motion.x_m + motion.y_m * motion.y_m) + MIDDLE_M * motion.theta_rad.abs();
+        let moved_m = length(motion.x_m, motion.y_m) + MIDDLE_M * motion.theta_rad.abs();
         if moved_m > 0.0 {
             self.stillness.follow(motion, moved_m);
             let ((s, c), Pose { x_m, y_m, theta_rad }) = (self.heading, self.wheels);

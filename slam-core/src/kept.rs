@@ -67,7 +67,8 @@ pub struct KeptFrame {
     pub has_grid: bool,
     /// Where the first drive started is the robot's dock.
     pub has_dock: bool,
-    /// How likely the home's grid is exact by the walls that were put onto it: log of the odds, in quarters.
+    /// How likely the home's walls stand on its grid exactly by those that were put onto it: log of the odds, in quarters; the least where they
+    /// stand as built walls do.
     pub exactness: i8,
     /// Where the first drive started, in the map frame.
     pub start: Pose,
@@ -115,7 +116,9 @@ pub trait Kept {
                 let quarters = libm::roundf((self.mean(usize::from(theta)) - alpha_rad) * (1.0 / FRAC_PI_2));
                 wrap(alpha_rad + quarters * FRAC_PI_2)
             }
-            Direction::Free(theta) | Direction::NearGrid(theta, _) => self.mean(usize::from(theta)),
+            Direction::Free(theta) | Direction::NearGrid(theta, _) | Direction::Built(theta, _) => {
+                self.mean(usize::from(theta))
+            }
         };
         [self.mean(usize::from(wall.rho)), beta_rad]
     }
@@ -130,7 +133,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Kept for
             next_id: self.map.next_id(),
             has_grid: self.map.has_grid,
             has_dock: self.has_dock,
-            exactness: self.map.exactness.quarters(),
+            exactness: self.map.exactness.quarters(self.map.tolerance),
             start: self.map.start,
             anchor: self.map.anchor.map(|anchor| (anchor.pose, anchor.covariance)),
         }

@@ -46,7 +46,7 @@ impl RangeModel {
     pub fn noise_m(&self, range_m: f32) -> f32 {
         match *self {
             Self::Sharp { scale_m, exponent, noise_v } => {
-                let volts = libm::powf(range_m / scale_m, 1.0 / exponent);
+                let volts = float::powf(range_m / scale_m, 1.0 / exponent);
                 (exponent * range_m * noise_v / volts).abs()
             }
             Self::Metric { noise_m, noise_rel } => {

@@ -119,7 +119,9 @@ impl Newborn {
         wall.first_normal = [c, s];
         wall.direction = match wall.direction {
             Direction::Grid(quarter) => Direction::Grid(quarter),
-            Direction::NearGrid(_, quarter) => Direction::NearGrid(add_direction(), quarter),
+            Direction::NearGrid(_, quarter) | Direction::Built(_, quarter) => {
+                Direction::NearGrid(add_direction(), quarter)
+            }
             Direction::Free(_) | Direction::Snapped(_) => Direction::Free(add_direction()),
         };
         [wall.lo_m, wall.hi_m] = self.extent_m.map(|end_m| end_m + here_m);

@@ -119,7 +119,9 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let is_state = |i: u16| states.contains(&usize::from(i));
         let is_wall = |wall: KeptWall| {
             let has_state = match wall.direction {
-                Direction::Free(i) | Direction::Snapped(i) | Direction::NearGrid(i, _) => is_state(i),
+                Direction::Free(i) | Direction::Snapped(i) | Direction::NearGrid(i, _) | Direction::Built(i, _) => {
+                    is_state(i)
+                }
                 Direction::Grid(_) => true,
             };
             is_state(wall.rho) && has_state && wall.lo_m.is_finite() && wall.hi_m.is_finite()
@@ -188,7 +190,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let next_id = map.next_id();
         map.clear(config.walls.frame);
         map.has_grid = frame.has_grid;
-        map.exactness = Exactness::of_quarters(frame.exactness);
+        (map.exactness, map.tolerance) = Exactness::of_quarters(frame.exactness);
         if config.walls.frame == MapFrame::Walls {
             map.start = frame.start;
         }
@@ -209,6 +211,7 @@ fn restored(kept: &KeptWall, beta_rad: f32, seen_at_m: f32) -> Wall {
         direction: match kept.direction {
             Direction::Grid(quarter) => Direction::Grid(quarter & 3),
             Direction::NearGrid(theta, quarter) => Direction::NearGrid(theta, quarter & 3),
+            Direction::Built(theta, quarter) => Direction::Built(theta, quarter & 3),
             other => other,
         },
         lo_m: kept.lo_m,
@@ -250,7 +253,9 @@ impl Placement {
         let mut by_states = [Jacobian::new(), Jacobian::new(), Jacobian::new()];
         for (wall, (line, column)) in walls.iter().zip(lines.iter().zip([0, 1])) {
             let direction = match wall.direction {
-                Direction::Free(theta) | Direction::NearGrid(theta, _) => usize::from(theta),
+                Direction::Free(theta) | Direction::NearGrid(theta, _) | Direction::Built(theta, _) => {
+                    usize::from(theta)
+                }
                 Direction::Grid(_) | Direction::Snapped(_) => ALPHA,
             };
             let along_m = line.along(point);

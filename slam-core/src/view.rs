@@ -95,7 +95,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let wall = self.map.walls().get(number).filter(|_| self.config.walls.policy == WallPolicy::Grid)?;
         let standing = match wall.direction {
             Direction::Grid(quarter) => Standing::Exact(quarter),
-            Direction::NearGrid(_, quarter) => Standing::Near(quarter),
+            Direction::NearGrid(_, quarter) | Direction::Built(_, quarter) => Standing::Near(quarter),
             Direction::Free(_) | Direction::Snapped(_) => Standing::Off,
         };
         Some((wall.id, standing))

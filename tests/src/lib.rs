@@ -4,6 +4,7 @@
 
 pub mod browser;
 pub mod carries;
+pub mod crowds;
 pub mod devtools;
 pub mod frames;
 pub mod fuzzing;

@@ -20,7 +20,7 @@ fn kicks_are_found_and_undone_and_none_where_there_is_none() {
     let kicked = (1..=KICKED).map(|seed| found("flat", Mishap::Kick, seed));
     let undone = kicked.filter(|found| found.is_within(0.05, 0.05) && found.jolts > 0).count() as u64;
     assert!(3 * undone >= 2 * KICKED, "{undone} of {KICKED}");
-    // A jolt is believed at odds that one drive in a thousand, fifty hours, meets by chance: seed 37 does, and is back after 13 seconds.
+    // A jolt is believed at odds that one drive in a thousand, fifty hours, meets by chance: seed 35 does, and ends 2 cm off.
     let jolted: Vec<_> = LEFT_ALONE.iter().enumerate().filter(|(_, found)| found.jolts > 0).collect();
     assert!(jolted.len() <= 1, "{jolted:?}");
     assert!(LEFT_ALONE.iter().take(4).all(|found| found.off_m < 0.05), "{:?}", &LEFT_ALONE[..4]);
@@ -73,7 +73,7 @@ fn a_kicked_robot_is_back_in_its_kept_map() {
 
 #[test]
 fn a_kick_that_readings_do_not_tell_is_told_by_the_kept_map() {
-    let kicked = kicked_in_kept("clutter", 2..=121);
+    let kicked = kicked_in_kept("clutter", 2..=161);
     let untold: Vec<_> = kicked.iter().filter(|(_, jolts)| *jolts == 0).collect();
     assert!(untold.len() >= 8, "nearly all kicks were told by readings: {kicked:?}");
     // The kept map of this drive is off by up to 10 cm itself.

@@ -30,7 +30,7 @@ fn job(home: u64) -> Option<(f64, bool)> {
 
 #[test]
 fn who_is_pushed_along_again_and_again_finds_out() {
-    let halves = [101..109, 109..117].map(|homes| thread::spawn(move || homes.filter_map(job).collect::<Vec<_>>()));
+    let halves = [117..125, 125..133].map(|homes| thread::spawn(move || homes.filter_map(job).collect::<Vec<_>>()));
     let jobs: Vec<(f64, bool)> = halves.into_iter().flat_map(|half| half.join().expect("no panic")).collect();
     let wrong = jobs.iter().map(|(wrong, _)| wrong).sum::<f64>() / jobs.len() as f64;
     let home = jobs.iter().filter(|(_, is_home)| *is_home).count();

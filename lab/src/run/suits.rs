@@ -38,6 +38,6 @@ fn is_of(policy: WallPolicy, direction: Direction) -> bool {
     match direction {
         Direction::Free(_) => true,
         Direction::Snapped(_) => is_snapped,
-        Direction::Grid(_) | Direction::NearGrid(..) => !is_snapped,
+        Direction::Grid(_) | Direction::NearGrid(..) | Direction::Built(..) => !is_snapped,
     }
 }

@@ -9,9 +9,12 @@ use super::trail::APART_M;
 use super::wave::{Aim, Target};
 use super::{FloorJob, Phase};
 use crate::contact::Contacts;
+use crate::pilot::Senses;
 use crate::pilot::memory::Cell;
 use crate::pilot::steer::limited;
 
+/// Without coming 5 cm farther for so long, the way is given up, microseconds.
+const PATIENCE_US: u64 = 6_000_000;
 /// Backing off takes this long, microseconds.
 const BACK_US: u64 = 300_000;
 /// Bumps nearer to each other than this are at one place, metres; after so many there the robot is stuck.
@@ -31,6 +34,31 @@ const HELD_US: u64 = 60_000_000;
 const FELT_US: u64 = 30_000_000;
 
 impl<const S: usize> FloorJob<S> {
+    /// Answers what it meets on its way over the floor; speed and turn rate where that needs no other phase.
+    pub(super) fn answer(&mut self, senses: &Senses<S>, pose: &Pose) -> Option<(f32, f32)> {
+        let now_us = senses.time_us;
+        if senses.condition.is_stalled || self.traction.is_held() {
+            self.be_held(now_us);
+        } else if senses.condition.is_charging {
+            self.meet_dock(pose, now_us);
+        } else if senses.contacts.any() {
+            self.touch(&senses.contacts, pose, now_us);
+        } else if now_us.saturating_sub(self.moved.1) > PATIENCE_US {
+            self.lose_patience(pose, now_us);
+        } else {
+            return self.look_about(now_us);
+        }
+        None
+    }
+
+    /// Turns on the spot and back where nothing that it sees changes. Away from an edge first: on a way round what stands there its readings
+    /// would stay as they are, too, and tell nothing.
+    fn look_about(&mut self, now_us: u64) -> Option<(f32, f32)> {
+        let turn_radps = self.traction.look_about(self.config.drive.turn_radps, now_us)?;
+        let side = if let Phase::Edge { side } = self.phase { side } else { 1.0 };
+        Some((0.0, side * turn_radps))
+    }
+
     /// Remembers what was touched and backs off from it.
     pub(super) fn touch(&mut self, contacts: &Contacts, pose: &Pose, now_us: u64) {
         let Contacts { bump_left, bump_right, .. } = *contacts;

@@ -1,6 +1,7 @@
 //! Along whatever stands on the right (or, mirrored, on the left), a finger's breadth from it.
 
 use slam_core::angle::wrap;
+use slam_core::pose::length;
 
 use crate::pilot::steer::limited;
 
@@ -84,7 +85,7 @@ impl Hug {
             if x > 0.0 && y.abs() < self.radius_m - 0.01 {
                 ahead_m = ahead_m.min(x - float::sqrtf(bow_m * bow_m - y * y));
             }
-            let distance_m = float::sqrtf(x * x + y * y);
+            let distance_m = length(x, y);
             // What is on the other side counts only where the body touches it.
             if y > 0.5 * distance_m {
                 other_m = other_m.min(distance_m);

@@ -59,8 +59,6 @@ const BARREN_M: f32 = 1.0;
 const ELSEWHERE: f32 = 0.1;
 /// Path along an edge that a new quarter is worth, metres: one row of them, 13 a metre, is not enough to go on.
 const WORTH_M: f32 = 0.035;
-/// Without coming 5 cm farther for so long, the way is given up, microseconds.
-const PATIENCE_US: u64 = 6_000_000;
 /// A beam's end counts where the one before was this near, metres: a spike has none.
 const STEADY_M: f32 = 0.05;
 /// Places that were given up, to be tried once more.
@@ -365,15 +363,8 @@ impl<const S: usize> FloorJob<S> {
 
     fn act(&mut self, senses: &Senses<S>, pose: &Pose) -> (f32, f32) {
         let now_us = senses.time_us;
-        let is_sweeping = self.phase.is_sweeping();
-        if is_sweeping && (senses.condition.is_stalled || self.traction.is_held()) {
-            self.be_held(now_us);
-        } else if is_sweeping && senses.condition.is_charging {
-            self.meet_dock(pose, now_us);
-        } else if is_sweeping && senses.contacts.any() {
-            self.touch(&senses.contacts, pose, now_us);
-        } else if is_sweeping && now_us.saturating_sub(self.moved.1) > PATIENCE_US {
-            self.lose_patience(pose, now_us);
+        if let Some(command) = self.phase.is_sweeping().then(|| self.answer(senses, pose)).flatten() {
+            return command;
         }
         match self.phase {
             Phase::Over { .. } | Phase::Paused | Phase::Lost => (0.0, 0.0),

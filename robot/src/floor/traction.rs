@@ -1,4 +1,7 @@
 //! Whether what the sensors show changes while the pose does: where it does not, the wheels turn and the robot is held.
+//!
+//! Along a straight wall a robot that is held sees what one that drives sees. So where nothing changes for a while, it looks about: it turns
+//! on the spot and back. What that shows does not change for one that is held.
 
 use crate::pilot::beam::Beam;
 
@@ -7,6 +10,13 @@ use crate::pilot::beam::Beam;
 const HELD_M: f32 = 6.0;
 /// The same where the pose went through something that stands there, metres.
 const THROUGH_M: f32 = 0.5;
+/// After so much path with no change it looks about, metres. So far a robot that is held runs on in its map until it finds out, and the place
+/// where it was held is known to centimetres. After half of that it would look about four times as often.
+const UNSEEN_M: f32 = 1.0;
+/// So far it turns to look about, radians, and at this rate at most, rad/s: the estimator compares readings every quarter of a radian
+/// (`slam_core`'s `holds::stillness`), from the third time on they tell, and each is the mean of some.
+const LOOK_RAD: f32 = 1.0;
+const LOOK_RADPS: f32 = 1.0;
 /// At least so many sensors have to show something.
 const WITNESSES: usize = 2;
 /// A reading that moved by more than this and this share of itself has changed, metres: three sigma of the mean of ten readings of an
@@ -25,11 +35,21 @@ pub(super) struct Traction<const S: usize> {
     path_m: f32,
     /// The pose went through something since.
     is_through: bool,
+    /// Path when it last looked about since, metres, and when that began, while it does, microseconds.
+    looked_m: f32,
+    looking_us: Option<u64>,
 }
 
 impl<const S: usize> Traction<S> {
     pub(super) const fn new() -> Self {
-        Self { mean_m: [f32::NAN; S], anchor_m: [f32::NAN; S], path_m: 0.0, is_through: false }
+        Self {
+            mean_m: [f32::NAN; S],
+            anchor_m: [f32::NAN; S],
+            path_m: 0.0,
+            is_through: false,
+            looked_m: 0.0,
+            looking_us: None,
+        }
     }
 
     /// The readings after so much path (metres); whether something has changed.
@@ -53,13 +73,32 @@ impl<const S: usize> Traction<S> {
     /// Whether the robot is held.
     pub(super) fn is_held(&self) -> bool {
         let most_m = if self.is_through { THROUGH_M } else { HELD_M };
-        self.path_m > most_m && self.anchor_m.iter().filter(|anchor_m| !anchor_m.is_nan()).count() >= WITNESSES
+        self.path_m > most_m && self.is_witnessed()
+    }
+
+    fn is_witnessed(&self) -> bool {
+        self.anchor_m.iter().filter(|anchor_m| !anchor_m.is_nan()).count() >= WITNESSES
+    }
+
+    /// How fast it turns to look about, rad/s, where that is due or going on: counter-clockwise first, and back. It turns at this rate at most.
+    pub(super) fn look_about(&mut self, most_radps: f32, now_us: u64) -> Option<f32> {
+        if self.looking_us.is_none() && self.path_m - self.looked_m > UNSEEN_M && self.is_witnessed() {
+            (self.looked_m, self.looking_us) = (self.path_m, Some(now_us));
+        }
+        let rate_radps = most_radps.min(LOOK_RADPS);
+        let turn_us = (1e6 * LOOK_RAD / rate_radps) as u64;
+        let since_us = now_us.saturating_sub(self.looking_us?);
+        if since_us > 2 * turn_us {
+            self.looking_us = None;
+        }
+        self.looking_us.map(|_| if since_us > turn_us { -rate_radps } else { rate_radps })
     }
 
     /// Begins anew from here.
     pub(super) fn begin(&mut self) {
         self.anchor_m = self.mean_m;
         self.path_m = 0.0;
+        self.looked_m = 0.0;
         self.is_through = false;
     }
 
@@ -90,12 +129,42 @@ mod tests {
     }
 
     #[test]
+    fn where_nothing_changes_it_turns_once_in_a_metre_and_back_as_far() {
+        let beams = [Beam { range_m: 0.2, age: 0, ..Beam::default() }; 4];
+        for most_radps in [0.5, 2.0] {
+            let mut traction = Traction::<4>::new();
+            let (mut turned_rad, mut most_rad, mut looks, mut was_looking) = (0.0_f32, 0.0_f32, 0, false);
+            for step in 0..4500_u64 {
+                let turn_radps = traction.look_about(most_radps, 10_000 * step);
+                assert!(turn_radps.is_none_or(|turn_radps| turn_radps.abs() <= most_radps));
+                turned_rad += 0.01 * turn_radps.unwrap_or(0.0);
+                most_rad = most_rad.max(turned_rad);
+                looks += usize::from(turn_radps.is_some() && !was_looking);
+                was_looking = turn_radps.is_some();
+                traction.step(&beams, if was_looking { 0.0 } else { 0.001 });
+            }
+            assert!((0.95..1.05).contains(&most_rad) && turned_rad.abs() < 0.05, "{most_rad} {turned_rad}");
+            assert_eq!(looks, if most_radps < 1.0 { 3 } else { 4 }, "a metre of path, and the time of a look");
+        }
+    }
+
+    #[test]
+    fn a_robot_whose_readings_change_does_not_look_about() {
+        let mut traction = Traction::<4>::new();
+        for step in 0..9000_u64 {
+            let range_m = 0.5 + 0.001 * (step % 900) as f32;
+            traction.step(&[Beam { range_m, age: 0, ..Beam::default() }; 4], 0.001);
+            assert_eq!(traction.look_about(1.0, 10_000 * step), None);
+        }
+    }
+
+    #[test]
     fn a_robot_that_sees_nothing_cannot_tell() {
         let mut traction = Traction::<4>::new();
         let blind = [Beam { age: u8::MAX, ..Beam::default() }; 4];
         (0..1000).for_each(|_| {
             traction.step(&blind, 0.01);
         });
-        assert!(!traction.is_held());
+        assert!(!traction.is_held() && traction.look_about(1.0, 0).is_none());
     }
 }

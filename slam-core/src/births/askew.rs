@@ -5,10 +5,11 @@
 
 use crate::births::local_line::LocalLine;
 use crate::filter::ekf::EkfView;
-use crate::filter::layout::{ALPHA, THETA};
+use crate::filter::layout::THETA;
 use crate::geometry::angle::off_quarter;
 use crate::walls::decision::{BUILT_TOLERANCE, DECISION, SURE, density, relative_variance};
-use crate::walls::exactness::{Exactness, evidence};
+use crate::walls::exactness::Exactness;
+use crate::walls::tolerance::{BUILT_RAD, Deviation};
 use crate::walls::wall::{Direction, Wall};
 use core::f32::consts::FRAC_2_PI;
 
@@ -86,11 +87,9 @@ fn askew(ekf: &EkfView, wall: &Wall) -> Option<usize> {
     match wall.direction {
         Direction::Free(theta) => Some(usize::from(theta)),
         Direction::NearGrid(theta, _) => {
-            let theta = usize::from(theta);
-            let off_rad = off_quarter(ekf.mean(theta), ekf.mean(ALPHA));
-            let known = relative_variance(ekf, theta, ALPHA);
-            (Exactness::UNKNOWN.prior(wall.length_m()) + evidence(off_rad, known, 1.0) < -SURE).then_some(theta)
+            let told = Deviation::of(ekf, wall)?.told(BUILT_RAD);
+            (Exactness::UNKNOWN.prior(wall.length_m()) + told < -SURE).then_some(usize::from(theta))
         }
-        Direction::Grid(_) | Direction::Snapped(_) => None,
+        Direction::Grid(_) | Direction::Built(..) | Direction::Snapped(_) => None,
     }
 }

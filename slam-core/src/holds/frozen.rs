@@ -285,7 +285,7 @@ impl<const S: usize> View<'_, S> {
                 if counts > 0 =>
             {
                 let volts = adc.volts(counts);
-                let range_m = scale_m * libm::powf(volts, exponent);
+                let range_m = scale_m * float::powf(volts, exponent);
                 let sigma_m = exponent * range_m / volts * noise_v;
                 (range_m, self.noise * sigma_m * sigma_m)
             }

@@ -17,7 +17,9 @@ pub fn by_pose_and_wall(gain: f32, wall: &Wall, prediction: &Prediction, theta_m
     push(THETA, gain * prediction.by_heading);
     match wall.direction {
         Direction::Grid(_) => push(ALPHA, gain * prediction.by_beta),
-        Direction::Free(theta) | Direction::NearGrid(theta, _) => push(usize::from(theta), gain * prediction.by_beta),
+        Direction::Free(theta) | Direction::NearGrid(theta, _) | Direction::Built(theta, _) => {
+            push(usize::from(theta), gain * prediction.by_beta)
+        }
         Direction::Snapped(theta) => {
             push(ALPHA, gain * prediction.by_beta);
             if theta_moves {

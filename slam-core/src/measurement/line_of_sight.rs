@@ -60,7 +60,7 @@ pub fn first_met(
         let quarter = match wall.direction {
             Direction::Grid(quarter) => Some(quarter),
             Direction::Snapped(theta) => Some(grid.quarter(ekf.mean(usize::from(theta)))),
-            Direction::Free(_) | Direction::NearGrid(..) => None,
+            Direction::Free(_) | Direction::NearGrid(..) | Direction::Built(..) => None,
         };
         let facing = match quarter {
             Some(quarter) => facing[usize::from(quarter & 3)],

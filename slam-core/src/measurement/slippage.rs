@@ -88,7 +88,7 @@ impl Slippage {
             return None;
         }
         self.stated = self.level;
-        Some(libm::powf(ratio, 0.5 * POWER))
+        Some(float::powf(ratio, 0.5 * POWER))
     }
 
     /// A new map begins, whose covariance is of the factor as it is known now.

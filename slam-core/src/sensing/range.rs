@@ -84,7 +84,7 @@ impl Reading {
     fn about_m(&self) -> f32 {
         match self.noise {
             Noise::Volts { scale_m, exponent, .. } if self.before_v > 0.0 => {
-                scale_m * libm::powf(self.before_v, exponent)
+                scale_m * float::powf(self.before_v, exponent)
             }
             _ => self.range_m,
         }
@@ -195,7 +195,7 @@ impl FrontEnd {
         match (input, &sensor.model, adc) {
             (RangeInput::Counts(counts), &RangeModel::Sharp { scale_m, exponent, noise_v }, Some(adc)) => {
                 let volts = self.new_output(adc, counts, dt_s)?;
-                let range_m = scale_m * libm::powf(volts, exponent);
+                let range_m = scale_m * float::powf(volts, exponent);
                 let before = self.outputs;
                 let (variance_v2, is_step) = self.output_variance(sensor, adc, volts, range_m, noise_v, noise)?;
                 let before_v = before.mean().unwrap_or(0.0);

@@ -7,9 +7,12 @@ use crate::births::askew::{Among, among};
 use crate::births::local_line::LocalLine;
 use crate::filter::ekf::{Ekf, Jacobian, storage};
 use crate::filter::layout::{ALPHA, THETA};
+use crate::geometry::angle::{off_quarter, wrap};
 use crate::tests::random::Random;
+use crate::walls::exactness::Exactness;
 use crate::walls::founding::upkeep;
 use crate::walls::map::Map;
+use crate::walls::tolerance::{BUILT_RAD, Tolerance};
 use crate::walls::wall::{Direction, Wall, WallPolicy};
 
 const DEGREE: f32 = PI / 180.0;
@@ -59,13 +62,47 @@ fn stand(ekf: &mut Filter, map: &mut Map<40>) -> Vec<bool> {
 fn walls_of_an_exact_grid_end_on_it() {
     let mut random = Random::new(1);
     let directions: Vec<f32> = (0..16).map(|i| 90.0 * (i % 4) as f32).collect();
-    for sigma_deg in [0.1, 0.3] {
+    // Of walls that are known no better than built ones stand off it, how these do has to be known.
+    for (sigma_deg, tolerance) in [(0.1, None), (0.3, Some(Tolerance::Exact))] {
         let (mut ekf, mut map) = home(&mut random, sigma_deg, &directions);
+        map.tolerance = tolerance;
         let exact = stand(&mut ekf, &mut map).iter().filter(|is_exact| **is_exact).count();
         assert!(exact >= 14, "{exact} of 16 known to {sigma_deg} degrees");
         // As sure of the grid against the heading as all of them are together.
         let relative = ekf.covariance(ALPHA, ALPHA) + ekf.covariance(THETA, THETA) - 2.0 * ekf.covariance(ALPHA, THETA);
         assert!(relative.sqrt() < 0.4 * sigma_deg as f32 * DEGREE, "{} degrees", relative.sqrt() / DEGREE);
+    }
+}
+
+#[test]
+fn built_walls_stay_as_they_stand() {
+    let mut random = Random::new(9);
+    for stand_off_deg in [0.3, 0.5] {
+        let directions: Vec<f32> =
+            (0..16).map(|i| 90.0 * (i % 4) as f32 + if i % 3 == 0 { stand_off_deg } else { -stand_off_deg }).collect();
+        let (mut ekf, mut map) = home(&mut random, 0.1, &directions);
+        assert!(stand(&mut ekf, &mut map).iter().all(|is_exact| !is_exact), "{:?}", map.walls());
+        assert_eq!(map.tolerance, Some(Tolerance::Built));
+        assert_eq!(Exactness::of_quarters(map.exactness.quarters(map.tolerance)).1, Some(Tolerance::Built), "kept");
+        for (wall, direction_deg) in map.walls().iter().zip(&directions) {
+            let off_rad = wrap(wall.beta_rad(&ekf) - direction_deg * DEGREE);
+            assert!(off_rad.abs() < 0.4 * DEGREE, "{} degrees", off_rad / DEGREE);
+        }
+        // No surer of the grid than so many walls that stand so far off it tell.
+        let grid_rad = off_quarter(ekf.mean(ALPHA), 0.0);
+        let sigma_rad = ekf.covariance(ALPHA, ALPHA).sqrt();
+        assert!(grid_rad.abs() < 3.0 * sigma_rad && sigma_rad > BUILT_RAD / 5.0, "{grid_rad} of {sigma_rad}");
+    }
+}
+
+#[test]
+fn a_line_along_the_grid_is_held_to_stand_as_built_walls_do_before_it_is_known_how() {
+    // Three walls of which a degree is known: too little to tell exact walls from others.
+    let (mut ekf, mut map) = home_of(&mut Random::new(10), &[(0.0, 1.0, 3.0), (90.0, 1.0, 3.0), (180.0, 1.0, 3.0)]);
+    stand(&mut ekf, &mut map);
+    assert_eq!(map.tolerance, None);
+    for wall in map.walls() {
+        assert!(matches!(wall.direction, Direction::Built(..)), "{wall:?}");
     }
 }
 
@@ -90,7 +127,7 @@ fn partitions_that_stand_askew_keep_their_directions() {
 
 /// How many of these pieces of furniture end on the grid of eight long walls.
 fn furniture_on_the_grid(seed: u64, pieces: &[(f32, f32)]) -> usize {
-    let walls = (0..8).map(|i| (90.0 * (i % 4) as f32, 0.15, 4.0));
+    let walls = (0..8).map(|i| (90.0 * (i % 4) as f32, 0.1, 4.0));
     let pieces = pieces.iter().map(|&(direction_deg, sigma_deg)| (direction_deg, sigma_deg, 0.8));
     let (mut ekf, mut map) = home_of(&mut Random::new(seed), &walls.chain(pieces).collect::<Vec<Found>>());
     let exact = stand(&mut ekf, &mut map);

@@ -9,6 +9,7 @@ use crate::walls::decision::{GRID_SHARE, decide};
 use crate::walls::founding::upkeep;
 use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::map::{Map, MapFrame};
+use crate::walls::tolerance::Tolerance;
 use crate::walls::wall::WallPolicy;
 use crate::walls::wall::{Direction, Wall, WallKind};
 
@@ -127,6 +128,7 @@ fn a_grid_is_founded_again_by_directions_that_are_less_sure() {
 fn walls_that_agree_found_the_grid_and_stand_on_it() {
     let directions = [10.1, 100.0, -80.03, 55.0];
     let (mut ekf, mut map) = home_known_to(0.1, &directions);
+    map.tolerance = Some(Tolerance::Exact);
     let states = ekf.len();
     for turn in 0..20 {
         upkeep(&mut map, &mut ekf, WallPolicy::Grid, turn);

@@ -159,7 +159,9 @@ fn observe(
         let (origin, phi) = beam([s[X], s[Y], s[THETA]], mount);
         let beta = match wall.direction {
             Direction::Grid(quarter) => s[ALPHA] + core::f64::consts::FRAC_PI_2 * f64::from(quarter),
-            Direction::Free(theta) | Direction::NearGrid(theta, _) => s[usize::from(theta)],
+            Direction::Free(theta) | Direction::NearGrid(theta, _) | Direction::Built(theta, _) => {
+                s[usize::from(theta)]
+            }
             Direction::Snapped(theta) => {
                 let quarters = ((s[usize::from(theta)] - s[ALPHA]) / core::f64::consts::FRAC_PI_2).round();
                 s[ALPHA] + quarters * core::f64::consts::FRAC_PI_2
@@ -174,7 +176,7 @@ fn observe(
         let [nx, ny] = wall.first_normal.map(f64::from);
         (h[X], h[Y]) = (-nx * h[wall.rho()], -ny * h[wall.rho()]);
         let beta = match wall.direction {
-            Direction::Free(theta) | Direction::NearGrid(theta, _) => usize::from(theta),
+            Direction::Free(theta) | Direction::NearGrid(theta, _) | Direction::Built(theta, _) => usize::from(theta),
             Direction::Grid(_) | Direction::Snapped(_) => ALPHA,
         };
         // No reading tells when everything is turned about the origin.

@@ -81,7 +81,10 @@ fn signature(map: &Map<CAPACITY>, ekf: &Filter) -> Vec<(u16, [u32; 6])> {
         .map(|wall| {
             let line = wall.line(ekf, &grid);
             let theta = match wall.direction {
-                Direction::Free(theta) | Direction::Snapped(theta) | Direction::NearGrid(theta, _) => {
+                Direction::Free(theta)
+                | Direction::Snapped(theta)
+                | Direction::NearGrid(theta, _)
+                | Direction::Built(theta, _) => {
                     let theta = usize::from(theta);
                     ekf.covariance(theta, wall.rho())
                 }

@@ -1,20 +1,21 @@
-//! How likely it is that a wall along the grid stands on it exactly.
+//! How likely it is that a wall along the grid stands on it, and how exactly.
 //!
-//! Homes are of two kinds: in most nearly all walls stand on the grid exactly, in some the partitions or a wing stand askew. Of
+//! Homes are of two kinds: in most nearly all walls stand on the grid, in some the partitions or a wing stand askew. Of
 //! which kind this one is its walls tell together, and that decides how much each has to say. Furniture stands along the walls, or as it
 //! was put: the short walls tell which.
 
-use crate::walls::decision::{GRID_SHARE, GRID_TOLERANCE, LOOSE_RAD, density};
+use crate::walls::decision::{GRID_SHARE, LOOSE_RAD, density};
+use crate::walls::tolerance::Tolerance;
 use core::f32::consts::FRAC_2_PI;
 
-/// Share of a home's walls along the grid that stand on it exactly, in homes of either kind; the same of its furniture.
+/// Share of a home's walls along the grid that stand on it, in homes of either kind; the same of its furniture.
 const SHARES: [f32; 2] = [0.97, 0.5];
 
-/// Log of the odds that a home's grid is exact, before any wall tells: 19 homes of 20.
-const EXACT_HOMES: f32 = 3.0;
+/// Log of the odds that a home is of the first kind, before any wall tells: 19 homes of 20.
+const STRAIGHT_HOMES: f32 = 3.0;
 
-/// Log of the odds that furniture stands along the walls exactly, before any tells: so that `decision::SHORT_SHARE` of all does.
-const EXACT_FURNITURE: f32 = 0.57;
+/// Log of the odds that furniture stands along the walls, before any tells: so that `decision::SHORT_SHARE` of all does.
+const STRAIGHT_FURNITURE: f32 = 0.57;
 
 /// From this length on a wall is built rather than put there, metres: few pieces of furniture show a longer side without a break.
 const BUILT_M: f32 = 1.5;
@@ -22,7 +23,10 @@ const BUILT_M: f32 = 1.5;
 /// Most that the readings of one wall say, as a log: what is expected of them is not known better.
 const MOST: f32 = 6.0;
 
-/// How likely a home's grid is exact, and how likely its furniture stands on it.
+/// What is kept of a home whose walls stand as they are built: odds are not so small.
+const AS_BUILT: i8 = i8::MIN;
+
+/// How likely a home's walls stand on its grid, and how likely its furniture does.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Exactness {
     /// By all walls.
@@ -68,15 +72,22 @@ impl Exactness {
     pub const UNKNOWN: Self =
         Self { home: Told { decided: 0.0, all: 0.0 }, furniture: Told { decided: 0.0, all: 0.0 } };
 
-    /// As it was kept: the log of the odds by what was decided, in quarters. Furniture is asked anew: it may have been moved.
-    pub fn of_quarters(decided: i8) -> Self {
-        let decided = 0.25 * f32::from(decided);
-        Self { home: Told { decided, all: decided }, ..Self::UNKNOWN }
+    /// As it was kept: the log of the odds by what was decided, in quarters, or that walls stand as they are built. Furniture is asked anew:
+    /// it may have been moved.
+    pub fn of_quarters(kept: i8) -> (Self, Option<Tolerance>) {
+        if kept == AS_BUILT {
+            return (Self::UNKNOWN, Some(Tolerance::Built));
+        }
+        let decided = 0.25 * f32::from(kept);
+        (Self { home: Told { decided, all: decided }, ..Self::UNKNOWN }, None)
     }
 
     /// The same, to be kept.
-    pub fn quarters(self) -> i8 {
-        libm::roundf(4.0 * self.home.decided) as i8
+    pub fn quarters(self, tolerance: Option<Tolerance>) -> i8 {
+        match tolerance {
+            Some(Tolerance::Built) => AS_BUILT,
+            _ => libm::roundf(4.0 * self.home.decided).max(f32::from(AS_BUILT + 1)) as i8,
+        }
     }
 
     /// With what its other walls tell beside those that were put onto the grid.
@@ -104,8 +115,8 @@ impl Exactness {
     /// Log of the odds that a wall so long along the grid stands on it exactly, before its own direction is known: furniture does
     /// where walls and furniture do.
     pub fn prior(self, length_m: f32) -> f32 {
-        let home = self.home.prior(EXACT_HOMES);
-        if may_be_furniture(length_m) { home.min(self.furniture.prior(EXACT_FURNITURE)) } else { home }
+        let home = self.home.prior(STRAIGHT_HOMES);
+        if may_be_furniture(length_m) { home.min(self.furniture.prior(STRAIGHT_FURNITURE)) } else { home }
     }
 }
 
@@ -114,19 +125,12 @@ fn may_be_furniture(length_m: f32) -> bool {
     length_m < BUILT_M
 }
 
-/// Log of the density of no deviation by what is known of it, against that before, when it was that of so many walls together.
+/// What a wall so long says of its home whose direction is `off_rad` from the grid's, where `told` is the log of how many times likelier
+/// it is on the grid than about it: the ratio of its likelihoods in homes of either kind. One in ten stands anyhow, and one that stands far
+/// off says nothing.
 #[inline(never)]
-pub fn evidence(off_rad: f32, variance: f32, walls: f32) -> f32 {
-    let known = variance + GRID_TOLERANCE * GRID_TOLERANCE;
-    let before = walls * LOOSE_RAD * LOOSE_RAD;
-    0.5 * libm::logf((before / known).max(1.0)) - 0.5 * off_rad * off_rad / known
-}
-
-/// What a wall so long says of its home whose direction is `off_rad` from the grid's, with that variance: the ratio of its likelihoods in
-/// homes of either kind. One in ten stands anyhow, and one that stands far off says nothing.
-#[inline(never)]
-pub fn says(length_m: f32, off_rad: f32, variance: f32) -> Says {
-    let odds = libm::expf(evidence(off_rad, variance, 1.0).clamp(-MOST, MOST));
+pub fn says(length_m: f32, off_rad: f32, told: f32) -> Says {
+    let odds = libm::expf(told.clamp(-MOST, MOST));
     let along = density(off_rad, LOOSE_RAD * LOOSE_RAD);
     let anyhow = (1.0 / GRID_SHARE - 1.0) * FRAC_2_PI;
     let [exact, other] = SHARES.map(|share| (share * odds + 1.0 - share) * along + anyhow);

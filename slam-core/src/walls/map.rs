@@ -8,6 +8,7 @@ use crate::walls::anchor::Anchor;
 use crate::walls::decision::relative_variance;
 use crate::walls::exactness::Exactness;
 use crate::walls::manhattan::ManhattanFrame;
+use crate::walls::tolerance::Tolerance;
 use crate::walls::wall::{Direction, Wall};
 use core::ops::{Deref, DerefMut};
 use heapless::{Vec, VecView};
@@ -64,7 +65,9 @@ pub struct MapInner<V: ?Sized> {
     pub has_grid: bool,
     /// The home has one: a map before this one had found it.
     pub is_grid_expected: bool,
-    /// How likely that grid is exact, where walls are put on it once they are known to stand there.
+    /// How far walls of that grid stand off it, where they are tied to it once readings tell that they stand there; none before.
+    pub tolerance: Option<Tolerance>,
+    /// How likely they do.
     pub exactness: Exactness,
     /// What holds the map frame.
     pub frame: MapFrame,
@@ -89,6 +92,7 @@ impl<const W: usize> Map<W> {
         displaced: None,
         has_grid: false,
         is_grid_expected: false,
+        tolerance: None,
         exactness: Exactness::UNKNOWN,
         frame: MapFrame::Start,
         start: Pose::ORIGIN,
@@ -116,14 +120,14 @@ impl MapView {
         self.next_id = 0;
         self.begin_epoch();
         (self.has_grid, self.is_grid_expected) = (false, false);
-        self.exactness = Exactness::UNKNOWN;
+        (self.tolerance, self.exactness) = (None, Exactness::UNKNOWN);
         self.frame = frame;
         self.start = Pose::ORIGIN;
         self.anchor = None;
         self.walls.clear();
     }
 
-    /// Forgets every wall and the grid, and their states, but neither frame nor names.
+    /// Forgets every wall and the grid, and their states, but neither frame nor names, nor how the home's walls stand.
     pub fn forget_walls(&mut self, ekf: &mut EkfView) {
         self.begin_epoch();
         self.forget_some(ekf, |_| true);

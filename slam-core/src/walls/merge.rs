@@ -106,7 +106,10 @@ impl Tie {
             (Direction::Grid(_) | Direction::Snapped(_), Direction::Grid(_) | Direction::Snapped(_))
         );
         let same_quarter = match (wall.direction, other.direction) {
-            (Direction::NearGrid(_, a), Direction::NearGrid(_, b)) => a == b,
+            (
+                Direction::NearGrid(_, a) | Direction::Built(_, a),
+                Direction::NearGrid(_, b) | Direction::Built(_, b),
+            ) => a == b,
             _ => same_direction,
         };
         let points = if same_direction { [0.5 * (a + b), f32::NAN] } else { [a, b] };
@@ -180,7 +183,7 @@ fn apart((wall, line): (&Wall, &Line), (other, other_line): (&Wall, &Line), alon
 
 fn direction_state(wall: &Wall) -> usize {
     match wall.direction {
-        Direction::Free(theta) | Direction::NearGrid(theta, _) => usize::from(theta),
+        Direction::Free(theta) | Direction::NearGrid(theta, _) | Direction::Built(theta, _) => usize::from(theta),
         Direction::Snapped(_) | Direction::Grid(_) => ALPHA,
     }
 }

@@ -10,6 +10,7 @@ pub mod manhattan;
 pub mod map;
 pub mod map_frame;
 pub mod merge;
+pub mod tolerance;
 pub mod upkeep;
 pub mod wall;
 

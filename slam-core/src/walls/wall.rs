@@ -44,21 +44,25 @@ pub enum WallKind {
 /// Indices of states have two bytes, since there are many walls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
-    /// The state with this index.
-    Free(u16),
     /// The grid direction nearest to the state with this index (Rousse & Qiu eq. 4).
     Snapped(u16),
-    /// alpha plus this many quarter turns, counter-clockwise, 0 to 3.
-    Grid(u8),
+    /// The state with this index.
+    Free(u16),
     /// The state with this index, which was tied to alpha plus that many quarter turns.
     NearGrid(u16, u8),
+    /// The same, tied as closely as built walls stand on their grid.
+    Built(u16, u8),
+    /// alpha plus this many quarter turns, counter-clockwise, 0 to 3.
+    Grid(u8),
 }
 
 impl Direction {
     /// The index of its own state, if it has one.
     pub fn state(self) -> Option<usize> {
         match self {
-            Self::Free(theta) | Self::Snapped(theta) | Self::NearGrid(theta, _) => Some(usize::from(theta)),
+            Self::Free(theta) | Self::Snapped(theta) | Self::NearGrid(theta, _) | Self::Built(theta, _) => {
+                Some(usize::from(theta))
+            }
             Self::Grid(_) => None,
         }
     }
@@ -66,7 +70,7 @@ impl Direction {
     /// The grid direction that it was found to be, counted in quarter turns from alpha.
     pub fn quarter(self) -> Option<u8> {
         match self {
-            Self::Grid(quarter) | Self::NearGrid(_, quarter) => Some(quarter),
+            Self::Grid(quarter) | Self::NearGrid(_, quarter) | Self::Built(_, quarter) => Some(quarter),
             Self::Free(_) | Self::Snapped(_) => None,
         }
     }
@@ -135,7 +139,7 @@ impl Wall {
         match self.direction {
             Direction::Grid(quarter) => on_grid(quarter),
             Direction::Snapped(theta) => on_grid(grid.quarter(ekf.mean(usize::from(theta)))),
-            Direction::Free(theta) | Direction::NearGrid(theta, _) => {
+            Direction::Free(theta) | Direction::NearGrid(theta, _) | Direction::Built(theta, _) => {
                 let beta_rad = ekf.mean(usize::from(theta));
                 let (s, c) = sin_cos(beta_rad);
                 Line { rho_m, beta_rad, normal: [c, s] }
@@ -149,7 +153,9 @@ impl Wall {
         match self.direction {
             Direction::Grid(quarter) => grid.beta(quarter),
             Direction::Snapped(theta) => grid.beta(grid.quarter(ekf.mean(usize::from(theta)))),
-            Direction::Free(theta) | Direction::NearGrid(theta, _) => ekf.mean(usize::from(theta)),
+            Direction::Free(theta) | Direction::NearGrid(theta, _) | Direction::Built(theta, _) => {
+                ekf.mean(usize::from(theta))
+            }
         }
     }
 
@@ -168,7 +174,7 @@ impl Wall {
         match self.direction {
             Direction::Free(_) => WallKind::Free,
             Direction::Snapped(_) => WallKind::Snapped,
-            Direction::Grid(_) | Direction::NearGrid(..) => WallKind::Grid,
+            Direction::Grid(_) | Direction::NearGrid(..) | Direction::Built(..) => WallKind::Grid,
         }
     }
 
@@ -177,7 +183,10 @@ impl Wall {
         if self.rho() == from {
             self.set_rho(to);
         }
-        if let Direction::Free(theta) | Direction::Snapped(theta) | Direction::NearGrid(theta, _) = &mut self.direction
+        if let Direction::Free(theta)
+        | Direction::Snapped(theta)
+        | Direction::NearGrid(theta, _)
+        | Direction::Built(theta, _) = &mut self.direction
             && usize::from(*theta) == from
         {
             *theta = to as u16;
