@@ -49,7 +49,7 @@ fn kicks_that_no_reading_tells_are_told_by_walls_drawn_twice() {
     assert!(told >= 3, "{told} of {}", jobs.len());
     let is_well = |job: &&FloorDrive| job.score.home_m < 0.2 && job.score.swept > 0.93;
     let well = jobs.iter().filter(is_well).count();
-    // Three in a hundred kicks are told by nothing; eight of eighty would be three sigma more.
+    // After ten of the 160 kicks in the homes 401 to 560 the robot ends farther off, or has not swept all of it.
     assert!(well >= 73, "{well} of {} are home and have swept it", jobs.len());
 }
 
