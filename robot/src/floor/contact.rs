@@ -68,9 +68,9 @@ impl<const S: usize> FloorJob<S> {
         self.turn_sign = if bump_left == bump_right {
             self.turn_sign
         } else if bump_left {
-            -1.0
+            -1
         } else {
-            1.0
+            1
         };
         if matches!(self.phase, Phase::Transit { .. }) {
             self.block_narrow();
@@ -182,7 +182,7 @@ impl<const S: usize> FloorJob<S> {
     pub(super) fn back(&mut self, pose: &Pose, now_us: u64) -> (f32, f32) {
         if self.is_blocked_behind(pose, now_us) || now_us.saturating_sub(self.since_us) > BACK_US {
             if self.strikes > 1 {
-                self.phase = Phase::Turn { sign: self.turn_sign };
+                self.phase = Phase::Turn { sign: self.turn_sign.into() };
                 self.since_us = now_us;
             } else {
                 self.go_on(now_us);

@@ -110,7 +110,7 @@ pub struct FloorJob<const S: usize> {
     struck_m: [f32; 2],
     strikes: u8,
     /// To which side it turns away next: 1 counter-clockwise, -1 clockwise.
-    turn_sign: f32,
+    turn_sign: i8,
     given_up: heapless::Vec<Place, GIVEN_UP>,
     retries: u8,
     /// Rounds of tries to dock.
@@ -160,7 +160,7 @@ impl<const S: usize> FloorJob<S> {
         moved: ([0.0; 2], 0),
         struck_m: [f32::INFINITY; 2],
         strikes: 0,
-        turn_sign: 1.0,
+        turn_sign: 1,
         given_up: heapless::Vec::new(),
         retries: 0,
         rounds: 0,

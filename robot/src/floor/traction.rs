@@ -35,9 +35,10 @@ pub(super) struct Traction<const S: usize> {
     path_m: f32,
     /// The pose went through something since.
     is_through: bool,
-    /// Path when it last looked about since, metres, and when that began, while it does, microseconds.
+    /// Path when it last looked about since, metres; whether it does, and when that began, milliseconds as they wrap.
     looked_m: f32,
-    looking_us: Option<u64>,
+    is_looking: bool,
+    since_ms: u16,
 }
 
 impl<const S: usize> Traction<S> {
@@ -48,7 +49,8 @@ impl<const S: usize> Traction<S> {
             path_m: 0.0,
             is_through: false,
             looked_m: 0.0,
-            looking_us: None,
+            is_looking: false,
+            since_ms: 0,
         }
     }
 
@@ -82,16 +84,15 @@ impl<const S: usize> Traction<S> {
 
     /// How fast it turns to look about, rad/s, where that is due or going on: counter-clockwise first, and back. It turns at this rate at most.
     pub(super) fn look_about(&mut self, most_radps: f32, now_us: u64) -> Option<f32> {
-        if self.looking_us.is_none() && self.path_m - self.looked_m > UNSEEN_M && self.is_witnessed() {
-            (self.looked_m, self.looking_us) = (self.path_m, Some(now_us));
+        let now_ms = (now_us / 1000) as u16;
+        if !self.is_looking && self.path_m - self.looked_m > UNSEEN_M && self.is_witnessed() {
+            (self.looked_m, self.is_looking, self.since_ms) = (self.path_m, true, now_ms);
         }
         let rate_radps = most_radps.min(LOOK_RADPS);
-        let turn_us = (1e6 * LOOK_RAD / rate_radps) as u64;
-        let since_us = now_us.saturating_sub(self.looking_us?);
-        if since_us > 2 * turn_us {
-            self.looking_us = None;
-        }
-        self.looking_us.map(|_| if since_us > turn_us { -rate_radps } else { rate_radps })
+        let turn_ms = (1e3 * LOOK_RAD / rate_radps) as u16;
+        let since_ms = now_ms.wrapping_sub(self.since_ms);
+        self.is_looking &= since_ms <= turn_ms.saturating_mul(2);
+        self.is_looking.then_some(if since_ms > turn_ms { -rate_radps } else { rate_radps })
     }
 
     /// Begins anew from here.
@@ -134,7 +135,7 @@ mod tests {
         for most_radps in [0.5, 2.0] {
             let mut traction = Traction::<4>::new();
             let (mut turned_rad, mut most_rad, mut looks, mut was_looking) = (0.0_f32, 0.0_f32, 0, false);
-            for step in 0..4500_u64 {
+            for step in 0..5000_u64 {
                 let turn_radps = traction.look_about(most_radps, 10_000 * step);
                 assert!(turn_radps.is_none_or(|turn_radps| turn_radps.abs() <= most_radps));
                 turned_rad += 0.01 * turn_radps.unwrap_or(0.0);
