@@ -8,11 +8,11 @@
 //! | 1 | sequence number of the save |
 //! | 1 | hash of the rig |
 //! | 2 | states, states that no wall has; walls, next identifier (16 bits each) |
-//! | 1 | grid founded, log odds of an exact grid in quarters, the first drive started in the dock, anchor known (8 bits each) |
+//! | 1 | grid founded, log odds in quarters that walls stand exactly on the grid or -128 where they stand as built ones do, the first drive started in the dock, anchor known (8 bits each) |
 //! | 1 | nothing |
 //! | 3 | where the first drive started: x, y, theta |
 //! | 9 | the anchor: x, y, theta; covariance xx, xy, xt, yy, yt, tt |
-//! | 8 a wall | identifier and state of rho; kind, quarter and state of the direction; lo; hi; updates; score, nothing, drawn; line as it was drawn: rho, beta |
+//! | 8 a wall | identifier and state of rho; kind (0 free, 1 snapped, 2 on the grid, 3 near it, 4 as built), quarter and state of the direction; lo; hi; updates; score, nothing, drawn; line as it was drawn: rho, beta |
 //! | 1 a state but for the pose's | means |
 //! | n (n + 1) / 2 | covariance of those n, upper triangle by rows |
 //! | 1 an area and 2 a corner of it | [areas](crate::Areas), in version 2 alone: without any, a record is one of version 1 |

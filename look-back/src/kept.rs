@@ -1,6 +1,6 @@
 //! A drive in a map that was there before: what that map knows is what was seen of its walls from where the map is.
 
-use slam_core::kept::{Direction, Kept, KeptWall, POSE_STATES};
+use slam_core::kept::{Kept, KeptWall, POSE_STATES};
 use slam_core::{Pose, SURFACE_M, angle};
 
 use crate::diary::Diary;
@@ -71,13 +71,7 @@ impl Gauge {
     fn sighting(&self, map: &dyn Kept, kept: &KeptWall, wall: &Wall) -> Group {
         let line = wall.line();
         let half_m = (0.5 * (wall.hi_m - wall.lo_m)).max(LEAST_HALF_M);
-        let direction = match kept.direction {
-            Direction::Free(state)
-            | Direction::Snapped(state)
-            | Direction::NearGrid(state, _)
-            | Direction::Built(state, _) => usize::from(state),
-            Direction::Grid(_) => ALPHA,
-        };
+        let direction = kept.direction.turns_with();
         let [a, b] = self.moved(line.normal, -1.0);
         let at = wall.anchor_m;
         let offset_m2 = variance(map, &[(kept.rho.into(), 1.0), (direction, -at), a, b, (ALPHA, at)]);

@@ -4,7 +4,7 @@ use core::f32::consts::FRAC_PI_2;
 
 use heapless::Vec;
 use slam_core::angle::{sin_cos, wrap};
-use slam_core::kept::{Direction, Kept, KeptWall};
+use slam_core::kept::{Kept, KeptWall};
 
 /// The index of the state that is the grid's direction.
 pub(crate) const ALPHA: usize = 3;
@@ -60,10 +60,7 @@ impl Side {
         let quarters = libm::floorf((off + BETWEEN_RAD) * (1.0 / FRAC_PI_2));
         let askew_rad = wrap(off - quarters * FRAC_PI_2);
         let is_askew = askew_rad.abs() > OFF_GRID_RAD;
-        let beta = match wall.direction {
-            Direction::Free(theta) | Direction::NearGrid(theta, _) | Direction::Built(theta, _) => theta,
-            Direction::Grid(_) | Direction::Snapped(_) => ALPHA as u16,
-        };
+        let beta = wall.direction.turns_with() as u16;
         if may_be_noise(wall) || is_askew && direction_rad2(kept, beta) > KNOWN_RAD * KNOWN_RAD {
             return None;
         }

@@ -116,15 +116,9 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             let variance = kept.covariance(i, i);
             kept.mean(i).is_finite() && variance.is_finite() && variance >= 0.0
         };
-        let is_state = |i: u16| states.contains(&usize::from(i));
         let is_wall = |wall: KeptWall| {
-            let has_state = match wall.direction {
-                Direction::Free(i) | Direction::Snapped(i) | Direction::NearGrid(i, _) | Direction::Built(i, _) => {
-                    is_state(i)
-                }
-                Direction::Grid(_) => true,
-            };
-            is_state(wall.rho) && has_state && wall.lo_m.is_finite() && wall.hi_m.is_finite()
+            let has_state = wall.direction.state().is_none_or(|i| states.contains(&i));
+            states.contains(&usize::from(wall.rho)) && has_state && wall.lo_m.is_finite() && wall.hi_m.is_finite()
         };
         let walls_hold = (0..usize::from(frame.walls)).all(|i| kept.wall(i).is_some_and(is_wall));
         if walls_hold && states.clone().all(is_number) { Ok(()) } else { Err(Unfit::NoNumber) }
@@ -144,7 +138,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             for entry in [(X, -line.normal[0]), (Y, -line.normal[1])] {
                 let _ = jacobian.push(entry);
             }
-            let _ = jacobian.push((wall.direction.state().unwrap_or(ALPHA), -along_m));
+            let _ = jacobian.push((wall.direction.turns_with(), -along_m));
             let _ = jacobian.push((wall.rho(), 1.0));
             Some((line.distance([pose.x_m, pose.y_m]), jacobian))
         };
@@ -252,16 +246,10 @@ impl Placement {
         let theta_rad = wrap(kept.mean(ALPHA) + f32::from(quarters & 3) * FRAC_PI_2 + beside.heading_rad);
         let mut by_states = [Jacobian::new(), Jacobian::new(), Jacobian::new()];
         for (wall, (line, column)) in walls.iter().zip(lines.iter().zip([0, 1])) {
-            let direction = match wall.direction {
-                Direction::Free(theta) | Direction::NearGrid(theta, _) | Direction::Built(theta, _) => {
-                    usize::from(theta)
-                }
-                Direction::Grid(_) | Direction::Snapped(_) => ALPHA,
-            };
             let along_m = line.along(point);
             for (jacobian, row) in by_states.iter_mut().zip(&inverse) {
                 let _ = jacobian.push((usize::from(wall.rho), row[column]));
-                let _ = jacobian.push((direction, -along_m * row[column]));
+                let _ = jacobian.push((wall.direction.turns_with(), -along_m * row[column]));
             }
         }
         let _ = by_states[2].push((ALPHA, 1.0));

@@ -14,6 +14,13 @@ struct Map(u16);
 
 const STATES: usize = 9;
 
+impl Map {
+    /// Whether walls stand off their grid as built ones do.
+    fn is_built(self) -> bool {
+        self.0.is_multiple_of(5)
+    }
+}
+
 impl Kept for Map {
     fn frame(&self) -> KeptFrame {
         let pose = |x_m: f32| Pose { x_m, y_m: 2.0, theta_rad: 0.25 };
@@ -24,7 +31,7 @@ impl Kept for Map {
             next_id: self.0,
             has_grid: true,
             has_dock: self.0.is_multiple_of(3),
-            exactness: -2,
+            exactness: if self.is_built() { i8::MIN } else { -2 },
             start: pose(f32::from(self.0)),
             anchor: self
                 .0
@@ -34,7 +41,8 @@ impl Kept for Map {
     }
 
     fn wall(&self, index: usize) -> Option<KeptWall> {
-        let directions = [Direction::Grid(3), Direction::NearGrid(8, 1)];
+        let near = if self.is_built() { Direction::Built(8, 1) } else { Direction::NearGrid(8, 1) };
+        let directions = [Direction::Grid(3), near];
         directions.get(index).map(|&direction| KeptWall {
             id: self.0.wrapping_add(index as u16),
             rho: 7,

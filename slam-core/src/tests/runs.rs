@@ -175,10 +175,7 @@ fn observe(
     if slam.config.measurement.linearisation == Linearisation::FirstEstimates {
         let [nx, ny] = wall.first_normal.map(f64::from);
         (h[X], h[Y]) = (-nx * h[wall.rho()], -ny * h[wall.rho()]);
-        let beta = match wall.direction {
-            Direction::Free(theta) | Direction::NearGrid(theta, _) | Direction::Built(theta, _) => usize::from(theta),
-            Direction::Grid(_) | Direction::Snapped(_) => ALPHA,
-        };
+        let beta = wall.direction.turns_with();
         // No reading tells when everything is turned about the origin.
         h[beta] = first[Y] * h[X] - first[X] * h[Y] - h[THETA];
     }

@@ -40,11 +40,9 @@ pub fn upkeep(map: &mut MapView, ekf: &mut EkfView, index: usize) {
         found(map, ekf, (index, theta, quarter), enough);
         return;
     }
-    let Some((length_m, deviation)) =
-        map.walls().get(index).and_then(|wall| Some((wall.length_m(), Deviation::of(ekf, wall)?)))
-    else {
-        return;
-    };
+    let Some(&wall) = map.walls().get(index) else { return };
+    let Some(deviation) = Deviation::of(ekf, &wall) else { return };
+    let length_m = wall.length_m();
     let prior = map.exactness.prior(length_m);
     if is_exact {
         let told = deviation.told(GRID_TOLERANCE);

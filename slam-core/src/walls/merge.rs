@@ -4,7 +4,6 @@ use super::manhattan::ManhattanFrame;
 use super::map::MapView;
 use super::wall::{Direction, Wall, WallPolicy};
 use crate::filter::ekf::{EkfView, Jacobian};
-use crate::filter::layout::ALPHA;
 use crate::geometry::line::Line;
 use heapless::Vec;
 
@@ -173,17 +172,10 @@ fn apart((wall, line): (&Wall, &Line), (other, other_line): (&Wall, &Line), alon
     let _ = jacobian.push((wall.rho(), 1.0));
     let _ = jacobian.push((other.rho(), -1.0));
     // The direction turns the line about the origin: d(distance)/dbeta = -along.
-    let (i, j) = (direction_state(wall), direction_state(other));
+    let (i, j) = (wall.direction.turns_with(), other.direction.turns_with());
     if i != j {
         let _ = jacobian.push((i, -line.along(point)));
         let _ = jacobian.push((j, other_line.along(point)));
     }
     (line.distance(point) - other_line.distance(point), jacobian)
-}
-
-fn direction_state(wall: &Wall) -> usize {
-    match wall.direction {
-        Direction::Free(theta) | Direction::NearGrid(theta, _) | Direction::Built(theta, _) => usize::from(theta),
-        Direction::Snapped(_) | Direction::Grid(_) => ALPHA,
-    }
 }

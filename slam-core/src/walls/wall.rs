@@ -1,6 +1,7 @@
 //! A wall of the map: where its states are, and what is kept about it outside the filter.
 
 use crate::filter::ekf::EkfView;
+use crate::filter::layout::ALPHA;
 use crate::geometry::angle::sin_cos;
 use crate::geometry::line::Line;
 use crate::walls::manhattan::ManhattanFrame;
@@ -64,6 +65,14 @@ impl Direction {
                 Some(usize::from(theta))
             }
             Self::Grid(_) => None,
+        }
+    }
+
+    /// The index of the state that turns it: its own, or alpha for what the grid holds.
+    pub fn turns_with(self) -> usize {
+        match self {
+            Self::Free(theta) | Self::NearGrid(theta, _) | Self::Built(theta, _) => usize::from(theta),
+            Self::Grid(_) | Self::Snapped(_) => ALPHA,
         }
     }
 
