@@ -89,9 +89,10 @@ impl<const S: usize> Traction<S> {
             (self.looked_m, self.is_looking, self.since_ms) = (self.path_m, true, now_ms);
         }
         let rate_radps = most_radps.min(LOOK_RADPS);
-        let turn_ms = (1e3 * LOOK_RAD / rate_radps) as u16;
+        // A robot that hardly turns turns as far as it can before the time wraps.
+        let turn_ms = ((1e3 * LOOK_RAD / rate_radps) as u16).min(u16::MAX / 4);
         let since_ms = now_ms.wrapping_sub(self.since_ms);
-        self.is_looking &= since_ms <= turn_ms.saturating_mul(2);
+        self.is_looking &= since_ms <= 2 * turn_ms;
         self.is_looking.then_some(if since_ms > turn_ms { -rate_radps } else { rate_radps })
     }
 
@@ -147,6 +148,17 @@ mod tests {
             assert!((0.95..1.05).contains(&most_rad) && turned_rad.abs() < 0.05, "{most_rad} {turned_rad}");
             assert_eq!(looks, if most_radps < 1.0 { 3 } else { 4 }, "a metre of path, and the time of a look");
         }
+    }
+
+    #[test]
+    fn a_robot_that_hardly_turns_stops_looking_about() {
+        let mut traction = Traction::<4>::new();
+        let beams = [Beam { range_m: 0.2, age: 0, ..Beam::default() }; 4];
+        for _ in 0..200 {
+            traction.step(&beams, 0.01);
+        }
+        let looks = (0..6000_u64).filter(|step| traction.look_about(0.01, 10_000 * step).is_some()).count();
+        assert!((3000..4000).contains(&looks), "{looks}");
     }
 
     #[test]
