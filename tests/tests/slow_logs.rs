@@ -42,8 +42,8 @@ fn assert_honest(every: usize, seeds: RangeInclusive<u64>, most_far: usize) {
 
 #[test]
 fn five_samples_a_second_are_enough() {
-    // Of the seeds 19 to 42 one ends 3.3 cm off in the flat, where dead reckoning is 6.1 by chance.
-    assert_honest(5, 43..=66, 0);
+    // One ends 3.3 cm off in the flat, where dead reckoning is 6.1 by chance.
+    assert_honest(5, 19..=66, 1);
 }
 
 #[test]
