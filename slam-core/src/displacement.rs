@@ -63,8 +63,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let confirmed = if self.holds.is_claimed() { self.confirm_hold() } else { None };
         let judged = || self.holds.judge(layout::pose(&self.ekf), self.counters.steps);
         let Some(found) = confirmed.or_else(judged) else { return };
-        let sigma = found.sigma;
-        self.put(found.pose, &sigma.map(|a| sigma.map(|b| a * b)), Displaced::Held);
+        self.put(found.pose, &found.covariance(), Displaced::Held);
         self.jolts = Jolts::NONE;
         self.counters.add_hold(found.is_held);
     }

@@ -5,6 +5,7 @@
 //! that did not move. The log odds of all sensors are summed for as long as they speak for a hold (Page 1954, cumulative
 //! sums), and the other way round while the robot is held. Where no wall tells, readings that stay while it should turn do.
 
+mod claim;
 pub mod frozen;
 pub mod stillness;
 
@@ -13,10 +14,11 @@ use crate::filter::layout;
 use crate::geometry::angle::{sin_cos, wrap};
 use crate::geometry::line::Line;
 use crate::geometry::pose::{Pose, length};
-use crate::holds::stillness::{HELD, Stillness, log_odds_of_staying};
+use crate::holds::claim::{Claim, Verdict};
+use crate::holds::stillness::{Stillness, log_odds_of_staying};
 use crate::jolts::confirmation::Confirmation;
 use crate::jolts::recent::{self, Recent};
-use crate::jolts::search::{SLIP, Scene};
+use crate::jolts::search::Scene;
 use crate::measurement::beam::Beam;
 use crate::measurement::data_association::{CHANGES, change, density};
 use crate::measurement::sensor::Sensor;
@@ -50,15 +52,12 @@ const SENSOR_SAYS: f32 = 6.0;
 /// two. That holds are as rare as one in an hour of driving is left to the confirmation.
 const WORTH: f32 = 4.0;
 
-/// Log odds by readings of other places that confirm it: with those of the claim, as many as a robot that is held takes where no map tells.
-const CONFIRMED: f32 = HELD - WORTH;
-
 /// Log of the odds against its end from one look to the next: most last for some of them.
 const ENDS: f32 = 3.0;
 
-/// 1-sigma vector from where readings last changed to where the robot is held, metres and radians: in 76 of 80 holds it had driven less
-/// than 7 cm between.
-const STAYED: [f32; 3] = [0.05, 0.05, 0.1];
+/// What is known of where readings last agreed with what the robot does, 1-sigma, each axis, metres, and heading, radians: in 76 of 80 holds
+/// it had driven less than 7 cm between.
+const AGREED: [f32; 3] = [0.05, 0.05, 0.1];
 
 /// Path after which all is forgotten, metres: sums of single precision are good to a tenth of a millimetre until then.
 const LONG_M: f32 = 1000.0;
@@ -100,23 +99,27 @@ struct Moment {
     at_m: f32,
 }
 
-/// A robot that is elsewhere than the filter has it, because it was held or no longer is.
+/// A robot that is elsewhere than the filter has it, because it was held or no longer is, or that may be.
 #[derive(Clone, Copy, Debug)]
 pub struct Correction {
     /// Where it is, in the map.
     pub pose: Pose,
-    /// 1-sigma vector of that, metres and radians: half of the motion of its wheels that is in doubt, for half of it was driven, give
-    /// or take the other half.
-    pub sigma: [f32; 3],
+    /// 1-sigma vector of the motion of its wheels that is in doubt, metres and radians, all of it at once.
+    pub in_doubt: [f32; 3],
     /// Whether it is held from now on.
     pub is_held: bool,
 }
 
-/// What all sensors say together, until readings of other places confirm it.
-#[derive(Clone, Copy, Debug)]
-struct Claim {
-    correction: Correction,
-    confirmation: Confirmation,
+impl Correction {
+    /// What the pose is known to, metres and radians: by that, and by when readings told.
+    #[inline(never)]
+    pub fn covariance(&self) -> [[f32; 3]; 3] {
+        let mut covariance = self.in_doubt.map(|a| self.in_doubt.map(|b| a * b));
+        for (i, row) in covariance.iter_mut().enumerate() {
+            row[i] += AGREED[i] * AGREED[i];
+        }
+        covariance
+    }
 }
 
 /// What is watched.
@@ -285,7 +288,7 @@ impl<const S: usize> Holds<S> {
         self.stillness.settle(map);
         if let Some(pose) = self.stillness.held_at().filter(|_| !self.is_held) {
             self.begin_anew(true);
-            return Some(Correction { pose, sigma: STAYED, is_held: true });
+            return Some(Correction { pose, in_doubt: [0.0; 3], is_held: true });
         }
         if self.is_claimed() {
             return None;
@@ -312,38 +315,28 @@ impl<const S: usize> Holds<S> {
         let moved = moment.wheels.inverse().compose(&self.wheels);
         let from = if self.is_held { map } else { moment.map };
         let to = from.compose(&moved);
-        let sigma = [to.x_m - from.x_m, to.y_m - from.y_m, moved.theta_rad].map(|in_doubt| 0.5 * in_doubt);
+        // Half of it was driven, give or take the other half.
+        let in_doubt = [to.x_m - from.x_m, to.y_m - from.y_m, moved.theta_rad].map(|moved| 0.5 * moved);
         if self.is_held {
             self.begin_anew(false);
             self.stillness = Stillness::NONE;
-            return Some(Correction { pose: to, sigma, is_held: false });
+            return Some(Correction { pose: to, in_doubt, is_held: false });
         }
-        let (pose, sigma) =
-            self.stillness.begun(since_m + 0.5 * REACH_M).map_or((from, sigma), |begun| (begun, STAYED));
-        let correction = Correction { pose, sigma, is_held: true };
+        let begun = self.stillness.begun(since_m + 0.5 * REACH_M);
+        let (pose, in_doubt) = begun.map_or((from, in_doubt), |begun| (begun, [0.0; 3]));
+        let correction = Correction { pose, in_doubt, is_held: true };
         self.watch = Watch::Claim(Claim { correction, confirmation: Confirmation::since(number) });
         None
     }
 
-    /// Goes on with the confirmation where the robot seems to be held, for as long as no reading changes: by readings since, of one
-    /// that stands against one that moved as its wheels say, from where the filter has it or from somewhat beside that. Along a wall
-    /// it is all the same to the readings whether a robot stands or drives on, once a wheel that slipped has turned it back from where
-    /// the wheels would have it head. Such slips are as rare as holds.
+    /// Goes on with the confirmation where the robot seems to be held, for as long as no reading changes.
     pub fn confirm(&mut self, scene: &Scene, recent: &Recent, moment: &recent::Moment) -> Option<Correction> {
-        let Watch::Claim(Claim { correction, confirmation }) = &self.watch else { return None };
+        let Watch::Claim(claim) = &self.watch else { return None };
         if self.stillness.is_changed() {
             self.begin_anew(false);
             return None;
         }
-        let moved = recent.since(confirmation.onset(), moment);
-        let stayed = recent.standing_since(confirmation.onset(), &correction.pose);
-        let pairs = stayed.iter().map(|sighting| sighting.beam).zip(&moved);
-        let stands = scene.said(pairs, correction.sigma);
-        let slipped = if stands > 0.0 { scene.improve(&moved, &SLIP).log_odds } else { 0.0 };
-        let said = stands - slipped.max(0.0);
-        // A robot taken to stand where it drives is silently wrong; one whose hold is found a little later is not.
-        let is_held = confirmation.verdict(said, CONFIRMED)? && self.stillness.is_witnessed();
-        let found = is_held.then_some(*correction);
+        let Verdict { is_held, found } = claim.verdict(scene, recent, moment, self.stillness.is_witnessed())?;
         self.begin_anew(is_held);
         found
     }

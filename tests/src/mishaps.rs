@@ -4,7 +4,9 @@ use std::fmt;
 use std::sync::LazyLock;
 
 use hal_sim::mishap::{Hold, Kick};
+use hal_sim::pose::wrap;
 use hal_sim::{Plan, Pose2, plan_file};
+use lab::evaluate::score::path::squared_by_covariance;
 
 use crate::carries::{Driven, drive, rig};
 
@@ -52,6 +54,8 @@ pub struct Found {
     pub off_m: f64,
     /// Error of the heading there, radians.
     pub off_rad: f64,
+    /// Normalised estimation error squared there.
+    pub nees: f64,
     /// How often the estimator took the robot to be held.
     pub holds: u32,
     /// How often it took it to be displaced.
@@ -88,15 +92,20 @@ pub static LEFT_ALONE: LazyLock<Vec<Found>> =
 /// A drive of the built-in robot in a home of this name.
 pub fn found(name: &str, mishap: Mishap, seed: u64) -> Found {
     let plan = home(name, mishap);
-    let mut error = Pose2::default();
-    let slam = drive(&plan, &rig(8), mishap.until_s(), seed, |Driven { slam, in_plan, .. }| {
-        error = plan.start.relative(&in_plan).relative(&slam.pose().into());
+    let mut truth = Pose2::default();
+    let slam = drive(&plan, &rig(8), mishap.until_s(), seed, |Driven { in_plan, .. }| {
+        truth = plan.start.relative(&in_plan);
         true
     });
-    let counters = slam.counters();
+    let (estimate, counters) = (slam.estimate(), slam.counters());
+    let off_rad = wrap(f64::from(estimate.pose.theta_rad) - truth.theta_rad);
+    let [x_m, y_m] = [f64::from(estimate.pose.x_m) - truth.x_m, f64::from(estimate.pose.y_m) - truth.y_m];
+    let covariance: [[f32; 3]; 3] = estimate.covariance.into();
+    let covariance = covariance.map(|row| row.map(f64::from));
     Found {
-        off_m: error.x_m.hypot(error.y_m),
-        off_rad: error.theta_rad.abs(),
+        off_m: x_m.hypot(y_m),
+        off_rad: off_rad.abs(),
+        nees: squared_by_covariance([x_m, y_m, off_rad], &covariance).unwrap_or(f64::INFINITY),
         holds: counters.holds,
         jolts: counters.jolts,
     }

@@ -12,9 +12,14 @@ const FREE: u64 = 100;
 fn most_holds_are_found() {
     for name in ["flat", "l-shape"] {
         // Without it the wheels carry the pose most of a metre away.
-        let held = (1..=HELD).map(|seed| found(name, Mishap::Hold, seed));
-        let stayed = held.filter(|found| found.is_within(0.1, 0.1) && found.holds > 0).count() as u64;
+        let held: Vec<Found> =
+            (1..=HELD).map(|seed| found(name, Mishap::Hold, seed)).filter(|found| found.holds > 0).collect();
+        let stayed = held.iter().filter(|found| found.is_within(0.1, 0.1)).count() as u64;
         assert!(8 * stayed >= 5 * HELD, "{name}: {stayed} of {HELD}");
+        // Such a pose is off by more than it is known to: of honest ones a millionth is. With a pose that was known in one direction only
+        // five seconds after the end it was one in ten.
+        let far = held.iter().filter(|found| found.nees > 30.0).count();
+        assert!(20 * far <= held.len(), "{name}: {far} of {}", held.len());
     }
 }
 

@@ -177,7 +177,7 @@ impl Said {
 
 impl Scene<'_> {
     /// The displacement near none under which the readings fit best. Such displacements are of this size, 1-sigma.
-    pub fn improve(&self, readings: &[Sighting], size: &[f32; 3]) -> Displacement {
+    fn improve(&self, readings: &[Sighting], size: &[f32; 3]) -> Displacement {
         let mut improvement = Improvement::from([0.0; 3]);
         loop {
             if let Some(found) = self.go_on(readings, &mut improvement, size, STEP_HOLDS) {
@@ -205,7 +205,7 @@ impl Scene<'_> {
             from.round += 1;
             if after.is_empty() {
                 let found = Displacement { by: from.by, covariance, log_odds: 0.0 };
-                return Some(Displacement { log_odds: self.log_odds(readings, &found, size), ..found });
+                return Some(Displacement { log_odds: self.log_odds(readings, readings, &found, size), ..found });
             }
         }
         None
@@ -242,46 +242,48 @@ impl Scene<'_> {
         covariance
     }
 
-    /// Log of the odds of a displacement against none: what the readings say, what is known of such displacements, and how small a
-    /// part of them all it is (Laplace's approximation).
-    fn log_odds(&self, readings: &[Sighting], found: &Displacement, size: &[f32; 3]) -> f32 {
+    /// Log of the odds of a robot that saw others, near where they have it, against one that saw what the filter takes it to have seen. It
+    /// is beside that by so much, 1-sigma.
+    #[inline(never)]
+    pub fn rather(&self, others: &[Sighting], readings: &[Sighting], size: &[f32; 3]) -> f32 {
+        self.log_odds(others, readings, &self.improve(others, size), size)
+    }
+
+    /// Log of the odds of a robot that saw others and is displaced from there, against one that saw what the filter takes it to have seen:
+    /// what the readings say, what is known of such displacements, and how small a part of them all it is (Laplace's approximation).
+    fn log_odds(&self, others: &[Sighting], readings: &[Sighting], found: &Displacement, size: &[f32; 3]) -> f32 {
         let known: f32 = found.by.iter().zip(size).map(|(by, size)| -0.5 * (by / size) * (by / size)).sum();
         let [a, b, c] = size.map(|size| size * size);
         let part = 0.5 * libm::logf((determinant(&found.covariance) / (a * b * c)).max(f32::MIN_POSITIVE));
-        self.said_of(readings, found) + known + part
+        self.said(others, &found.by, readings) + known + part
     }
 
     /// Log of the odds of a displacement against none by what the readings say alone.
     pub fn said_of(&self, readings: &[Sighting], found: &Displacement) -> f32 {
-        self.said(readings.iter().map(|sighting| (displaced(sighting, &found.by), sighting)), [0.0; 3])
+        self.said(readings, &found.by, readings)
     }
 
-    /// Log of the odds of a robot that saw other beams against one that saw what the filter takes it to have seen, by what the readings
-    /// say alone. The other one's pose is known to a 1-sigma vector (metres, metres, radians), all of it at once.
-    pub fn said<'a>(&self, others: impl Iterator<Item = (Beam, &'a Sighting)>, sigma: [f32; 3]) -> f32 {
+    /// Log of the odds of a robot that saw others, displaced by so much, against one that saw what the filter takes it to have seen, by
+    /// what the readings say alone.
+    #[inline(never)]
+    fn said(&self, others: &[Sighting], by: &[f32; 3], readings: &[Sighting]) -> f32 {
         let grid = &ManhattanFrame::of(self.ekf);
         let mut all = [Said::default(); READINGS];
-        let mut known = 0;
-        for (other, sighting) in others {
-            let Some((of, [with, without])) = self.said_by(grid, sighting, &other, sigma) else { continue };
-            let place = all.iter().take(known).position(|said| said.of == of).unwrap_or(known);
-            known = known.max(place + 1);
+        let mut count = 0;
+        for (other, sighting) in others.iter().zip(readings) {
+            let Some((of, [with, without])) = self.said_by(grid, sighting, &displaced(other, by)) else { continue };
+            let place = all.iter().take(count).position(|said| said.of == of).unwrap_or(count);
+            count = count.max(place + 1);
             if let Some(said) = all.get_mut(place) {
                 *said = said.with(of, with - without, sighting.beam.at(sighting.seen.range_m));
             }
         }
-        all.iter().take(known).map(Said::together).sum()
+        all.iter().take(count).map(Said::together).sum()
     }
 
     /// What one reading should have met, and the log of its density either way; none where it should have met no wall.
-    fn said_by(
-        &self,
-        grid: &ManhattanFrame,
-        sighting: &Sighting,
-        other: &Beam,
-        sigma: [f32; 3],
-    ) -> Option<(Surface, [f32; 2])> {
-        let with = self.hold(grid, &sighting.seen, other, 0.0).map(|held| held.give_or_take(sigma));
+    fn said_by(&self, grid: &ManhattanFrame, sighting: &Sighting, other: &Beam) -> Option<(Surface, [f32; 2])> {
+        let with = self.hold(grid, &sighting.seen, other, 0.0);
         let without = self.hold(grid, &sighting.seen, &sighting.beam, 0.0);
         let without = without.map(|held| self.as_known(held));
         let says = |held: &Option<Held>, others: f32| {
@@ -322,15 +324,6 @@ impl Scene<'_> {
         let Some(wall) = self.map.walls().get(held.met.index) else { return held };
         let known_m2 = self.ekf.variance(&by_pose_and_wall(1.0, wall, &held.prediction, false));
         Held { variance_m2: known_m2 + held.own_m2, ..held }
-    }
-}
-
-impl Held {
-    /// The same for a robot whose pose is known to a 1-sigma vector (metres, metres, radians), all of it at once.
-    fn give_or_take(self, [x_m, y_m, turn_rad]: [f32; 3]) -> Self {
-        let ([by_x, by_y], by_heading) = (self.prediction.by_position, self.prediction.by_heading);
-        let off_m = by_x * x_m + by_y * y_m + by_heading * turn_rad;
-        Self { variance_m2: self.variance_m2 + off_m * off_m, ..self }
     }
 }
 

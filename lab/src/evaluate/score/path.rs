@@ -61,7 +61,7 @@ pub fn nees(step: &Step) -> Option<f64> {
 const SINGULAR: f64 = 1e-5;
 
 /// e^T P^-1 e through the Cholesky factor of P; none where P is singular or not positive.
-fn squared_by_covariance(error: [f64; 3], covariance: &[[f64; 3]; 3]) -> Option<f64> {
+pub fn squared_by_covariance(error: [f64; 3], covariance: &[[f64; 3]; 3]) -> Option<f64> {
     let mut factor = [[0.0f64; 3]; 3];
     let mut whitened = [0.0f64; 3];
     for i in 0..3 {
