@@ -4,7 +4,7 @@ use crate::filter::ekf::{LEADING, MotionJacobian};
 use crate::filter::layout::{self, THETA, X, Y};
 use crate::geometry::angle::{sin_cos, wrap};
 use crate::geometry::pose::Pose;
-use crate::holds::Correction;
+use crate::holds::claim::Correction;
 use crate::jolts::Jolts;
 use crate::jolts::recent::Moment;
 use crate::jolts::search::{ELSE, Scene};

@@ -5,7 +5,7 @@
 //! that did not move. The log odds of all sensors are summed for as long as they speak for a hold (Page 1954, cumulative
 //! sums), and the other way round while the robot is held. Where no wall tells, readings that stay while it should turn do.
 
-mod claim;
+pub mod claim;
 pub mod frozen;
 pub mod stillness;
 
@@ -14,7 +14,7 @@ use crate::filter::layout;
 use crate::geometry::angle::{sin_cos, wrap};
 use crate::geometry::line::Line;
 use crate::geometry::pose::{Pose, length};
-use crate::holds::claim::{Claim, Verdict};
+use crate::holds::claim::{Claim, Correction, Verdict, WORTH};
 use crate::holds::stillness::{Stillness, log_odds_of_staying};
 use crate::jolts::confirmation::Confirmation;
 use crate::jolts::recent::{self, Recent};
@@ -48,16 +48,8 @@ const LEAST_COS: f32 = 0.2;
 /// What one sensor can say, as log odds: it may be what it sees that goes with the robot, for as long as it does.
 const SENSOR_SAYS: f32 = 6.0;
 
-/// Log odds by walls from which on a hold is claimed: more than the 3.9 that one look of one sensor says at most, so that it takes
-/// two. That holds are as rare as one in an hour of driving is left to the confirmation.
-const WORTH: f32 = 4.0;
-
 /// Log of the odds against its end from one look to the next: most last for some of them.
 const ENDS: f32 = 3.0;
-
-/// What is known of where readings last agreed with what the robot does, 1-sigma, each axis, metres, and heading, radians: in 76 of 80 holds
-/// it had driven less than 7 cm between.
-const AGREED: [f32; 3] = [0.05, 0.05, 0.1];
 
 /// Path after which all is forgotten, metres: sums of single precision are good to a tenth of a millimetre until then.
 const LONG_M: f32 = 1000.0;
@@ -97,29 +89,6 @@ struct Moment {
     map: Pose,
     wheels: Pose,
     at_m: f32,
-}
-
-/// A robot that is elsewhere than the filter has it, because it was held or no longer is, or that may be.
-#[derive(Clone, Copy, Debug)]
-pub struct Correction {
-    /// Where it is, in the map.
-    pub pose: Pose,
-    /// 1-sigma vector of the motion of its wheels that is in doubt, metres and radians, all of it at once.
-    pub in_doubt: [f32; 3],
-    /// Whether it is held from now on.
-    pub is_held: bool,
-}
-
-impl Correction {
-    /// What the pose is known to, metres and radians: by that, and by when readings told.
-    #[inline(never)]
-    pub fn covariance(&self) -> [[f32; 3]; 3] {
-        let mut covariance = self.in_doubt.map(|a| self.in_doubt.map(|b| a * b));
-        for (i, row) in covariance.iter_mut().enumerate() {
-            row[i] += AGREED[i] * AGREED[i];
-        }
-        covariance
-    }
 }
 
 /// What is watched.
