@@ -176,16 +176,6 @@ impl Said {
 }
 
 impl Scene<'_> {
-    /// The displacement near none under which the readings fit best. Such displacements are of this size, 1-sigma.
-    fn improve(&self, readings: &[Sighting], size: &[f32; 3]) -> Displacement {
-        let mut improvement = Improvement::from([0.0; 3]);
-        loop {
-            if let Some(found) = self.go_on(readings, &mut improvement, size, STEP_HOLDS) {
-                return found;
-            }
-        }
-    }
-
     /// Goes on, by so many readings that are held against so many walls, towards the displacement under which the readings fit best, by Gauss and Newton's method with each
     /// reading weighed by the probability that it is the wall's. Such displacements are of this size, 1-sigma. The displacement once it is there.
     pub fn go_on(
@@ -242,11 +232,16 @@ impl Scene<'_> {
         covariance
     }
 
-    /// Log of the odds of a robot that saw others, near where they have it, against one that saw what the filter takes it to have seen. It
-    /// is beside that by so much, 1-sigma.
+    /// Log of the odds of a robot that saw others against one that saw what the filter takes it to have seen. It is displaced from where
+    /// they have it as they fit best; such displacements are of this size, 1-sigma.
     #[inline(never)]
     pub fn rather(&self, others: &[Sighting], readings: &[Sighting], size: &[f32; 3]) -> f32 {
-        self.log_odds(others, readings, &self.improve(others, size), size)
+        let grid = ManhattanFrame::of(self.ekf);
+        let mut found = Displacement { by: [0.0; 3], covariance: [[0.0; 3]; 3], log_odds: 0.0 };
+        for round_m in ROUNDS_M {
+            found.covariance = self.round(&grid, others, &mut found.by, size, round_m);
+        }
+        self.log_odds(others, readings, &found, size)
     }
 
     /// Log of the odds of a robot that saw others and is displaced from there, against one that saw what the filter takes it to have seen:
