@@ -10,9 +10,6 @@ use tests::mishaps::{Found, Mishap, found};
 const PLANS: [&str; 4] = ["flat", "l-shape", "diagonal", "clutter"];
 const DRIVES: u64 = 100;
 
-/// Of the poses that are known as well as the robot says, a millionth has a larger normalised error squared.
-const FAR: f64 = 30.0;
-
 fn main() {
     let mut arguments = env::args().skip(1);
     let file = arguments.next().expect("RESULT.md [DRIVES]");
@@ -58,7 +55,7 @@ fn row(name: &str, mishap: Mishap, all: &[Found]) -> String {
         100.0 * off_m[off_m.len() / 2],
         100.0 * off_m[off_m.len() - 1],
         median(&nees).expect("there are drives"),
-        count(&|found| found.nees > FAR),
+        count(&Found::is_too_sure),
     );
     print!("{row}");
     row

@@ -62,7 +62,15 @@ pub struct Found {
     pub jolts: u32,
 }
 
+/// Of the poses that are known as well as the robot says, a millionth has a larger normalised error squared.
+const FAR: f64 = 30.0;
+
 impl Found {
+    /// Whether the robot is farther off than it can be if it knows its place as well as it says.
+    pub fn is_too_sure(&self) -> bool {
+        self.nees > FAR
+    }
+
     /// Whether the robot knows where it is, to so many metres and radians.
     pub fn is_within(&self, off_m: f64, off_rad: f64) -> bool {
         self.off_m < off_m && self.off_rad < off_rad

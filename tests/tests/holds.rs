@@ -18,7 +18,7 @@ fn most_holds_are_found() {
         assert!(8 * stayed >= 5 * HELD, "{name}: {stayed} of {HELD}");
         // Such a pose is off by more than it is known to: of honest ones a millionth is. With a pose that was known in one direction only
         // five seconds after the end it was one in ten.
-        let far = held.iter().filter(|found| found.nees > 30.0).count();
+        let far = held.iter().filter(|found| found.is_too_sure()).count();
         assert!(20 * far <= held.len(), "{name}: {far} of {}", held.len());
     }
 }
