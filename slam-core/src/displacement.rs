@@ -47,7 +47,9 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let pose = Pose { x_m: x + x_m, y_m: y + y_m, theta_rad: theta_rad + turn_rad };
         self.put(pose, &found.covariance, Displaced::Jolted);
         self.holds.forget();
-        self.counters.add_jolt();
+        if found.is_confirmed {
+            self.counters.add_jolt();
+        }
     }
 
     /// Whether holds are looked for: by the turning of wheels.

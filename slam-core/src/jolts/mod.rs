@@ -6,13 +6,15 @@
 //! that saw no wall when it was displaced, or one or two, has nothing to turn: so one is looked for, too, beside the filter that goes on,
 //! where half of the last readings fit no wall. The robot is taken to be displaced where that is so much likelier that no chance
 //! of an hour explains it (a generalised likelihood ratio test for jumps, Willsky and Jones 1976, with the likelihood of
-//! readings that may be of anything).
+//! readings that may be of anything). Where readings speak for one and do not confirm it, the pose has the moments of both.
 
 pub mod confirmation;
+pub mod finding;
 pub mod recent;
 pub mod search;
 
 use crate::jolts::confirmation::{Confirmation, SURE, TRIAL_S};
+use crate::jolts::finding::{Finding, Likeliest};
 use crate::jolts::recent::{Moment, READINGS, Recent, Seen};
 use crate::jolts::search::{Displacement, ELSE, Improvement, JOLT, STARTS, STEP_HOLDS, Scene, WALL_SAYS, are_apart};
 use crate::measurement::data_association::change;
@@ -64,6 +66,8 @@ struct Trial {
     /// For how long, seconds.
     for_s: f32,
     stage: Stage,
+    /// The likeliest displacement so far, or the one that waits for its confirmation.
+    likeliest: Likeliest,
 }
 
 /// How far a trial has come.
@@ -73,8 +77,8 @@ enum Stage {
     Aside(Round),
     /// The same, and none is used.
     Searching(Round),
-    /// One was found where the robot was then, metres, and waits for its confirmation.
-    Found(Displacement, [f32; 2], Confirmation),
+    /// One was found, and waits for its confirmation.
+    Found(Confirmation),
 }
 
 /// A search from every start.
@@ -194,14 +198,12 @@ impl Jolts {
             return None;
         }
         let told = self.told();
-        let stage = Stage::Searching(Round::NEW);
-        (told > self.worth()).then_some(Trial { onset: self.begun, told, for_s: 0.0, stage })
+        (told > self.worth()).then(|| Trial::new(self.begun, told, Stage::Searching(Round::NEW)))
     }
 
     /// A reason to look for one beside the filter: half of the last readings fit no wall.
     fn misfit(&self) -> Option<Trial> {
-        let stage = Stage::Aside(Round::NEW);
-        (2 * self.misfits() > READINGS as u32).then_some(Trial { onset: 0, told: LONG_AGO, for_s: 0.0, stage })
+        (2 * self.misfits() > READINGS as u32).then(|| Trial::new(0, LONG_AGO, Stage::Aside(Round::NEW)))
     }
 
     /// Number of the last readings that fit no wall.
@@ -221,8 +223,8 @@ impl Jolts {
     }
 
     /// Goes on with the search where there is reason to, by what a step that has time for so many turns can do. The displacement, once it is likely enough, and once
-    /// readings that it was not looked for in say so, too. No reading `updated` the state in this step, or some did.
-    pub fn search(&mut self, scene: &Scene, moment: &Moment, updated: bool, turns: usize) -> Option<Displacement> {
+    /// readings that it was not looked for in say so, too; or what one that was not confirmed leaves in doubt. No reading `updated` the state in this step, or some did.
+    pub fn search(&mut self, scene: &Scene, moment: &Moment, updated: bool, turns: usize) -> Option<Finding> {
         if self.trial.as_ref().is_none_or(Trial::is_aside)
             && let Some(trial) = self.suspect()
         {
@@ -237,17 +239,20 @@ impl Jolts {
             self.trial = self.misfit();
         }
         let trial = self.trial.as_mut()?;
+        let at_m = [moment.map.x_m, moment.map.y_m];
         let readings = self.recent.since(trial.counts_from(), moment);
         let round = match &mut trial.stage {
-            Stage::Found(best, [x_m, y_m], confirmation) => {
-                let found = best.seen_from([moment.map.x_m - *x_m, moment.map.y_m - *y_m]);
+            Stage::Found(confirmation) => {
+                let found = trial.likeliest.seen_at(at_m);
                 let said = scene.said_of(&readings, &found);
+                let log_odds = found.log_odds + trial.told;
                 // With those that it was found by, as many as would do if one sensor were deceived.
-                let takes = RARE + SURE + WALL_SAYS - found.log_odds - trial.told;
+                let takes = RARE + SURE + WALL_SAYS - log_odds;
                 // A robot that stands will not see other places, and where even the same ones speak against it, it is not so.
                 let is_so = confirmation.verdict(said, takes.max(0.0))? || confirmation.stands() && said >= -SURE;
+                let in_doubt = trial.in_doubt(at_m, said);
                 self.give_up();
-                return is_so.then_some(found);
+                return if is_so { Some(found.into()) } else { in_doubt };
             }
             Stage::Aside(round) | Stage::Searching(round) => round,
         };
@@ -259,14 +264,21 @@ impl Jolts {
         // The best, with the readings of the last steps.
         let log_odds = found.log_odds + trial.told;
         let is_sure = log_odds > RARE + SURE && found.log_odds > round.other + SURE && are_apart(&found.by, &[0.0; 3]);
+        let found = Likeliest::found(found, at_m, round.other);
         *round = Round::NEW;
         if is_sure {
-            let since = Confirmation::since(trial.onset);
-            trial.stage = Stage::Found(found, [moment.map.x_m, moment.map.y_m], since);
-        } else if trial.is_aside() || trial.for_s > TRIAL_S || log_odds < SURE {
-            self.give_up();
+            trial.likeliest = found;
+            trial.stage = Stage::Found(Confirmation::since(trial.onset));
+            return None;
         }
-        None
+        trial.likeliest = trial.likeliest.or(found);
+        if !trial.is_aside() && trial.for_s <= TRIAL_S && log_odds >= SURE {
+            return None;
+        }
+        // What is looked for beside the filter is found too often among things that are in no map: there it is confirmed, or it is nothing.
+        let in_doubt = if trial.is_aside() { None } else { trial.in_doubt(at_m, 0.0) };
+        self.give_up();
+        in_doubt
     }
 
     /// Ends the search, if there is one.
@@ -284,15 +296,25 @@ impl Jolts {
 }
 
 impl Trial {
+    /// Readings count since this step, and sensors told so much of it.
+    fn new(onset: u32, told: f32, stage: Stage) -> Self {
+        Self { onset, told, for_s: 0.0, stage, likeliest: Likeliest::NONE }
+    }
+
     /// Whether readings are used meanwhile.
     fn is_aside(&self) -> bool {
         matches!(self.stage, Stage::Aside(_))
     }
 
+    /// What was not confirmed leaves in doubt, by what other readings said of it.
+    fn in_doubt(&self, at_m: [f32; 2], said: f32) -> Option<Finding> {
+        self.likeliest.in_doubt(at_m, self.likeliest.log_odds() + self.told + said - RARE)
+    }
+
     /// Step since which readings say something.
     fn counts_from(&self) -> u32 {
         match &self.stage {
-            Stage::Found(.., confirmation) => confirmation.onset(),
+            Stage::Found(confirmation) => confirmation.onset(),
             Stage::Aside(_) | Stage::Searching(_) => self.onset,
         }
     }
@@ -300,7 +322,7 @@ impl Trial {
     /// Time goes on.
     fn wait(&mut self, dt_s: f32, step: &Step, number: u32) {
         match &mut self.stage {
-            Stage::Found(.., confirmation) => confirmation.wait(dt_s, step, number),
+            Stage::Found(confirmation) => confirmation.wait(dt_s, step, number),
             Stage::Aside(_) | Stage::Searching(_) => self.for_s += dt_s,
         }
     }
