@@ -45,6 +45,9 @@ impl<const P: usize> Packed<P> {
     /// Takes y y^T off the first `rows` rows, y of three columns.
     pub fn subtract_square(&mut self, y: &[[f32; 3]], rows: usize) {
         for (row, head) in self.rows_mut(rows).zip(y) {
+            if *head == [0.0; 3] {
+                continue;
+            }
             let (fours, rest) = row.as_chunks_mut::<4>();
             let (others, _) = y.as_chunks::<4>();
             let done = 4 * fours.len();

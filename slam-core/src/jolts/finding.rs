@@ -6,11 +6,12 @@ use crate::jolts::search::Displacement;
 /// The likeliest displacement of a search so far.
 #[derive(Clone, Copy, Debug)]
 pub struct Likeliest {
-    displacement: Displacement,
-    /// Where the robot was then, in the map, metres.
-    at_m: [f32; 2],
+    /// About where the robot is, once it was followed there.
+    pub displacement: Displacement,
     /// Log odds of the likeliest of the others.
-    other: f32,
+    pub other: f32,
+    /// Where the robot was last, in the map, metres.
+    at_m: [f32; 2],
 }
 
 /// By how much the pose is off, in the map.
@@ -28,39 +29,24 @@ impl Likeliest {
     /// None was found.
     pub const NONE: Self = Self {
         displacement: Displacement { by: [0.0; 3], covariance: [[0.0; 3]; 3], log_odds: f32::NEG_INFINITY },
-        at_m: [0.0; 2],
         other: f32::NEG_INFINITY,
+        at_m: [0.0; 2],
     };
 
-    /// Found where the robot is now, metres, with the log odds of the likeliest of the others.
-    pub fn found(displacement: Displacement, at_m: [f32; 2], other: f32) -> Self {
-        Self { displacement, at_m, other }
-    }
-
-    /// The likelier one of the two.
-    pub fn or(self, other: Self) -> Self {
-        if other.log_odds() > self.log_odds() { other } else { self }
-    }
-
-    /// Log of its odds against none.
-    pub fn log_odds(&self) -> f32 {
-        self.displacement.log_odds
-    }
-
-    /// The same displacement about a robot that is there now, metres.
-    pub fn seen_at(&self, [x_m, y_m]: [f32; 2]) -> Displacement {
-        self.displacement.seen_from([x_m - self.at_m[0], y_m - self.at_m[1]])
+    /// Follows the robot there, in the map, metres.
+    pub fn follow(&mut self, at_m: [f32; 2]) {
+        let moved_m = [at_m[0] - self.at_m[0], at_m[1] - self.at_m[1]];
+        (self.displacement, self.at_m) = (self.displacement.seen_from(moved_m), at_m);
     }
 
     /// What is to be done where it was not confirmed, by the log of its odds with all else that is known of it: mean and covariance of a
     /// robot that is displaced by those odds and else is not (the moments of a mixture). None where it is less likely than one in twenty.
-    pub fn in_doubt(&self, at_m: [f32; 2], log_odds: f32) -> Option<Finding> {
+    pub fn in_doubt(&self, log_odds: f32) -> Option<Finding> {
         if log_odds < -SURE {
             return None;
         }
-        let other = self.other - self.displacement.log_odds;
-        let share = 1.0 / (1.0 + libm::expf(-log_odds) + libm::expf(other));
-        let Displacement { by, covariance, .. } = self.seen_at(at_m);
+        let Displacement { by, covariance, log_odds: own } = self.displacement;
+        let share = 1.0 / (1.0 + libm::expf(-log_odds) + libm::expf(self.other - own));
         let spread = share * (1.0 - share);
         Some(Finding {
             by: by.map(|by| share * by),
@@ -88,24 +74,25 @@ mod tests {
     fn likeliest(other: f32) -> Likeliest {
         let mut covariance = [[0.0; 3]; 3];
         covariance[0][0] = 1e-4;
-        Likeliest::found(Displacement { by: [0.1, 0.0, 0.0], covariance, log_odds: 12.0 }, [0.0; 2], other)
+        let displacement = Displacement { by: [0.1, 0.0, 0.0], covariance, log_odds: 12.0 };
+        Likeliest { displacement, other, ..Likeliest::NONE }
     }
 
     #[test]
     fn at_even_odds_it_is_half_way_give_or_take_the_other_half() {
-        let found = likeliest(f32::NEG_INFINITY).in_doubt([0.0; 2], 0.0).expect("even odds");
+        let found = likeliest(f32::NEG_INFINITY).in_doubt(0.0).expect("even odds");
         assert!((found.by[0] - 0.05).abs() < 1e-6 && !found.is_confirmed);
         assert!((found.covariance[0][0] - (0.5e-4 + 0.0025)).abs() < 1e-7);
     }
 
     #[test]
     fn a_rival_takes_its_share() {
-        let found = likeliest(12.0).in_doubt([0.0; 2], 20.0).expect("beyond doubt, but for the rival");
+        let found = likeliest(12.0).in_doubt(20.0).expect("beyond doubt, but for the rival");
         assert!((found.by[0] - 0.05).abs() < 1e-6);
     }
 
     #[test]
     fn at_less_than_one_to_twenty_nothing_is_done() {
-        assert!(likeliest(f32::NEG_INFINITY).in_doubt([0.0; 2], -SURE - 0.01).is_none());
+        assert!(likeliest(f32::NEG_INFINITY).in_doubt(-SURE - 0.01).is_none());
     }
 }

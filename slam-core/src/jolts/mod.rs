@@ -239,18 +239,18 @@ impl Jolts {
             self.trial = self.misfit();
         }
         let trial = self.trial.as_mut()?;
-        let at_m = [moment.map.x_m, moment.map.y_m];
+        trial.likeliest.follow([moment.map.x_m, moment.map.y_m]);
         let readings = self.recent.since(trial.counts_from(), moment);
         let round = match &mut trial.stage {
             Stage::Found(confirmation) => {
-                let found = trial.likeliest.seen_at(at_m);
+                let found = trial.likeliest.displacement;
                 let said = scene.said_of(&readings, &found);
                 let log_odds = found.log_odds + trial.told;
                 // With those that it was found by, as many as would do if one sensor were deceived.
                 let takes = RARE + SURE + WALL_SAYS - log_odds;
                 // A robot that stands will not see other places, and where even the same ones speak against it, it is not so.
                 let is_so = confirmation.verdict(said, takes.max(0.0))? || confirmation.stands() && said >= -SURE;
-                let in_doubt = trial.in_doubt(at_m, said);
+                let in_doubt = trial.in_doubt(said);
                 self.give_up();
                 return if is_so { Some(found.into()) } else { in_doubt };
             }
@@ -264,19 +264,19 @@ impl Jolts {
         // The best, with the readings of the last steps.
         let log_odds = found.log_odds + trial.told;
         let is_sure = log_odds > RARE + SURE && found.log_odds > round.other + SURE && are_apart(&found.by, &[0.0; 3]);
-        let found = Likeliest::found(found, at_m, round.other);
-        *round = Round::NEW;
+        let other = core::mem::replace(round, Round::NEW).other;
+        if is_sure || found.log_odds > trial.likeliest.displacement.log_odds {
+            (trial.likeliest.displacement, trial.likeliest.other) = (found, other);
+        }
         if is_sure {
-            trial.likeliest = found;
             trial.stage = Stage::Found(Confirmation::since(trial.onset));
             return None;
         }
-        trial.likeliest = trial.likeliest.or(found);
         if !trial.is_aside() && trial.for_s <= TRIAL_S && log_odds >= SURE {
             return None;
         }
         // What is looked for beside the filter is found too often among things that are in no map: there it is confirmed, or it is nothing.
-        let in_doubt = if trial.is_aside() { None } else { trial.in_doubt(at_m, 0.0) };
+        let in_doubt = if trial.is_aside() { None } else { trial.in_doubt(0.0) };
         self.give_up();
         in_doubt
     }
@@ -307,8 +307,8 @@ impl Trial {
     }
 
     /// What was not confirmed leaves in doubt, by what other readings said of it.
-    fn in_doubt(&self, at_m: [f32; 2], said: f32) -> Option<Finding> {
-        self.likeliest.in_doubt(at_m, self.likeliest.log_odds() + self.told + said - RARE)
+    fn in_doubt(&self, said: f32) -> Option<Finding> {
+        self.likeliest.in_doubt(self.likeliest.displacement.log_odds + self.told + said - RARE)
     }
 
     /// Step since which readings say something.
