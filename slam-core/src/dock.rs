@@ -14,7 +14,7 @@ const ASKEW_RAD: f32 = 0.3;
 impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, W, B, ROWS> {
     /// The robot, which knows where it is, stands in a dock: where its map's first drive started there is one from now on, if it is there.
     pub fn stands_in_dock(&mut self) {
-        self.has_dock |= self.is_at_start();
+        self.map.has_dock |= self.is_at_start();
     }
 
     /// The robot does not know where it is and stands in the dock: its fresh map starts there. Whether that is another one than it had.
@@ -29,7 +29,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
 
     /// How far the robot is before the dock that its map has, metres, where it looks to it from straight in front of it.
     pub fn before_dock_m(&self) -> Option<f32> {
-        let seen = self.has_dock.then(|| self.start_pose().inverse().compose(&self.pose()))?;
+        let seen = self.map.has_dock.then(|| self.start_pose().inverse().compose(&self.pose()))?;
         let is_in_front = seen.y_m.abs() < BESIDE_M && seen.theta_rad.abs() < ASKEW_RAD;
         is_in_front.then_some(-seen.x_m)
     }

@@ -132,7 +132,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Kept for
             walls: self.map.walls().len() as u16,
             next_id: self.map.next_id(),
             has_grid: self.map.has_grid,
-            has_dock: self.has_dock,
+            has_dock: self.map.has_dock,
             exactness: self.map.exactness.quarters(self.map.tolerance),
             start: self.map.start,
             anchor: self.map.anchor.map(|anchor| (anchor.pose, anchor.covariance)),

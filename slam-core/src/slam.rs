@@ -85,8 +85,6 @@ pub struct Slam<const S: usize, const W: usize, const B: usize, const ROWS: usiz
     pub(crate) holds: Holds<S>,
     pub(crate) frozen: Frozen<S>,
     pub(crate) counters: Counters,
-    /// Where the map's first drive started is the robot's dock.
-    pub(crate) has_dock: bool,
 }
 
 impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, W, B, ROWS> {
@@ -123,7 +121,6 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         holds: Holds::NONE,
         frozen: Frozen::NONE,
         counters: Counters::ZERO,
-        has_dock: false,
     };
 
     /// An estimator at the map frame's origin with an empty map and the settings that suit the rig
@@ -188,7 +185,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.candidates.clear();
         self.monitor = HealthMonitor::NEW;
         (self.jolts, self.holds, self.frozen) = (Jolts::NONE, Holds::NONE, Frozen::NONE);
-        (self.counters, self.has_dock) = (Counters::ZERO, false);
+        (self.counters, self.map.has_dock) = (Counters::ZERO, false);
         self.add_states();
         Ok(())
     }

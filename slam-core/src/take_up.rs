@@ -171,7 +171,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
 
     /// Puts the kept states and walls in the place of its own; the pose's are zero.
     fn load(&mut self, kept: &dyn Kept, frame: &KeptFrame) {
-        self.has_dock = frame.has_dock;
+        self.map.has_dock = frame.has_dock;
         let Self { ekf, map, drive, config, .. } = self;
         ekf.clear();
         for i in 0..usize::from(frame.states) {

@@ -7,9 +7,12 @@ use crate::jolts::search::Displacement;
 #[derive(Clone, Copy, Debug)]
 pub struct Likeliest {
     /// About where the robot is, once it was followed there.
-    pub displacement: Displacement,
-    /// Log odds of the likeliest of the others.
-    pub other: f32,
+    by: [f32; 3],
+    /// The lower triangle of its covariance, row by row.
+    covariance: [f32; 6],
+    /// Log of its odds, and of those of the likeliest of the others.
+    log_odds: f32,
+    other: f32,
     /// Where the robot was last, in the map, metres.
     at_m: [f32; 2],
 }
@@ -28,15 +31,36 @@ pub struct Finding {
 impl Likeliest {
     /// None was found.
     pub const NONE: Self = Self {
-        displacement: Displacement { by: [0.0; 3], covariance: [[0.0; 3]; 3], log_odds: f32::NEG_INFINITY },
+        by: [0.0; 3],
+        covariance: [0.0; 6],
+        log_odds: f32::NEG_INFINITY,
         other: f32::NEG_INFINITY,
         at_m: [0.0; 2],
     };
 
+    /// This one is, found where the robot was followed to, with the log odds of the likeliest of the others.
+    pub fn found(&mut self, displacement: &Displacement, other: f32) {
+        let [[xx, ..], [yx, yy, _], [tx, ty, tt]] = displacement.covariance;
+        *self = Self {
+            by: displacement.by,
+            covariance: [xx, yx, yy, tx, ty, tt],
+            log_odds: displacement.log_odds,
+            other,
+            at_m: self.at_m,
+        };
+    }
+
+    /// The displacement.
+    pub fn displacement(&self) -> Displacement {
+        let [xx, yx, yy, tx, ty, tt] = self.covariance;
+        let covariance = [[xx, yx, tx], [yx, yy, ty], [tx, ty, tt]];
+        Displacement { by: self.by, covariance, log_odds: self.log_odds }
+    }
+
     /// Follows the robot there, in the map, metres.
     pub fn follow(&mut self, at_m: [f32; 2]) {
         let moved_m = [at_m[0] - self.at_m[0], at_m[1] - self.at_m[1]];
-        (self.displacement, self.at_m) = (self.displacement.seen_from(moved_m), at_m);
+        (self.by, self.at_m) = (self.displacement().seen_from(moved_m).by, at_m);
     }
 
     /// What is to be done where it was not confirmed, by the log of its odds with all else that is known of it: mean and covariance of a
@@ -45,8 +69,8 @@ impl Likeliest {
         if log_odds < -SURE {
             return None;
         }
-        let Displacement { by, covariance, log_odds: own } = self.displacement;
-        let share = 1.0 / (1.0 + libm::expf(-log_odds) + libm::expf(self.other - own));
+        let Displacement { by, covariance, .. } = self.displacement();
+        let share = 1.0 / (1.0 + libm::expf(-log_odds) + libm::expf(self.other - self.log_odds));
         let spread = share * (1.0 - share);
         Some(Finding {
             by: by.map(|by| share * by),
@@ -74,8 +98,9 @@ mod tests {
     fn likeliest(other: f32) -> Likeliest {
         let mut covariance = [[0.0; 3]; 3];
         covariance[0][0] = 1e-4;
-        let displacement = Displacement { by: [0.1, 0.0, 0.0], covariance, log_odds: 12.0 };
-        Likeliest { displacement, other, ..Likeliest::NONE }
+        let mut likeliest = Likeliest::NONE;
+        likeliest.found(&Displacement { by: [0.1, 0.0, 0.0], covariance, log_odds: 12.0 }, other);
+        likeliest
     }
 
     #[test]

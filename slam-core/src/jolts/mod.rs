@@ -243,7 +243,7 @@ impl Jolts {
         let readings = self.recent.since(trial.counts_from(), moment);
         let round = match &mut trial.stage {
             Stage::Found(confirmation) => {
-                let found = trial.likeliest.displacement;
+                let found = trial.likeliest.displacement();
                 let said = scene.said_of(&readings, &found);
                 let log_odds = found.log_odds + trial.told;
                 // With those that it was found by, as many as would do if one sensor were deceived.
@@ -265,8 +265,8 @@ impl Jolts {
         let log_odds = found.log_odds + trial.told;
         let is_sure = log_odds > RARE + SURE && found.log_odds > round.other + SURE && are_apart(&found.by, &[0.0; 3]);
         let other = core::mem::replace(round, Round::NEW).other;
-        if is_sure || found.log_odds > trial.likeliest.displacement.log_odds {
-            (trial.likeliest.displacement, trial.likeliest.other) = (found, other);
+        if is_sure || found.log_odds > trial.likeliest.displacement().log_odds {
+            trial.likeliest.found(&found, other);
         }
         if is_sure {
             trial.stage = Stage::Found(Confirmation::since(trial.onset));
@@ -308,7 +308,7 @@ impl Trial {
 
     /// What was not confirmed leaves in doubt, by what other readings said of it.
     fn in_doubt(&self, said: f32) -> Option<Finding> {
-        self.likeliest.in_doubt(self.likeliest.displacement.log_odds + self.told + said - RARE)
+        self.likeliest.in_doubt(self.likeliest.displacement().log_odds + self.told + said - RARE)
     }
 
     /// Step since which readings say something.

@@ -73,6 +73,8 @@ pub struct MapInner<V: ?Sized> {
     pub frame: MapFrame,
     /// Where the robot started, in the map frame.
     pub start: Pose,
+    /// There is its dock.
+    pub has_dock: bool,
     /// Where the filter's frame is in that of the start pose; none where they are one.
     pub anchor: Option<Anchor>,
     walls: V,
@@ -96,6 +98,7 @@ impl<const W: usize> Map<W> {
         exactness: Exactness::UNKNOWN,
         frame: MapFrame::Start,
         start: Pose::ORIGIN,
+        has_dock: false,
         anchor: None,
         walls: Vec::new(),
     };
