@@ -45,9 +45,11 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let [x_m, y_m, turn_rad] = found.by;
         let Pose { x_m: x, y_m: y, theta_rad } = moment.map;
         let pose = Pose { x_m: x + x_m, y_m: y + y_m, theta_rad: theta_rad + turn_rad };
-        self.put(pose, &found.covariance, Displaced::Jolted);
+        self.put(pose, &found.covariance);
         self.holds.forget();
+        // What is in doubt is no displacement to others: a look back takes one for a place from which nothing is known of those before.
         if found.is_confirmed {
+            self.map.begin_epoch_elsewhere(Displaced::Jolted);
             self.counters.add_jolt();
         }
     }
@@ -65,7 +67,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let confirmed = if self.holds.is_claimed() { self.confirm_hold() } else { None };
         let judged = || self.holds.judge(layout::pose(&self.ekf), self.counters.steps);
         let Some(found) = confirmed.or_else(judged) else { return };
-        self.put(found.pose, &found.covariance(), Displaced::Held);
+        self.put(found.pose, &found.covariance());
+        self.map.begin_epoch_elsewhere(Displaced::Held);
         self.jolts = Jolts::NONE;
         self.counters.add_hold(found.is_held);
     }
@@ -79,11 +82,10 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     }
 
     /// Puts the robot elsewhere in the map, as well known as before but for this covariance.
-    fn put(&mut self, pose: Pose, covariance: &[[f32; 3]; 3], how: Displaced) {
+    fn put(&mut self, pose: Pose, covariance: &[[f32; 3]; 3]) {
         self.ekf.predict([pose.x_m, pose.y_m, pose.theta_rad], &UNMOVED, covariance);
         self.first.pose = pose;
         self.candidates.clear();
-        self.map.begin_epoch_elsewhere(how);
     }
 
     /// Moves the pose and the dead reckoning, and makes both less certain by a 1-sigma vector, both metres, in the frame of dead
