@@ -14,8 +14,8 @@ pub const fn border_len(walls: usize) -> usize {
     WALLS + 2 * walls
 }
 
-/// Least coupling of a pose, eliminated, with an entry of the border, in the inverse of the entry's unit: its square is the information that the pose
-/// takes off, and 1e-18 of it is nothing beside the least that is known of anything.
+/// Least coupling of a pose with an entry of the border, in the inverse of the entry's unit. Its square is the information that eliminating
+/// the pose takes off that entry: 1e-18 per square metre or radian is below the rounding of whatever is known of one.
 const FAINT: f32 = 1e-9;
 
 /// A 3 x 3 matrix.
@@ -94,9 +94,9 @@ fn columns(factor: &Matrix3, matrix: &Matrix3) -> Matrix3 {
     [0, 1, 2].map(|j| forward(factor, [matrix[0][j], matrix[1][j], matrix[2][j]]))
 }
 
-/// A coupling that no sum in single precision knows of is none. Couplings fade by a factor from pose to pose: left alone they become numbers
-/// of so few bits that host processors take a hundred times longer over them, and a wall costs as much at a pose that has long had nothing
-/// to do with it as at one that sees it.
+/// The coupling, or zero where it has faded below what a sum in single precision can hold. Couplings fade by a factor from pose to pose. Left
+/// alone they become subnormal numbers, over which host processors take far longer, and a wall costs as much at a pose that has long had
+/// nothing to do with it as at one that sees it.
 fn unless_faint(coupling: f32) -> f32 {
     if coupling.abs() < FAINT { 0.0 } else { coupling }
 }

@@ -73,7 +73,7 @@ pub struct MapInner<V: ?Sized> {
     pub frame: MapFrame,
     /// Where the robot started, in the map frame.
     pub start: Pose,
-    /// There is its dock.
+    /// Whether that is its dock.
     pub has_dock: bool,
     /// Where the filter's frame is in that of the start pose; none where they are one.
     pub anchor: Option<Anchor>,
