@@ -32,6 +32,7 @@ cargo xtask hil-long         ten minutes in the loop with look backs handed over
 cargo xtask late [MINUTES]   how late the estimator's steps begin in the emulator, with the back end and without
 cargo xtask panic-check      show that slam-core has no panic path on the robot's processor
 cargo xtask size             flash, RAM and stack of the robot's program, against their budgets
+cargo xtask flash            build the robot's program and flash it through a debug probe (`cargo flash-robot` is the same)
 cargo xtask timing           count the instructions of slam-core's routines and compare with docs/results/timing.csv
 cargo xtask timing --update  write the counts into docs/results/timing.csv
 cargo xtask studio           build the studio, a page for browsers, and print its folder last
@@ -52,6 +53,7 @@ fn main() -> ExitCode {
         ["panic-check"] => panic_check::panic_check(),
         ["figures"] => figures::figures(),
         ["experiments"] => experiments::experiments(),
+        ["flash"] => size::flash(),
         ["size"] => size::size(),
         ["studio"] => studio::studio(),
         ["studio", "--serve"] => studio::serve(),

@@ -68,10 +68,17 @@ impl Sizes {
 /// Start of the STM32F405's core-coupled RAM; its other RAM lies above.
 const CCRAM_START: u64 = 0x1000_0000;
 
+/// What makes cargo build or run the program that the robot is shipped with.
+const SHIPPED: [&str; 7] = ["--release", "--package", "firmware", "--bin", "robot", "--features", "board"];
+
+/// Builds the robot's program and flashes it through a debug probe.
+pub fn flash() -> Result {
+    run(Thumb::require()?.cargo("firmware", "run").args(SHIPPED))
+}
+
 fn build() -> Result<Elf> {
     let thumb = Thumb::require()?;
-    let mut build = thumb.cargo("firmware", "build");
-    run(build.args(["--release", "--package", "firmware", "--bin", "robot", "--features", "board"]))?;
+    run(thumb.cargo("firmware", "build").args(SHIPPED))?;
     Elf::read(&thumb.target_dir().join(TARGET).join("release/robot"))
 }
 

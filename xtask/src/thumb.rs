@@ -1,6 +1,6 @@
 //! The compiler for the robot's Cortex-M4F: rustup's where the target is installed, else Debian's with its own `core`.
 
-use crate::run::{Result, cargo, output, root, target_dir};
+use crate::run::{Result, cargo, output, root, run, target_dir};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -58,6 +58,7 @@ impl Thumb {
             }
         };
         command.current_dir(root().join(dir)).args(["--target", TARGET]);
+        command.arg("--config").arg(format!("target.{TARGET}.rustflags={:?}", short_paths()));
         command.env("CARGO_TARGET_DIR", self.target_dir());
         command
     }
@@ -79,6 +80,23 @@ impl Thumb {
             Self::Debian => dir.join("thumb-debian"),
         }
     }
+}
+
+/// What keeps the folders of this machine out of the program: a place where it can panic carries its file's name, and so the flash that it
+/// takes would depend on where the project and cargo's packages lie. Debuggers are still told the whole paths.
+fn short_paths() -> Vec<String> {
+    let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
+    let home = home.or_else(|| std::env::home_dir().map(|home| home.join(".cargo"))).unwrap_or_default();
+    let packages = home.join("registry/src");
+    if !packages.is_dir() {
+        // One folder for each registry, and none before the first package came. That none can be fetched, the build itself will say.
+        run(&mut cargo(&["fetch"])).ok();
+    }
+    let registries = packages.read_dir().into_iter().flatten().flatten().map(|entry| entry.path());
+    let mut folders: Vec<PathBuf> = registries.chain([root().to_path_buf()]).collect();
+    folders.sort();
+    let remap = folders.iter().map(|folder| format!("--remap-path-prefix={}/=", folder.display()));
+    remap.chain(["--remap-path-scope=macro".to_owned()]).collect()
 }
 
 /// The compiler beside the cargo that runs this program; another one may come first on the path.
@@ -114,6 +132,12 @@ fn rust_version(printed: &str) -> Option<(u32, u32)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn no_folder_of_this_machine_reaches_the_program() {
+        let paths = short_paths();
+        assert!(paths.contains(&format!("--remap-path-prefix={}/=", root().display())), "{paths:?}");
+    }
 
     #[test]
     fn reads_the_compilers_version() {
