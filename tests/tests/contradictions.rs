@@ -54,7 +54,7 @@ const TURNED: u64 = 15;
 #[test]
 fn a_look_back_across_a_contradiction_has_all_of_it_on_one_grid() {
     let (robot, _) = built_in_robot().expect("the built-in rig is good");
-    let (mut found, mut askew) = (0, Vec::new());
+    let mut found = 0;
     for seed in 1..=TURNED {
         let mut rows = crowded(seed);
         turn(&mut rows, &robot.rig.drive);
@@ -75,12 +75,8 @@ fn a_look_back_across_a_contradiction_has_all_of_it_on_one_grid() {
         let errors: Vec<Pose2> = after.filter_map(Step::error).collect();
         assert!(!errors.is_empty(), "seed {seed}: no truth");
         let is_there = |error: &Pose2| error.theta_rad.abs() < 0.1 && error.x_m.hypot(error.y_m) < 0.5;
-        if !errors.iter().all(is_there) {
-            askew.push(seed);
-        }
+        assert!(errors.iter().all(is_there), "seed {seed}: {:?}", errors.last());
     }
-    // Of the seeds 1 to 60 one: the filter is right, and the walls of before are a quarter turn from those of after.
-    assert!(askew.len() <= 1, "{askew:?} of {found} are not on one grid");
     // One that is lost only after the people have gone takes longer.
     assert!(5 * found >= 4 * TURNED, "{found} of {TURNED} have found themselves");
 }

@@ -72,12 +72,13 @@ impl Parts {
         Self { parts }
     }
 
-    /// Turns each fresh map about where it begins, the short way onto the first one's grid. One in which the robot found itself back is in
-    /// the first one's frame.
+    /// Puts each fresh map where it lies in the first one's frame: one in which the robot found itself back is in that frame, and says where
+    /// the one before it lies. Any other is turned about where it begins, the short way onto the first one's grid.
     pub fn turn(&mut self, steps: &[Step], lines: &[Line]) {
         let Some(first) = self.parts.first().and_then(|part| part.alpha) else { return };
         for i in 1..self.parts.len() {
             let own = self.parts[i].alpha.or_else(|| direction(lines.iter().filter(|line| line.part == i)));
+            let next = self.parts.get(i + 1).map(|next| next.begin);
             let [.., before, part] = &mut self.parts[..=i] else { continue };
             let at = &steps[part.begin];
             part.alpha = own;
@@ -85,11 +86,13 @@ impl Parts {
                 continue;
             }
             part.frame = before.frame;
-            if let Some(own) = own {
+            if let Some(found) = next.filter(|next| !steps[*next].searching) {
+                part.frame = found_back(&steps[found - 1], &steps[found]);
+            } else if let Some(own) = own {
                 let there = before.frame.compose(&at.pose);
                 let turned = off_grid(own + before.frame.theta_rad, first);
                 let back = Pose2::new(there.x_m, there.y_m, there.theta_rad - turned);
-                part.frame = back.compose(&at.pose.relative(&Pose2::default()));
+                part.frame = frame_of(&at.pose, &back);
             }
         }
     }
@@ -117,6 +120,18 @@ impl Parts {
         let (s, c) = beta_rad.sin_cos();
         (line.rho_m + c * frame.x_m + s * frame.y_m, beta_rad)
     }
+}
+
+/// Where a frame lies in which a pose is this one, by where the same pose is.
+fn frame_of(pose: &Pose2, there: &Pose2) -> Pose2 {
+    there.compose(&pose.relative(&Pose2::default()))
+}
+
+/// Where the fresh map lies in which a robot was until it found itself in the one of before: what it drove in the step between, the odometry
+/// says.
+fn found_back(fresh: &Step, found: &Step) -> Pose2 {
+    let driven = fresh.dead_reckoning.relative(&found.dead_reckoning);
+    frame_of(&fresh.pose.compose(&driven), &found.pose)
 }
 
 /// The direction that walls have in common but for quarter turns: the mean of four times theirs, weighed by their readings. None where
