@@ -8,7 +8,7 @@ use crate::jolts::search::{Displacement, JOLT, SLIP};
 /// Wheels slip, and readings are taken for another wall's, so many times as often as somebody kicks the robot: once in a hundred metres or so.
 const SLIPS: f32 = 10.0;
 
-/// The likeliest displacement of a search so far.
+/// The likeliest displacement of a search, once it is likely enough to wait for its confirmation.
 #[derive(Clone, Copy, Debug)]
 pub struct Likeliest {
     /// About where the robot is, once it was followed there.

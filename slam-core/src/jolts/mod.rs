@@ -6,7 +6,7 @@
 //! that saw no wall when it was displaced, or one or two, has nothing to turn: so one is looked for, too, beside the filter that goes on,
 //! where half of the last readings fit no wall. The robot is taken to be displaced where that is so much likelier that no chance
 //! of an hour explains it (a generalised likelihood ratio test for jumps, Willsky and Jones 1976, with the likelihood of
-//! readings that may be of anything). Where readings speak for one and do not confirm it, the pose has the moments of both.
+//! readings that may be of anything). Where one was as likely and other readings do not confirm it, the pose has the moments of both.
 
 pub mod confirmation;
 pub mod finding;
@@ -66,7 +66,7 @@ struct Trial {
     /// For how long, seconds.
     for_s: f32,
     stage: Stage,
-    /// The likeliest displacement so far, or the one that waits for its confirmation.
+    /// The one that waits for its confirmation.
     likeliest: Likeliest,
 }
 
@@ -265,20 +265,16 @@ impl Jolts {
         let log_odds = found.log_odds + trial.told;
         let is_sure = log_odds > RARE + SURE && found.log_odds > round.other + SURE && are_apart(&found.by, &[0.0; 3]);
         let other = core::mem::replace(round, Round::NEW).other;
-        if is_sure || found.log_odds > trial.likeliest.displacement().log_odds {
-            trial.likeliest.found(&found, other);
-        }
         if is_sure {
+            trial.likeliest.found(&found, other);
             trial.stage = Stage::Found(Confirmation::since(trial.onset));
             return None;
         }
         if !trial.is_aside() && trial.for_s <= TRIAL_S && log_odds >= SURE {
             return None;
         }
-        // What is looked for beside the filter is found too often among things that are in no map: there it is confirmed, or it is nothing.
-        let in_doubt = if trial.is_aside() { None } else { trial.in_doubt(0.0) };
         self.give_up();
-        in_doubt
+        None
     }
 
     /// Ends the search, if there is one.
