@@ -134,7 +134,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_folder_of_this_machine_reaches_the_program() {
+    fn the_folder_of_the_project_is_left_out() {
         let paths = short_paths();
         assert!(paths.contains(&format!("--remap-path-prefix={}/=", root().display())), "{paths:?}");
     }

@@ -34,25 +34,11 @@ pub struct Finding {
 }
 
 impl Likeliest {
-    /// None was found.
-    pub const NONE: Self = Self {
-        by: [0.0; 3],
-        covariance: [0.0; 6],
-        log_odds: f32::NEG_INFINITY,
-        other: f32::NEG_INFINITY,
-        at_m: [0.0; 2],
-    };
-
-    /// This one is, found where the robot was followed to, with the log odds of the likeliest of the others.
-    pub fn found(&mut self, displacement: &Displacement, other: f32) {
+    /// Of a robot that is here in the map, metres, with the log odds of the likeliest of the others.
+    pub fn new(displacement: &Displacement, other: f32, at_m: [f32; 2]) -> Self {
         let [[xx, ..], [yx, yy, _], [tx, ty, tt]] = displacement.covariance;
-        *self = Self {
-            by: displacement.by,
-            covariance: [xx, yx, yy, tx, ty, tt],
-            log_odds: displacement.log_odds,
-            other,
-            at_m: self.at_m,
-        };
+        let covariance = [xx, yx, yy, tx, ty, tt];
+        Self { by: displacement.by, covariance, log_odds: displacement.log_odds, other, at_m }
     }
 
     /// The displacement.
@@ -133,9 +119,7 @@ mod tests {
         let mut covariance = [[0.0; 3]; 3];
         covariance[0][0] = 1e-4;
         covariance[1][1] = JOLT[1] * JOLT[1];
-        let mut likeliest = Likeliest::NONE;
-        likeliest.found(&Displacement { by: [by_m, 0.0, 0.0], covariance, log_odds: 12.0 }, other);
-        likeliest
+        Likeliest::new(&Displacement { by: [by_m, 0.0, 0.0], covariance, log_odds: 12.0 }, other, [0.0; 2])
     }
 
     /// Beyond doubt.

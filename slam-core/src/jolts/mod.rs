@@ -66,8 +66,6 @@ struct Trial {
     /// For how long, seconds.
     for_s: f32,
     stage: Stage,
-    /// The one that waits for its confirmation.
-    likeliest: Likeliest,
 }
 
 /// How far a trial has come.
@@ -78,7 +76,7 @@ enum Stage {
     /// The same, and none is used.
     Searching(Round),
     /// One was found, and waits for its confirmation.
-    Found(Confirmation),
+    Found(Likeliest, Confirmation),
 }
 
 /// A search from every start.
@@ -239,18 +237,20 @@ impl Jolts {
             self.trial = self.misfit();
         }
         let trial = self.trial.as_mut()?;
-        trial.likeliest.follow([moment.map.x_m, moment.map.y_m]);
+        let at_m = [moment.map.x_m, moment.map.y_m];
         let readings = self.recent.since(trial.counts_from(), moment);
         let round = match &mut trial.stage {
-            Stage::Found(confirmation) => {
-                let found = trial.likeliest.displacement();
+            Stage::Found(likeliest, confirmation) => {
+                likeliest.follow(at_m);
+                let found = likeliest.displacement();
                 let said = scene.said_of(&readings, &found);
                 let log_odds = found.log_odds + trial.told;
                 // With those that it was found by, as many as would do if one sensor were deceived.
                 let takes = RARE + SURE + WALL_SAYS - log_odds;
                 // A robot that stands will not see other places, and where even the same ones speak against it, it is not so.
                 let is_so = confirmation.verdict(said, takes.max(0.0))? || confirmation.stands() && said >= -SURE;
-                let in_doubt = trial.in_doubt(said);
+                // What was not confirmed is in doubt by what other readings said of it, too.
+                let in_doubt = likeliest.in_doubt(log_odds + said - RARE);
                 self.give_up();
                 return if is_so { Some(found.into()) } else { in_doubt };
             }
@@ -266,8 +266,7 @@ impl Jolts {
         let is_sure = log_odds > RARE + SURE && found.log_odds > round.other + SURE && are_apart(&found.by, &[0.0; 3]);
         let other = core::mem::replace(round, Round::NEW).other;
         if is_sure {
-            trial.likeliest.found(&found, other);
-            trial.stage = Stage::Found(Confirmation::since(trial.onset));
+            trial.stage = Stage::Found(Likeliest::new(&found, other, at_m), Confirmation::since(trial.onset));
             return None;
         }
         if !trial.is_aside() && trial.for_s <= TRIAL_S && log_odds >= SURE {
@@ -294,7 +293,7 @@ impl Jolts {
 impl Trial {
     /// Readings count since this step, and sensors told so much of it.
     fn new(onset: u32, told: f32, stage: Stage) -> Self {
-        Self { onset, told, for_s: 0.0, stage, likeliest: Likeliest::NONE }
+        Self { onset, told, for_s: 0.0, stage }
     }
 
     /// Whether readings are used meanwhile.
@@ -302,15 +301,10 @@ impl Trial {
         matches!(self.stage, Stage::Aside(_))
     }
 
-    /// What was not confirmed leaves in doubt, by what other readings said of it.
-    fn in_doubt(&self, said: f32) -> Option<Finding> {
-        self.likeliest.in_doubt(self.likeliest.displacement().log_odds + self.told + said - RARE)
-    }
-
     /// Step since which readings say something.
     fn counts_from(&self) -> u32 {
         match &self.stage {
-            Stage::Found(confirmation) => confirmation.onset(),
+            Stage::Found(_, confirmation) => confirmation.onset(),
             Stage::Aside(_) | Stage::Searching(_) => self.onset,
         }
     }
@@ -318,7 +312,7 @@ impl Trial {
     /// Time goes on.
     fn wait(&mut self, dt_s: f32, step: &Step, number: u32) {
         match &mut self.stage {
-            Stage::Found(confirmation) => confirmation.wait(dt_s, step, number),
+            Stage::Found(_, confirmation) => confirmation.wait(dt_s, step, number),
             Stage::Aside(_) | Stage::Searching(_) => self.for_s += dt_s,
         }
     }
