@@ -249,8 +249,9 @@ impl Jolts {
                 let takes = RARE + SURE + WALL_SAYS - log_odds;
                 // A robot that stands will not see other places, and where even the same ones speak against it, it is not so.
                 let is_so = confirmation.verdict(said, takes.max(0.0))? || confirmation.stands() && said >= -SURE;
-                // What was not confirmed is in doubt by what other readings said of it, too.
-                let in_doubt = likeliest.in_doubt(log_odds + said - RARE);
+                // What was not confirmed is in doubt by what other readings said of it, too, and by what would be left if one sensor were
+                // deceived.
+                let in_doubt = likeliest.in_doubt(log_odds + said - RARE - WALL_SAYS);
                 self.give_up();
                 return if is_so { Some(found.into()) } else { in_doubt };
             }
