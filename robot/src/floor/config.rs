@@ -26,7 +26,7 @@ impl FloorConfig {
     pub const DEFAULT: Self = Self {
         drive: PilotConfig { turn_radps: 1.2, ..PilotConfig::DEFAULT },
         open_mps: 0.3,
-        // Nearer, more floor is swept and no more is bumped into, but beams begin deeper in the blind zone, where what the sensors show folds
+        // Nearer, more floor is swept and hardly more is bumped into, but beams begin deeper in the blind zone, where what the sensors show folds
         // back: robots whose sensors are mounted farther out lose their way more often.
         gap_m: 0.012,
         reading_age_s: 0.038,
