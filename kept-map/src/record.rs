@@ -350,6 +350,7 @@ impl Kept for Record<'_> {
             exactness: exactness as i8,
             start: pose(10),
             anchor: (is_anchored != 0).then(|| (pose(13), [[xx, xy, xt], [xy, yy, yt], [xt, yt, tt]])),
+            number: 0,
         }
     }
 

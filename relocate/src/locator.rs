@@ -152,8 +152,8 @@ pub struct Locator {
     since_m: f32,
     next_search_m: f32,
     trail: Vec<[f32; 2], PATH_POINTS>,
-    /// Where the filter's frame was when the trail began.
-    anchor: Option<Pose>,
+    /// Which frame of the filter the trail is in.
+    frame: u16,
     search: Search,
     is_searching: bool,
     begun: Begun,
@@ -177,7 +177,7 @@ impl Locator {
             since_m: 0.0,
             next_search_m: 0.0,
             trail: Vec::new(),
-            anchor: None,
+            frame: 0,
             search: Search::IDLE,
             is_searching: false,
             begun: Begun::Anywhere,
@@ -242,8 +242,8 @@ impl Locator {
                 self.begun = Begun::Docked;
                 return Some(Event::Docked);
             }
-            let anchor = own.frame().anchor.map(|(pose, _)| pose);
-            if core::mem::replace(&mut self.anchor, anchor) != anchor {
+            let frame = own.frame().number;
+            if core::mem::replace(&mut self.frame, frame) != frame {
                 // Another frame.
                 self.trail.clear();
             }

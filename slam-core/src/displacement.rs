@@ -47,11 +47,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let pose = Pose { x_m: x + x_m, y_m: y + y_m, theta_rad: theta_rad + turn_rad };
         self.put(pose, &found.covariance);
         self.holds.forget();
-        // What is in doubt is no displacement to others: a look back takes one for a place from which nothing is known of those before.
-        if found.is_confirmed {
-            self.map.begin_epoch_elsewhere(Displaced::Jolted);
-            self.counters.add_jolt();
-        }
+        self.map.begin_epoch_elsewhere(Displaced::Jolted);
+        self.counters.add_jolt();
     }
 
     /// Whether holds are looked for: by the turning of wheels.

@@ -74,6 +74,8 @@ pub struct KeptFrame {
     pub start: Pose,
     /// Where the filter's frame is in that of the start pose, with its covariance; none where they are one.
     pub anchor: Option<(Pose, [[f32; 3]; 3])>,
+    /// Number of times that the filter began anew elsewhere since the estimator was made; nought where it is none.
+    pub number: u16,
 }
 
 /// Where a robot was in a kept map when its power went, as far as it knew.
@@ -135,7 +137,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Kept for
             has_dock: self.map.has_dock,
             exactness: self.map.exactness.quarters(self.map.tolerance),
             start: self.map.start,
-            anchor: self.map.anchor.map(|anchor| (anchor.pose, anchor.covariance)),
+            anchor: self.map.anchor.map(|anchor| (anchor.pose, anchor.whole_covariance(&self.ekf, &self.drive.states))),
+            number: self.map.frames,
         }
     }
 

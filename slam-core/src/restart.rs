@@ -58,8 +58,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     /// in; how well it is known there no reading of the new map tells.
     pub fn restart_map(&mut self) {
         self.map.forget_walls(&mut self.ekf);
-        self.map.drop_anchor(&mut self.ekf, start_variance(&self.rig.drive));
-        self.begin_anew();
+        self.drop_anchor();
     }
 
     /// The same where the covariance is none: the calibration keeps its values, as unsure as at the start.
@@ -67,7 +66,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         const CALIBRATION: usize = ALPHA + 1;
         let values: [f32; 4 + MAX_SENSORS] = core::array::from_fn(|i| self.ekf.mean(CALIBRATION + i));
         self.map.forget_walls(&mut self.ekf);
-        self.map.anchor = Some(self.map.anchor.unwrap_or(Anchor::START).beyond_doubt(&self.ekf));
+        let (pose, covariance) = Anchor::beyond_doubt(&self.ekf);
         self.ekf.clear();
         self.add_states();
         for (i, value) in (CALIBRATION..self.ekf.len()).zip(values) {
@@ -77,6 +76,15 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
                 self.ekf.set_mean(i, value);
             }
         }
+        self.ekf.predict(pose, &Default::default(), &covariance);
+        self.drop_anchor();
+    }
+
+    /// Begins anew where the robot is.
+    #[cold]
+    #[inline(never)]
+    fn drop_anchor(&mut self) {
+        self.map.drop_anchor(&mut self.ekf, start_variance(&self.rig.drive), &self.drive.states);
         self.begin_anew();
     }
 

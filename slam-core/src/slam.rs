@@ -248,6 +248,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         report.health = self.examine(if is_turn { usize::MAX } else { ALPHA });
         let theta_rad = wrap(self.ekf.mean(THETA));
         self.ekf.set_mean(THETA, theta_rad);
+        self.map.follow_calibration(&self.ekf, &self.drive.states);
         self.map.hold_frame(&self.ekf, self.drive.dead_reckoning.path_m);
         self.place_hits(tick.dt_s, &mut report);
         report
@@ -332,7 +333,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
                 self.holds.note_absence(&sensor);
             }
             report.outcome = match reading {
-                Ok(_) if self.jolts.is_in_doubt() => Outcome::Refused(Refusal::Ambiguous),
+                Ok(reading) if self.jolts.is_in_doubt() => Outcome::Refused(observer.why_not(&sensor, &reading)),
                 Ok(reading) => observer.observe(&sensor, &reading).unwrap_or_else(Outcome::Refused),
                 Err(refusal) => Outcome::Refused(refusal),
             };

@@ -188,7 +188,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         if config.walls.frame == MapFrame::Walls {
             map.start = frame.start;
         }
-        map.anchor = frame.anchor.map(|(pose, covariance)| Anchor { pose, covariance });
+        map.anchor = frame.anchor.map(|(pose, covariance)| Anchor::new(pose, covariance));
         let seen_at_m = drive.dead_reckoning.path_m;
         let walls = (0..usize::from(frame.walls)).filter_map(|i| kept.wall(i));
         // No two walls of a drive have one name.

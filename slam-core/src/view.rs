@@ -119,10 +119,10 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     /// The estimated pose and its covariance, both in the map frame.
     pub fn estimate(&self) -> Estimate {
         let covariance = layout::pose_covariance(&self.ekf);
-        let from_start = self
-            .map
-            .anchor
-            .map_or(covariance, |anchor| anchor.compose(&layout::pose(&self.ekf), &covariance).covariance);
+        let from_start = self.map.anchor.map_or(covariance, |anchor| {
+            let known = anchor.whole_covariance(&self.ekf, &self.drive.states);
+            anchor.covariance_beyond(&known, &layout::pose(&self.ekf), &covariance)
+        });
         Estimate { pose: self.pose(), covariance: Matrix3::from(self.map.covariance_in_map(from_start)) }
     }
 

@@ -10,6 +10,7 @@ fn main() {
     println!("drives: {}", drives.len());
     println!("lost their map among the people and found it: {}", count(Crowded::is_back));
     println!("took a displacement for real: {}", count(|drive| drive.jolts > 0));
+    println!("over 15 cm off where it found itself: {}", count(|drive| drive.found_off_m() > 0.15));
     println!("over 15 cm off in the end: {}", count(|drive| drive.off_m > 0.15));
     for (seed, drive) in drives.iter().filter(|(_, drive)| drive.jolts > 0 || drive.off_m > 0.15 || !drive.is_back()) {
         println!("seed {seed}: {drive:.2?}");

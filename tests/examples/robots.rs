@@ -1,17 +1,16 @@
 //! Prints `docs/results/robots.md`: how robots drawn at random map and sweep homes drawn at random.
-//! `cargo run --release --package tests --example robots`.
+//! `cargo run --release --package tests --example robots`; with two numbers after ` -- `, how robots and homes from the one to the other sweep.
 
 use std::convert::Infallible;
-use std::path::Path;
+use std::ops::RangeInclusive;
 use std::thread;
 
 use hal_sim::SimOptions;
-use hal_sim::rng::Rng;
 use lab::evaluate::statistics::{mean, quantile};
-use lab::input::rig_file::Robot;
-use lab::run::{Drive, FloorDrive, Session, clean_by};
+use lab::run::{Drive, FloorDrive, Session};
 use robot::FloorState;
-use slam_core::{Config, DriveModel, Mount, RangeModel};
+use slam_core::Config;
+use tests::drawn_robots::{home, job, robot};
 
 const HEAD: &str = "\
 # Robots drawn at random
@@ -40,27 +39,22 @@ that the floor asks for. Means, with the worst in brackets.
 |---|---|---|---|---|---|---|---|";
 
 /// Robots and homes with these numbers.
-const NUMBERS: std::ops::RangeInclusive<u64> = 501..=560;
+const NUMBERS: RangeInclusive<u64> = 501..=560;
 const MINUTES: f64 = 10.0;
 
 /// Built-in robots that others are drawn about, and what they are called.
 const KINDS: [(&str, &str); 3] =
     [("sharp", "analogue, wheels"), ("time-of-flight", "metres, wheels"), ("odometry", "metres, odometry")];
 
-/// Directions of four to eight sensors, degrees.
-const BEARINGS: [&[f64]; 5] = [
-    &[0.0, 90.0, -90.0, 180.0],
-    &[0.0, 45.0, -45.0, 90.0, -90.0],
-    &[0.0, 45.0, -45.0, 90.0, -90.0, 180.0],
-    &[0.0, 30.0, -30.0, 60.0, -60.0, 90.0, -90.0],
-    &[0.0, 45.0, -45.0, 90.0, -90.0, 135.0, -135.0, 180.0],
-];
-
 fn main() {
+    let asked: Vec<u64> = std::env::args().skip(1).map(|number| number.parse().expect("a robot's number")).collect();
+    if let [from, to] = asked[..] {
+        return print_sweeping(&(from..=to));
+    }
     println!("{HEAD}");
     for (kind, name) in KINDS {
         for (hand_overs, with) in [(false, "without"), (true, "with")] {
-            let drives = in_all_homes(move |number| drive(kind, hand_overs, number));
+            let drives = in_homes(&NUMBERS, move |number| drive(kind, hand_overs, number));
             let of = |i: usize| drives.iter().map(|figures| figures[i]).collect::<Vec<f64>>();
             let share = |i: usize, share: f64| quantile(&of(i), share).expect("there are drives");
             let mean = |i: usize| mean(&of(i)).expect("there are drives");
@@ -77,9 +71,13 @@ fn main() {
             );
         }
     }
+    print_sweeping(&NUMBERS);
+}
+
+fn print_sweeping(numbers: &RangeInclusive<u64>) {
     println!("{SWEEPING}");
     for (kind, name) in KINDS {
-        print_jobs(name, &in_all_homes(move |number| job(kind, number)));
+        print_jobs(name, &in_homes(numbers, move |number| job(kind, number)));
     }
 }
 
@@ -102,73 +100,25 @@ fn print_jobs(name: &str, jobs: &[FloorDrive]) {
 }
 
 /// What became of one in each home, in two threads.
-fn in_all_homes<T: Send + 'static>(one: impl Fn(u64) -> T + Copy + Send + 'static) -> Vec<T> {
-    let of = move |parity: u64| {
-        let numbers = NUMBERS.filter(move |number| number % 2 == parity);
+fn in_homes<T: Send + 'static>(
+    numbers: &RangeInclusive<u64>,
+    one: impl Fn(u64) -> T + Copy + Send + 'static,
+) -> Vec<T> {
+    let of = |parity: u64| {
+        let numbers = numbers.clone().filter(move |number| number % 2 == parity);
         thread::spawn(move || numbers.map(one).collect::<Vec<_>>())
     };
     [0, 1].map(of).into_iter().flat_map(|half| half.join().expect("no panic")).collect()
 }
 
-fn job(kind: &str, number: u64) -> FloorDrive {
-    let home = hal_sim::plan_file::load(&format!("random-{number}")).expect("a random home");
-    clean_by(&robot(kind, number), &home, SimOptions::default(), number, None, |_, _| ()).expect("the robot fits")
-}
-
 /// Path's error, metres, NEES, walls missed and invented.
 fn drive(kind: &str, hand_overs: bool, number: u64) -> [f64; 4] {
     let robot = robot(kind, number);
-    let home = hal_sim::plan_file::load(&format!("random-{number}")).expect("a random home");
-    let mut drive = Drive::new(&home, &robot, SimOptions::default(), number).expect("the robot fits");
+    let mut drive = Drive::new(&home(number), &robot, SimOptions::default(), number).expect("the robot fits");
     let config = Config { hand_overs, ..Config::for_rig(&robot.rig) };
     let mut session = Session::new(&robot, config, "random").expect("a good rig");
     drive.run(&mut session, 60.0 * MINUTES, |_, _, _| Ok::<(), Infallible>(())).expect("nothing can fail");
     let figures = drive.finish(session).figures;
     let (path, map) = figures.estimate.zip(figures.map).expect("a truth and a plan");
     [path.ate_m, path.nees.expect("a covariance"), map.missed as f64, map.invented as f64]
-}
-
-/// A robot about this built-in one.
-fn robot(kind: &str, number: u64) -> Robot {
-    let mut robot = lab::input::robot(Path::new(kind)).expect("a built-in robot").0;
-    let mut rng = Rng::stream(number, "robot", 0);
-    robot.rig.drive = match robot.rig.drive {
-        DriveModel::Wheels { .. } => DriveModel::Wheels {
-            track_m: rng.uniform(0.15, 0.3) as f32,
-            track_sigma: one_of(&mut rng, &[0.0, 0.002, 0.005]),
-            metres_per_tick: rng.uniform(1e-4, 1e-3) as f32,
-            scale_sigma: one_of(&mut rng, &[0.005, 0.01, 0.02]),
-            noise_m2_per_m: rng.uniform(5e-6, 3e-5) as f32,
-        },
-        DriveModel::Odometry { .. } => DriveModel::Odometry {
-            scale_sigma: one_of(&mut rng, &[0.02, 0.05]),
-            noise_m2_per_m: one_of(&mut rng, &[1e-4, 3e-4]),
-            noise_rad2_per_m: one_of(&mut rng, &[1e-4, 3e-4]),
-            noise_rad2_per_rad: one_of(&mut rng, &[2e-4, 5e-4]),
-            veer_sigma: one_of(&mut rng, &[0.0f32, 0.5, 1.0]).to_radians(),
-        },
-    };
-    let mut sensor = robot.rig.sensors[0];
-    if let RangeModel::Metric { noise_m, noise_rel } = &mut sensor.model {
-        *noise_m = one_of(&mut rng, &[0.005, 0.01, 0.02]);
-        *noise_rel = one_of(&mut rng, &[0.0, 0.01, 0.03]);
-        sensor.max_m = one_of(&mut rng, &[1.2, 2.0, 3.0, 4.0]);
-    }
-    let bearings = one_of(&mut rng, &BEARINGS);
-    let radius_m = rng.uniform(0.02, 0.14);
-    robot.rig.sensors = bearings
-        .iter()
-        .map(|bearing| {
-            let bearing_rad = (bearing + rng.uniform(-8.0, 8.0)).to_radians();
-            let [x_m, y_m] = [radius_m * bearing_rad.cos(), radius_m * bearing_rad.sin()].map(|at_m| at_m as f32);
-            sensor.mount = Mount { x_m, y_m, bearing_rad: bearing_rad as f32 };
-            sensor
-        })
-        .collect();
-    robot.names = (0..bearings.len()).map(|number| format!("sensor{number}")).collect();
-    robot
-}
-
-fn one_of<T: Copy>(rng: &mut Rng, values: &[T]) -> T {
-    values[(rng.unit() * values.len() as f64) as usize]
 }

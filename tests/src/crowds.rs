@@ -47,6 +47,8 @@ pub struct Crowded {
     pub found_s: Option<f64>,
     /// How far off it was then.
     pub found_error: Option<Pose2>,
+    /// How far off in x, y and heading by what the robot said of itself, in standard deviations, the largest.
+    pub found_sigmas: f64,
     /// Displacements that were taken for real among the people; nobody moves the robot.
     pub jolts: u32,
     /// Error of the position at the end, metres.
@@ -54,6 +56,11 @@ pub struct Crowded {
 }
 
 impl Crowded {
+    /// How far off it was when it found itself, metres; nought where it did not.
+    pub fn found_off_m(&self) -> f64 {
+        self.found_error.map_or(0.0, |error| error.x_m.hypot(error.y_m))
+    }
+
     /// Whether the robot gave its map up among the people and found itself in it.
     pub fn is_back(&self) -> bool {
         self.lost_s.is_some_and(|at_s| CROWD_S.contains(&at_s)) && self.found_s.is_some()
@@ -66,7 +73,8 @@ impl Crowded {
 /// The map was given up for another reason than that readings contradict it, or what was kept of it is not what it was.
 pub fn drive_through_crowd(seed: u64) -> Crowded {
     let mut session = session();
-    let mut drive = Crowded { lost_s: None, found_s: None, found_error: None, jolts: 0, off_m: f64::NAN };
+    let mut drive =
+        Crowded { lost_s: None, found_s: None, found_error: None, found_sigmas: 0.0, jolts: 0, off_m: f64::NAN };
     let mut walls = 0;
     for row in &crowded(seed) {
         let step = session.push(row).clone();
@@ -80,6 +88,7 @@ pub fn drive_through_crowd(seed: u64) -> Crowded {
             }
             Some(_) if !step.searching && drive.found_s.is_none() => {
                 (drive.found_s, drive.found_error) = (Some(row.t_s), step.error());
+                drive.found_sigmas = step.error().map_or(f64::NAN, |error| sigmas(&error, &step.covariance));
             }
             _ => {}
         }
@@ -90,4 +99,10 @@ pub fn drive_through_crowd(seed: u64) -> Crowded {
     }
     assert!(session.finish().is_one_frame(), "the odometry links all of it");
     drive
+}
+
+/// The largest of an error's parts, in standard deviations.
+fn sigmas(error: &Pose2, covariance: &[[f32; 3]; 3]) -> f64 {
+    let parts = [error.x_m, error.y_m, error.theta_rad];
+    (0..3).map(|i| parts[i].abs() / f64::from(covariance[i][i]).sqrt()).fold(0.0, f64::max)
 }

@@ -6,6 +6,7 @@ pub mod browser;
 pub mod carries;
 pub mod crowds;
 pub mod devtools;
+pub mod drawn_robots;
 pub mod frames;
 pub mod fuzzing;
 pub mod long_drive;

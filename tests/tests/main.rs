@@ -7,6 +7,7 @@ mod contradictions;
 mod covariance;
 mod docks;
 mod documents;
+mod drawn_robots;
 mod experiments;
 mod floor_job;
 mod floor_page;

@@ -55,13 +55,13 @@ fn kicks_that_no_reading_tells_are_told_by_walls_drawn_twice() {
 
 #[test]
 fn a_push_that_no_reading_tells_is_told_by_walls_drawn_beside_the_older_ones() {
-    // Most are told by the readings of the moment. In the homes 29 to 180 walls told five, and two of those robots, in 120 and 158, ended 0.43 and
-    // 0.23 m from home; five ended 0.3 to 1.8 m off untold.
-    let halves = [141..149, 149..157]
+    // Most are told by the readings of the moment. In the homes 29 to 180 walls told seven, and all of those robots ended within 0.09 m of home; five
+    // ended 0.38 to 0.58 m off untold.
+    let halves = [117..125, 133..141]
         .map(|homes| thread::spawn(|| homes.map(|home| job(home, Some(PUSH), LATER_S)).collect::<Vec<_>>()));
     let jobs = halves.into_iter().flat_map(|half| half.join().expect("no panic"));
     let told: Vec<_> = jobs.filter(|job| job.second_copies > 0).collect();
-    assert!(!told.is_empty());
+    assert!(told.len() >= 2, "{}", told.len());
     for job in told {
         // Half a metre else.
         assert!(job.score.home_m < 0.1, "{} m from home", job.score.home_m);

@@ -37,6 +37,7 @@ impl Kept for Map {
                 .0
                 .is_multiple_of(2)
                 .then_some((pose(-1.0), [[1.0, 2.0, 3.0], [2.0, 4.0, 5.0], [3.0, 5.0, 6.0]])),
+            number: 0,
         }
     }
 

@@ -62,6 +62,7 @@ impl Kept for Map {
             exactness: 0,
             start,
             anchor,
+            number: 0,
         }
     }
 

@@ -53,6 +53,7 @@ impl Kept for Map {
             exactness: 0,
             start: Pose::ORIGIN,
             anchor: None,
+            number: 0,
         }
     }
 

@@ -146,12 +146,14 @@ impl<const S: usize> FloorJob<S> {
             let cell = Cell { col: (self.areas.marked % cells) as i16, row: (self.areas.marked / cells) as i16 };
             self.areas.marked = (self.areas.marked + 1) % ALL;
             let quarter = |index: i16| Quarter { col: 2 * cell.col + index % 2, row: 2 * cell.row + index / 2 };
-            if (0..4).any(|index| bounds.is_out(on_map(self.sheet.centre_m(quarter(index))))) {
+            let quarters_m = [0, 1, 2, 3].map(|index| on_map(self.sheet.centre_m(quarter(index))));
+            if quarters_m.iter().any(|at_m| bounds.is_out(*at_m)) {
                 self.sheet.picture.block(cell);
             }
             let at_m = on_map(self.sheet.picture.centre_m(cell));
             let is_towards = beyond.iter().any(|beyond| cell.moves_to(*beyond) <= TOWARDS);
-            if is_towards || !bounds.is_to_clean(at_m) {
+            // What an edge of an area goes through is to be cleaned, too.
+            if is_towards || !quarters_m.iter().any(|at_m| bounds.is_to_clean(*at_m)) {
                 self.sheet.swept.set(cell, !is_towards);
             } else if self.areas.left > 0 && self.sheet.swept.left_in(cell) == 0 && self.sheet.picture.is_free(cell) {
                 // It was there before it knew of the areas.

@@ -106,7 +106,7 @@ impl<const B: usize> Extension<'_, B> {
     /// Begins anew where the robot is, if there is no wall yet and the start is known badly.
     fn drop_anchor(&mut self) {
         if self.map.walls().is_empty() && Anchor::is_due(self.ekf) {
-            self.map.drop_anchor(self.ekf, self.start_variance);
+            self.map.drop_anchor(self.ekf, self.start_variance, &self.drive.states);
             *self.first = FirstEstimates::START;
         }
     }

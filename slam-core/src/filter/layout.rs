@@ -3,6 +3,7 @@
 //! `[x, y, theta, alpha, motion calibration (0 to 3), gains (0 to S), latency (0 or 1), offset of the row (0 or 1), walls ...]`
 
 use crate::filter::ekf::EkfView;
+use crate::geometry::matrix::Matrix;
 use crate::geometry::pose::Pose;
 
 /// Robot's x in the map, metres.
@@ -13,6 +14,8 @@ pub const Y: usize = 1;
 pub const THETA: usize = 2;
 /// Direction of the wall grid, radians; variance zero until there is a grid.
 pub const ALPHA: usize = 3;
+/// The pose's states.
+pub const POSE: [Option<usize>; 3] = [Some(X), Some(Y), Some(THETA)];
 
 /// The estimated pose in the filter's frame.
 pub fn pose(ekf: &EkfView) -> Pose {
@@ -20,6 +23,17 @@ pub fn pose(ekf: &EkfView) -> Pose {
 }
 
 /// Covariance of the pose in the filter's frame: m^2, m rad, rad^2.
-pub fn pose_covariance(ekf: &EkfView) -> [[f32; 3]; 3] {
-    [X, Y, THETA].map(|i| [X, Y, THETA].map(|j| ekf.covariance(i, j)))
+pub fn pose_covariance(ekf: &EkfView) -> Matrix {
+    covariances(ekf, &POSE, &POSE)
+}
+
+/// Covariances of some states with others. What is known is no state, and goes with nothing.
+#[inline(never)]
+pub fn covariances(ekf: &EkfView, some: &[Option<usize>; 3], others: &[Option<usize>; 3]) -> Matrix {
+    some.map(|state| others.map(|other| covariance(ekf, state, other)))
+}
+
+#[inline(never)]
+fn covariance(ekf: &EkfView, a: Option<usize>, b: Option<usize>) -> f32 {
+    a.zip(b).map_or(0.0, |(i, j)| ekf.covariance(i, j))
 }

@@ -2,4 +2,5 @@
 
 pub mod angle;
 pub mod line;
+pub mod matrix;
 pub mod pose;

@@ -24,12 +24,15 @@ impl Pose {
     }
 
     /// The pose that `inner`, given in this pose's frame, has in the outer frame.
+    // Inlined, the sines of so many places take kilobytes of flash.
+    #[inline(never)]
     pub fn compose(&self, inner: &Pose) -> Pose {
         let [x_m, y_m] = self.transform([inner.x_m, inner.y_m]);
         Pose::new(x_m, y_m, self.theta_rad + inner.theta_rad)
     }
 
     /// The outer frame seen from this pose: `p.compose(&p.inverse())` is the identity.
+    #[inline(never)]
     pub fn inverse(&self) -> Pose {
         let (s, c) = sin_cos(self.theta_rad);
         Pose::new(-c * self.x_m - s * self.y_m, s * self.x_m - c * self.y_m, -self.theta_rad)

@@ -6,20 +6,20 @@
 //! that saw no wall when it was displaced, or one or two, has nothing to turn: so one is looked for, too, beside the filter that goes on,
 //! where half of the last readings fit no wall. The robot is taken to be displaced where that is so much likelier that no chance
 //! of an hour explains it (a generalised likelihood ratio test for jumps, Willsky and Jones 1976, with the likelihood of
-//! readings that may be of anything). Where one was as likely and other readings do not confirm it, the pose has the moments of both.
+//! readings that may be of anything).
 
 pub mod confirmation;
-pub mod finding;
 pub mod recent;
 pub mod search;
 
 use crate::jolts::confirmation::{Confirmation, SURE, TRIAL_S};
-use crate::jolts::finding::{Finding, Likeliest};
 use crate::jolts::recent::{Moment, READINGS, Recent, Seen};
-use crate::jolts::search::{Displacement, ELSE, Improvement, JOLT, STARTS, STEP_HOLDS, Scene, WALL_SAYS, are_apart};
+use crate::jolts::search::{
+    Displacement, ELSE, Improvement, JOLT, Kept, STARTS, STEP_HOLDS, Scene, WALL_SAYS, are_apart,
+};
 use crate::measurement::data_association::change;
 use crate::motion::step::Step;
-use crate::report::Outcome;
+use crate::report::{Outcome, Refusal};
 
 /// Time between two looks at a sensor, seconds: a robot at walking pace sees another place of the wall by then.
 const LOOK_S: f32 = 0.15;
@@ -75,8 +75,8 @@ enum Stage {
     Aside(Round),
     /// The same, and none is used.
     Searching(Round),
-    /// One was found, and waits for its confirmation.
-    Found(Likeliest, Confirmation),
+    /// One was found, about the map's origin, and waits for its confirmation.
+    Found(Kept, Confirmation),
 }
 
 /// A search from every start.
@@ -163,9 +163,12 @@ impl Jolts {
 
     /// Takes in a reading of the sensor of this index and what became of it.
     pub fn note(&mut self, sensor: usize, seen: Seen, outcome: &Outcome) {
-        self.recent.push(seen);
         let bit = 1 << (sensor & 15);
         self.now.asked |= bit;
+        // A reading that is folded back says nothing of where the robot is.
+        if !matches!(outcome, Outcome::Refused(Refusal::FoldBack)) {
+            self.recent.push(seen);
+        }
         match outcome {
             Outcome::Updated { .. } => self.now.hit |= bit,
             Outcome::Gated { .. } => self.now.missed |= bit,
@@ -221,8 +224,8 @@ impl Jolts {
     }
 
     /// Goes on with the search where there is reason to, by what a step that has time for so many turns can do. The displacement, once it is likely enough, and once
-    /// readings that it was not looked for in say so, too; or what one that was not confirmed leaves in doubt. No reading `updated` the state in this step, or some did.
-    pub fn search(&mut self, scene: &Scene, moment: &Moment, updated: bool, turns: usize) -> Option<Finding> {
+    /// readings that it was not looked for in say so, too. No reading `updated` the state in this step, or some did.
+    pub fn search(&mut self, scene: &Scene, moment: &Moment, updated: bool, turns: usize) -> Option<Displacement> {
         if self.trial.as_ref().is_none_or(Trial::is_aside)
             && let Some(trial) = self.suspect()
         {
@@ -240,24 +243,20 @@ impl Jolts {
         let at_m = [moment.map.x_m, moment.map.y_m];
         let readings = self.recent.since(trial.counts_from(), moment);
         let round = match &mut trial.stage {
-            Stage::Found(likeliest, confirmation) => {
-                likeliest.follow(at_m);
-                let found = likeliest.displacement();
+            Stage::Found(best, confirmation) => {
+                let mut found = best.displacement();
+                found.about(at_m);
                 let said = scene.said_of(&readings, &found);
-                let log_odds = found.log_odds + trial.told;
                 // With those that it was found by, as many as would do if one sensor were deceived.
-                let takes = RARE + SURE + WALL_SAYS - log_odds;
+                let takes = RARE + SURE + WALL_SAYS - found.log_odds - trial.told;
                 // A robot that stands will not see other places, and where even the same ones speak against it, it is not so.
                 let is_so = confirmation.verdict(said, takes.max(0.0))? || confirmation.stands() && said >= -SURE;
-                // What was not confirmed is in doubt by what other readings said of it, too, and by what would be left if one sensor were
-                // deceived.
-                let in_doubt = likeliest.in_doubt(log_odds + said - RARE - WALL_SAYS);
                 self.give_up();
-                return if is_so { Some(found.into()) } else { in_doubt };
+                return is_so.then_some(found);
             }
             Stage::Aside(round) | Stage::Searching(round) => round,
         };
-        let found = scene.go_on(&readings, &mut round.improvement, &JOLT, STEP_HOLDS * turns)?;
+        let mut found = scene.go_on(&readings, &mut round.improvement, &JOLT, STEP_HOLDS * turns)?;
         if usize::from(round.starts) < STARTS {
             round.rank(&found);
             return None;
@@ -265,15 +264,13 @@ impl Jolts {
         // The best, with the readings of the last steps.
         let log_odds = found.log_odds + trial.told;
         let is_sure = log_odds > RARE + SURE && found.log_odds > round.other + SURE && are_apart(&found.by, &[0.0; 3]);
-        let other = core::mem::replace(round, Round::NEW).other;
+        *round = Round::NEW;
         if is_sure {
-            trial.stage = Stage::Found(Likeliest::new(&found, other, at_m), Confirmation::since(trial.onset));
-            return None;
+            found.about(at_m.map(|at_m| -at_m));
+            trial.stage = Stage::Found(Kept::of(&found), Confirmation::since(trial.onset));
+        } else if trial.is_aside() || trial.for_s > TRIAL_S || log_odds < SURE {
+            self.give_up();
         }
-        if !trial.is_aside() && trial.for_s <= TRIAL_S && log_odds >= SURE {
-            return None;
-        }
-        self.give_up();
         None
     }
 

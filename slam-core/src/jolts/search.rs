@@ -1,7 +1,8 @@
 //! The displacement of the robot under which its last readings fit the map best, and how likely it is.
 
 use crate::filter::ekf::EkfView;
-use crate::geometry::angle::sin_cos;
+use crate::geometry::angle::{normal, sin_cos};
+use crate::geometry::matrix::{Triangle, determinant, inverse};
 use crate::geometry::pose::length;
 use crate::jolts::recent::{READINGS, Seen, Sighting};
 use crate::measurement::beam::{Beam, Prediction};
@@ -68,11 +69,31 @@ pub struct Displacement {
 }
 
 impl Displacement {
-    /// The same displacement about a robot that moved on by so much in the map, metres, since.
-    pub fn seen_from(&self, moved_m: [f32; 2]) -> Self {
-        let [x_m, y_m, turn_rad] = self.by;
-        let ((s, c), [x, y]) = (sin_cos(turn_rad), moved_m);
-        Self { by: [x_m + (c - 1.0) * x - s * y, y_m + s * x + (c - 1.0) * y, turn_rad], ..*self }
+    /// The same displacement about what is so far from here in the map, metres.
+    pub fn about(&mut self, [x, y]: [f32; 2]) {
+        let [c, s] = normal(self.by[2]);
+        self.by[0] += (c - 1.0) * x - s * y;
+        self.by[1] += s * x + (c - 1.0) * y;
+    }
+}
+
+/// A displacement as it is kept, in less memory.
+#[derive(Clone, Copy, Debug)]
+pub struct Kept {
+    by: [f32; 3],
+    covariance: Triangle,
+    log_odds: f32,
+}
+
+impl Kept {
+    /// Of this one.
+    pub fn of(&Displacement { by, covariance, log_odds }: &Displacement) -> Self {
+        Self { by, covariance: Triangle::of(&covariance), log_odds }
+    }
+
+    /// The displacement.
+    pub fn displacement(&self) -> Displacement {
+        Displacement { by: self.by, covariance: self.covariance.matrix(), log_odds: self.log_odds }
     }
 }
 
@@ -329,22 +350,6 @@ fn prior(size: &[f32; 3]) -> [[f32; 3]; 3] {
         rows[i][i] = 1.0 / (size * size);
     }
     rows
-}
-
-fn determinant(m: &[[f32; 3]; 3]) -> f32 {
-    m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
-        + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
-}
-
-/// Inverse of a symmetric positive definite matrix.
-fn inverse(m: &[[f32; 3]; 3]) -> [[f32; 3]; 3] {
-    let cofactor = |i: usize, j: usize| {
-        let [r0, r1] = [(i + 1) % 3, (i + 2) % 3];
-        let [c0, c1] = [(j + 1) % 3, (j + 2) % 3];
-        m[r0][c0] * m[r1][c1] - m[r0][c1] * m[r1][c0]
-    };
-    let inverse = 1.0 / determinant(m);
-    core::array::from_fn(|i| core::array::from_fn(|j| inverse * cofactor(j, i)))
 }
 
 #[cfg(test)]

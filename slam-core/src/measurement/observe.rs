@@ -17,7 +17,7 @@ use crate::sensing::SensingSettings;
 use crate::sensing::correlation::{Hit, SurfaceCorrelationView};
 use crate::sensing::latency::Timing;
 use crate::sensing::noise_level::{Expected, NoiseLevels};
-use crate::sensing::range::{Noise, Reading, SURFACE_M};
+use crate::sensing::range::{NEAR_SHARE, Noise, Reading, SURFACE_M, is_folded};
 use crate::walls::WallSettings;
 use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::map::MapView;
@@ -25,10 +25,6 @@ use crate::walls::wall::{Wall, WallPolicy};
 
 /// Number of walls that one beam is compared with: a wall may go on beyond its end, and two may meet at a corner.
 const MAX_CANDIDATES: usize = 4;
-
-/// Share above a sensor's minimum range from which readings are used: the curve bends before it folds back, and a folded
-/// reading looks like one just above the minimum.
-const NEAR_SHARE: f32 = 0.15;
 
 /// Distance from a wall's ends within which the beam may have met another surface, metres.
 const END_M: f32 = 0.1;
@@ -75,8 +71,8 @@ struct Hypothesis {
     at_end: bool,
     /// Inside the gate.
     explains: bool,
-    /// Outside the gate, but so near to the wall's end, and to the wall, that it may be its own.
-    nearly: bool,
+    /// Why a reading outside the gate may be its own: so near to the wall, and to its end, or folded back.
+    doubt: Option<Refusal>,
 }
 
 impl Hypothesis {
@@ -170,7 +166,7 @@ impl Observer<'_> {
         let sight = Sight { sensor, reading, beam: self.beam(sensor, heading), heading };
         let mut outcome = Outcome::Unexplained;
         let mut beyond_m = 0.0;
-        let mut nearly = false;
+        let mut doubt = None;
         for _ in 0..MAX_CANDIDATES {
             let Some(met) = &self.hypothesis(&sight, beyond_m) else { break };
             // Not a number is not a variance, either.
@@ -192,7 +188,7 @@ impl Observer<'_> {
                 self.map.met(met.candidate.index, met.candidate.along_m, self.path_m);
                 return Ok(met.updated(noise_m2));
             }
-            nearly |= met.nearly;
+            doubt = doubt.or(met.doubt);
             if outcome == Outcome::Unexplained {
                 (outcome, self.along_m) = (met.gated(), met.candidate.along_m);
             }
@@ -201,8 +197,19 @@ impl Observer<'_> {
                 break;
             }
         }
-        // At an end it is in doubt whose reading this is: as a new wall's it would turn that one.
-        if nearly { Err(Refusal::Ambiguous) } else { Ok(outcome) }
+        // Where it is in doubt whose reading this is it would turn that one as a new wall's.
+        doubt.map_or(Ok(outcome), Err)
+    }
+
+    /// Why a reading is not used while it is in doubt where the robot is.
+    pub fn why_not(&self, sensor: &Sensor, reading: &Reading) -> Refusal {
+        let limits = sensor.limits;
+        let beam = self.beam(sensor, sin_cos(self.ekf.mean(THETA)));
+        let met = self.first_met(&beam, 0.0, 2.0 * limits.min_m).filter(|met| met.inside_m > 0.0);
+        match met {
+            Some(met) if is_folded(limits, met.range_m, reading.range_m) => Refusal::FoldBack,
+            _ => Refusal::Ambiguous,
+        }
     }
 
     /// Corrects the estimate: with which variance of noise, m^2.
@@ -298,6 +305,7 @@ impl Observer<'_> {
             true => data_association::odds(innovation_m, fits_m2, span_m) >= 1.0,
             false => is_told,
         };
+        let is_nearly = at_end && is_analogue && square_m2 <= self.settings.gate * variance_m2;
         Some(Hypothesis {
             wall: wall.id,
             candidate,
@@ -311,7 +319,11 @@ impl Observer<'_> {
             span_m,
             at_end,
             explains: likelier && square_m2 <= gate * fits_m2,
-            nearly: at_end && is_analogue && square_m2 <= self.settings.gate * variance_m2,
+            doubt: if candidate.inside_m > 0.0 && is_folded(limits, predicted_m, reading.range_m) {
+                Some(Refusal::FoldBack)
+            } else {
+                is_nearly.then_some(Refusal::Ambiguous)
+            },
         })
     }
 
@@ -356,7 +368,7 @@ impl Observer<'_> {
     /// A reading well beyond a wall, well inside its extent, went through it.
     fn judge_pass(&mut self, met: &Hypothesis) {
         let margin_m = 0.1 + 3.0 * float::sqrtf(met.variance_m2);
-        if met.innovation_m > margin_m && met.candidate.inside_m > PASS_M {
+        if met.doubt.is_none() && met.innovation_m > margin_m && met.candidate.inside_m > PASS_M {
             self.map.passed_through(met.candidate.index, met.candidate.along_m);
         }
     }

@@ -21,6 +21,20 @@ const STEP_SIGMAS: f32 = 4.0;
 /// sensor that is precise at close range from knowing more than there is to know.
 pub const SURFACE_M: f32 = 0.003;
 
+/// Share above a sensor's minimum range from which readings are used: the curve bends before it folds back, and a folded
+/// reading looks like one just above the minimum.
+pub const NEAR_SHARE: f32 = 0.15;
+
+/// Under its minimum range an analogue sensor's output falls to about a third of its peak (GP2Y0A21YK0F and GP2Y0A02YK0F data sheets, output
+/// over distance), which reads like so many times that range.
+const FOLDED: f32 = 3.0;
+
+/// Whether an analogue sensor is so near to a surface, for which it would report this, metres, that what it reports is folded back.
+pub fn is_folded(sensor: &RangeSensor, expected_m: f32, range_m: f32) -> bool {
+    let is_near = expected_m < (1.0 + NEAR_SHARE) * sensor.min_m && range_m < FOLDED * sensor.min_m;
+    is_near && matches!(sensor.model, RangeModel::Sharp { .. })
+}
+
 /// A reading that passed the checks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {

@@ -4,6 +4,7 @@ use crate::filter::ekf::{EkfView, Jacobian};
 use crate::filter::layout::{ALPHA, THETA};
 use crate::geometry::line::Line;
 use crate::geometry::pose::Pose;
+use crate::motion::drive::DriveStates;
 use crate::walls::anchor::Anchor;
 use crate::walls::decision::relative_variance;
 use crate::walls::exactness::Exactness;
@@ -77,6 +78,8 @@ pub struct MapInner<V: ?Sized> {
     pub has_dock: bool,
     /// Where the filter's frame is in that of the start pose; none where they are one.
     pub anchor: Option<Anchor>,
+    /// Which one that is since the estimator was made.
+    pub frames: u16,
     walls: V,
 }
 
@@ -100,6 +103,7 @@ impl<const W: usize> Map<W> {
         start: Pose::ORIGIN,
         has_dock: false,
         anchor: None,
+        frames: 0,
         walls: Vec::new(),
     };
 }
@@ -147,9 +151,22 @@ impl MapView {
     }
 
     /// Puts the filter's frame where the robot is, in the frame that it was in, with `noise` as variance of (x, y, theta) there.
-    pub fn drop_anchor(&mut self, ekf: &mut EkfView, noise: [f32; 3]) {
-        self.anchor = Some(self.anchor.unwrap_or(Anchor::START).drop_at(ekf, noise));
+    pub fn drop_anchor(&mut self, ekf: &mut EkfView, noise: [f32; 3], states: &DriveStates) {
+        self.anchor = Some(self.anchor.unwrap_or(Anchor::START).drop_at(ekf, noise, states));
+        self.frames = self.frames.wrapping_add(1);
         self.begin_epoch();
+    }
+
+    /// Moves the start to where the calibration, as it is known now, tells that it is.
+    #[inline(never)]
+    pub fn follow_calibration(&mut self, ekf: &EkfView, states: &DriveStates) {
+        let Some(anchor) = &mut self.anchor else { return };
+        let before = anchor.pose;
+        anchor.follow(ekf, states);
+        // Where walls hold the map, it is the start that moves.
+        if self.frame == MapFrame::Walls && anchor.pose != before {
+            self.start = self.start.compose(&before).compose(&anchor.pose.inverse());
+        }
     }
 
     /// The robot was found elsewhere in the same map, which begins an epoch.

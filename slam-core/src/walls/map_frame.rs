@@ -12,6 +12,7 @@ use crate::filter::ekf::EkfView;
 use crate::filter::layout::{X, Y};
 use crate::geometry::angle::{normal, sin_cos, wrap};
 use crate::geometry::line::Line;
+use crate::geometry::matrix::{Matrix, propagated, rotation};
 use crate::geometry::pose::Pose;
 use crate::walls::manhattan::ManhattanFrame;
 use crate::walls::map::{MapFrame, MapView};
@@ -206,16 +207,10 @@ impl MapView {
     }
 
     /// A covariance of (x, y, theta) in the start pose's frame in the map frame: R P R^T for the frame's turn R.
-    pub fn covariance_in_map(&self, from_start: [[f32; 3]; 3]) -> [[f32; 3]; 3] {
+    pub fn covariance_in_map(&self, from_start: Matrix) -> Matrix {
         if self.frame == MapFrame::Start {
             return from_start;
         }
-        let (s, c) = sin_cos(self.start.theta_rad);
-        let [[xx, xy, xt], [_, yy, yt], [_, _, tt]] = from_start;
-        let in_map_xx = c * c * xx - 2.0 * c * s * xy + s * s * yy;
-        let in_map_yy = s * s * xx + 2.0 * c * s * xy + c * c * yy;
-        let in_map_xy = c * s * (xx - yy) + (c * c - s * s) * xy;
-        let [in_map_xt, in_map_yt] = [c * xt - s * yt, s * xt + c * yt];
-        [[in_map_xx, in_map_xy, in_map_xt], [in_map_xy, in_map_yy, in_map_yt], [in_map_xt, in_map_yt, tt]]
+        propagated(&rotation(self.start.theta_rad), &from_start)
     }
 }

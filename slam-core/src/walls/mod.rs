@@ -6,6 +6,7 @@ pub mod decision;
 pub mod exact_grid;
 pub mod exactness;
 pub mod founding;
+pub mod hindsight;
 pub mod manhattan;
 pub mod map;
 pub mod map_frame;
