@@ -296,10 +296,9 @@ impl Observer<'_> {
         let known_m2 = self.ekf.variance(&jacobian);
         let level = self.levels.readings.factor();
         let variance_m2 = known_m2 + level * noise_m2;
-        let innovation_m = innovation.value_m;
+        let (innovation_m, span_m) = (innovation.value_m, limits.span_m());
         let square_m2 = innovation_m * innovation_m;
         let fits_m2 = known_m2 + level * white_m2;
-        let span_m = limits.span_m();
         let is_told = known_m2 <= TOLD_SHARE * TOLD_SHARE * span_m * span_m;
         let likelier = match self.settings.clutter {
             true => data_association::odds(innovation_m, fits_m2, span_m) >= 1.0,
