@@ -152,6 +152,8 @@ impl MapView {
 
     /// Puts the filter's frame where the robot is, in the frame that it was in, with `noise` as variance of (x, y, theta) there.
     pub fn drop_anchor(&mut self, ekf: &mut EkfView, noise: [f32; 3], states: &DriveStates) {
+        // Where the start holds the map, it would turn with what is learned of the way to its first wall, and the robot's path with it.
+        let states = if self.frame == MapFrame::Walls { states } else { &DriveStates::NONE };
         self.anchor = Some(self.anchor.unwrap_or(Anchor::START).drop_at(ekf, noise, states));
         self.frames = self.frames.wrapping_add(1);
         self.begin_epoch();
@@ -163,8 +165,7 @@ impl MapView {
         let Some(anchor) = &mut self.anchor else { return };
         let before = anchor.pose;
         anchor.follow(ekf, states);
-        // Where walls hold the map, it is the start that moves.
-        if self.frame == MapFrame::Walls && anchor.pose != before {
+        if anchor.pose != before {
             self.start = self.start.compose(&before).compose(&anchor.pose.inverse());
         }
     }
