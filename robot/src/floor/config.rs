@@ -27,7 +27,7 @@ impl FloorConfig {
         drive: PilotConfig { turn_radps: 1.2, ..PilotConfig::DEFAULT },
         open_mps: 0.3,
         // Nearer, more floor is swept and hardly more is bumped into, but beams begin deeper in the blind zone, where what the sensors show folds
-        // back: robots whose sensors are mounted farther out lose their way more often.
+        // back: robots whose sensors are mounted farther out drive farther for the same floor.
         gap_m: 0.012,
         reading_age_s: 0.038,
         // Three lithium cells: at 3.5 V a tenth of their charge is left, at 4.1 V they take up little more. Below 3.3 V the voltage falls

@@ -15,7 +15,7 @@ pub mod search;
 use crate::jolts::confirmation::{Confirmation, SURE, TRIAL_S};
 use crate::jolts::recent::{Moment, READINGS, Recent, Seen};
 use crate::jolts::search::{
-    Displacement, ELSE, Improvement, JOLT, Kept, STARTS, STEP_HOLDS, Scene, WALL_SAYS, are_apart,
+    Displacement, ELSE, Improvement, JOLT, Packed, STARTS, STEP_HOLDS, Scene, WALL_SAYS, are_apart,
 };
 use crate::measurement::data_association::change;
 use crate::motion::step::Step;
@@ -76,7 +76,7 @@ enum Stage {
     /// The same, and none is used.
     Searching(Round),
     /// One was found, about the map's origin, and waits for its confirmation.
-    Found(Kept, Confirmation),
+    Found(Packed, Confirmation),
 }
 
 /// A search from every start.
@@ -267,7 +267,7 @@ impl Jolts {
         *round = Round::NEW;
         if is_sure {
             found.about(at_m.map(|at_m| -at_m));
-            trial.stage = Stage::Found(Kept::of(&found), Confirmation::since(trial.onset));
+            trial.stage = Stage::Found(Packed::of(&found), Confirmation::since(trial.onset));
         } else if trial.is_aside() || trial.for_s > TRIAL_S || log_odds < SURE {
             self.give_up();
         }

@@ -77,15 +77,15 @@ impl Displacement {
     }
 }
 
-/// A displacement as it is kept, in less memory.
+/// A displacement in less memory, as it waits for its confirmation.
 #[derive(Clone, Copy, Debug)]
-pub struct Kept {
+pub struct Packed {
     by: [f32; 3],
     covariance: Triangle,
     log_odds: f32,
 }
 
-impl Kept {
+impl Packed {
     /// Of this one.
     pub fn of(&Displacement { by, covariance, log_odds }: &Displacement) -> Self {
         Self { by, covariance: Triangle::of(&covariance), log_odds }

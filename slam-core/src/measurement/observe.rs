@@ -197,7 +197,7 @@ impl Observer<'_> {
                 break;
             }
         }
-        // Where it is in doubt whose reading this is it would turn that one as a new wall's.
+        // A reading of a known wall that is taken for a new one's turns the new one.
         doubt.map_or(Ok(outcome), Err)
     }
 

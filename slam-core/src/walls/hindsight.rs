@@ -15,13 +15,13 @@ use crate::motion::drive::DriveStates;
 /// its length, and that place goes on by phi at right angles to two thirds of phi, to third order.
 const ENDS_AT: f32 = 2.0 / 3.0;
 
-/// Calibration that changes the pose by less, metres or radians, waits: rounding would add up.
+/// A calibration that changes the pose by less, metres or radians, waits: rounding would add up.
 const LEAST: f32 = 1e-5;
 
 /// Variance of a factor that is known, so that there is an inverse.
 const KNOWN: f32 = 1e-12;
 
-/// Calibration that changes it by more at once, metres or radians, is that of a filter that is unwell.
+/// A filter whose calibration changes the pose by more at once, metres or radians, is unwell.
 const MOST: f32 = 10.0;
 
 /// How the errors of a pose go with those of the drive's calibration.
