@@ -134,7 +134,7 @@ pub struct Search {
 }
 
 impl Search {
-    /// Not begun.
+    /// Not begun. Every byte is zero, so that one is written without a pattern of it in the flash.
     pub const IDLE: Self = Self {
         fresh: Fresh::NONE,
         kept: Vec::new(),
@@ -145,7 +145,7 @@ impl Search {
         shifts: [Shifts::NONE; 2],
         next: Next::Shift(0),
         best: Vec::new(),
-        rest: f32::NEG_INFINITY,
+        rest: 0.0,
     };
 
     /// Begins to search a fresh map, in whose frame the robot drove along this trail (metres), in a kept one; false where the fresh
