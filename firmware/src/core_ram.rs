@@ -23,8 +23,8 @@ static JOB: StaticCell<Job> = StaticCell::new();
 /// The job of a robot like this one. What start-up needs of the stack is free again when this returns.
 #[inline(never)]
 pub fn job(robot: BuiltIn) -> &'static mut Job {
-    let job = JOB.init_with(|| Job::IDLE);
-    job.begin(&robot.rig());
+    let job = JOB.init_with(Job::idle);
+    job.explore(&robot.rig());
     job
 }
 

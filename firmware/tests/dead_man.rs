@@ -60,8 +60,8 @@ fn silence_stops_the_wheels() {
     let inputs =
         ContactPins { bump_left: Wire(&left), bump_right: Wire(&right), cliff: Wire(&cliff), lifted: Wire(&lifted) };
     let (mut enable, duty) = (Wire(&enabled), Cell::new(Duty::default()));
-    let mut job = Job::IDLE;
-    job.begin(&BuiltIn::Sharp.rig());
+    let mut job = Job::idle();
+    job.explore(&BuiltIn::Sharp.rig());
     let mut motors = Motors(&duty);
     let control = WheelControl::new(WheelControlConfig::default());
     let mut supply = NoSupply;

@@ -1,9 +1,12 @@
 //! What drives: the pilot, which explores, or the floor job, which cleans: one at a time, in one memory.
 
+use core::mem::ManuallyDrop;
+
 use slam_core::{Pose, Rig};
 
-use crate::cleaning::Cleaning;
-use crate::floor::{AreaKind, FLOOR_RECORD_BYTES, FloorConfig, FloorProgress, FloorRecordError, Notes};
+use crate::bearings::Bearings;
+use crate::floor::{AreaKind, FLOOR_RECORD_BYTES, FloorConfig, FloorJob, FloorProgress, FloorRecordError, Notes};
+use crate::pilot::beam::Beam;
 use crate::pilot::{Activity, Pilot, PilotConfig, Senses};
 use crate::traits::{LastingMemory, WheelSpeeds};
 
@@ -57,18 +60,23 @@ pub struct AreaCorner {
     pub at_m: [f32; 2],
 }
 
-/// The one that drives.
+/// The one that drives. A new one is written from the program's constants to where the other one was: a second one on the stack would need as
+/// much memory again. That is so because nothing is dropped before, and there is nothing to drop in either.
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "one memory for both is what this is for")]
 enum Driver<const S: usize> {
-    Pilot(Pilot<S>),
-    Cleaning(Cleaning<S>),
+    /// Nobody yet: what it takes to begin with this is no constant of the size of the others.
+    Nobody,
+    Pilot(ManuallyDrop<Pilot<S>>),
+    Floor(ManuallyDrop<FloorJob<S>>),
 }
 
 /// What a robot with at most `S` range sensors is at: it explores, or it cleans.
 #[derive(Clone, Debug)]
 pub struct Job<const S: usize> {
     driver: Driver<S>,
+    /// What the floor job goes by.
+    bearings: Bearings,
     /// The world, and whether the robot was located in it, as of the last step.
     known: Option<(u32, u32, bool)>,
     /// How far what is to be known after a reset is written down.
@@ -76,76 +84,73 @@ pub struct Job<const S: usize> {
 }
 
 impl<const S: usize> Job<S> {
-    // Both are written from the program's constants to where the other one was: a second one on the stack would need as much memory
-    // again.
-    /// Exploring, without knowing the robot: [`Job::begin`] comes first.
-    pub const IDLE: Self = Self { driver: Driver::Pilot(Pilot::BLANK), known: None, notes: Notes::NEW };
-    const CLEANING: Self = Self { driver: Driver::Cleaning(Cleaning::BLANK), known: None, notes: Notes::NEW };
+    /// At nothing: it stands until it is told to explore or to clean.
+    pub fn idle() -> Self {
+        Self { driver: Driver::Nobody, bearings: Bearings::new(), known: None, notes: Notes::NEW }
+    }
 
     /// One that explores in this manner.
     pub fn exploring(config: PilotConfig, rig: &Rig<S>) -> Self {
-        let mut job = Self::IDLE;
-        if let Driver::Pilot(pilot) = &mut job.driver {
-            pilot.prepare(config, rig);
-        }
+        let mut job = Self::idle();
+        job.begin_to_explore(config, rig);
         job
     }
 
     /// One that cleans in this manner.
     pub fn cleaning(config: FloorConfig, rig: &Rig<S>) -> Self {
-        let mut job = Self::CLEANING;
-        if let Driver::Cleaning(cleaning) = &mut job.driver {
-            cleaning.begin(config, rig);
-        }
+        let mut job = Self::idle();
+        job.begin_to_clean(config, rig);
         job
     }
 
-    /// Begins to explore with a robot like this one.
-    pub fn begin(&mut self, rig: &Rig<S>) {
-        let notes = self.notes.clone();
-        *self = Self::IDLE;
-        self.notes = notes;
+    fn begin_to_explore(&mut self, config: PilotConfig, rig: &Rig<S>) {
+        self.known = None;
+        self.driver = Driver::Pilot(const { ManuallyDrop::new(Pilot::BLANK) });
         if let Driver::Pilot(pilot) = &mut self.driver {
-            pilot.prepare(PilotConfig::DEFAULT, rig);
+            pilot.prepare(config, rig);
         }
     }
 
-    /// Explores: on with it, or from here where it cleaned.
+    // Its variables are on the stack only while it runs, not beside those of a step.
+    #[inline(never)]
+    fn begin_to_clean(&mut self, config: FloorConfig, rig: &Rig<S>) {
+        self.known = None;
+        self.bearings = Bearings::new();
+        self.driver = Driver::Floor(const { ManuallyDrop::new(FloorJob::BLANK) });
+        if let Driver::Floor(job) = &mut self.driver {
+            job.prepare(config, Beam::of_rig(rig));
+        }
+    }
+
+    /// Explores: on with it, or from here where it did not.
     pub fn explore(&mut self, rig: &Rig<S>) {
-        if matches!(self.driver, Driver::Cleaning(_)) {
-            self.begin(rig);
+        if !matches!(self.driver, Driver::Pilot(_)) {
+            self.begin_to_explore(PilotConfig::DEFAULT, rig);
         }
     }
 
-    /// Cleans: on with the floor that is left, or all of it anew from here, where that is wanted, it explored, or it was done.
+    /// Cleans: on with the floor that is left, or all of it anew from here, where that is wanted, it did not clean, or it was done.
     pub fn clean(&mut self, rig: &Rig<S>, anew: bool) {
         match &mut self.driver {
-            Driver::Cleaning(cleaning) if !(anew || cleaning.is_over()) => cleaning.resume(),
-            _ => {
-                let notes = self.notes.clone();
-                *self = Self::CLEANING;
-                self.notes = notes;
-                if let Driver::Cleaning(cleaning) = &mut self.driver {
-                    cleaning.begin(FloorConfig::DEFAULT, rig);
-                }
-            }
+            Driver::Floor(job) if !(anew || job.is_over()) => job.resume(),
+            _ => self.begin_to_clean(FloorConfig::DEFAULT, rig),
         }
     }
 
     /// Stands until it is told to go on.
     pub fn pause(&mut self) {
-        if let Driver::Cleaning(cleaning) = &mut self.driver {
-            cleaning.pause();
+        if let Driver::Floor(job) = &mut self.driver {
+            job.pause();
         }
     }
 
     /// Writes down a piece of what is to be known of the floor after a reset, in the kept map of this number: in every step, all of it
     /// in three seconds. A job that is over, or that goes by a map that is not there then, leaves nothing.
     pub fn note(&mut self, map: Option<u32>, memory: &mut impl LastingMemory) {
-        let Driver::Cleaning(cleaning) = &mut self.driver else { return };
-        match map.filter(|_| cleaning.is_worth_noting()) {
+        let Driver::Floor(job) = &mut self.driver else { return };
+        match map.filter(|_| self.bearings.is_worth_noting(job)) {
             Some(map) => {
-                cleaning.note(map, &mut self.notes, memory);
+                job.note(map, &mut self.notes, memory);
             }
             None => self.notes.wipe(memory),
         }
@@ -155,7 +160,7 @@ impl<const S: usize> Job<S> {
     pub fn saved(&mut self, map: u32) -> Option<[u8; FLOOR_RECORD_BYTES]> {
         let mut memory = [0; FLOOR_RECORD_BYTES];
         match &mut self.driver {
-            Driver::Cleaning(cleaning) if cleaning.is_worth_noting() => cleaning.save(map, &mut memory),
+            Driver::Floor(job) if self.bearings.is_worth_noting(job) => job.save(map, &mut memory),
             _ => return None,
         }
         Some(memory)
@@ -166,39 +171,41 @@ impl<const S: usize> Job<S> {
     /// # Errors
     /// The memory has no floor job in that map: all of the floor is left.
     pub fn restore(&mut self, map: u32, memory: &impl LastingMemory) -> Result<(), FloorRecordError> {
-        match &mut self.driver {
-            Driver::Pilot(_) => Ok(()),
-            Driver::Cleaning(cleaning) => cleaning.restore(map, memory),
+        if let Driver::Floor(job) = &mut self.driver {
+            job.restore(map, memory)?;
+            self.bearings.go_by_own_map();
         }
+        Ok(())
     }
 
     /// What the pilot is doing; none where it cleans.
     pub fn activity(&self) -> Option<Activity> {
         match &self.driver {
             Driver::Pilot(pilot) => Some(pilot.activity()),
-            Driver::Cleaning(_) => None,
+            _ => None,
         }
     }
 
     /// What it is doing, in a word or two.
     pub fn doing(&self) -> &'static str {
         match &self.driver {
+            Driver::Nobody => "idle",
             Driver::Pilot(pilot) => pilot.activity().name(),
-            Driver::Cleaning(cleaning) => cleaning.progress().state.name(),
+            Driver::Floor(job) => job.state().name(),
         }
     }
 
     /// How far it is with the floor; none where it explores.
     pub fn floor(&self) -> Option<FloorProgress> {
         match &self.driver {
-            Driver::Pilot(_) => None,
-            Driver::Cleaning(cleaning) => Some(cleaning.progress()),
+            Driver::Floor(job) => Some(job.progress()),
+            _ => None,
         }
     }
 
     /// Whether there is nothing left to do.
     pub fn is_over(&self) -> bool {
-        matches!(&self.driver, Driver::Cleaning(cleaning) if cleaning.is_over())
+        matches!(&self.driver, Driver::Floor(job) if job.is_over())
     }
 
     /// The wheel speeds until the next step.
@@ -206,13 +213,14 @@ impl<const S: usize> Job<S> {
         let now = (whereabouts.world, whereabouts.redrawn, whereabouts.is_located);
         let is_elsewhere = self.known.replace(now).is_some_and(|before| before != now);
         match &mut self.driver {
+            Driver::Nobody => WheelSpeeds::STOP,
             Driver::Pilot(pilot) => {
                 if is_elsewhere {
                     pilot.forget();
                 }
                 pilot.step(senses)
             }
-            Driver::Cleaning(cleaning) => cleaning.step(senses, whereabouts),
+            Driver::Floor(job) => self.bearings.step(job, senses, whereabouts),
         }
     }
 }
@@ -222,7 +230,7 @@ mod tests {
     use super::*;
     use crate::condition::Condition;
     use crate::contact::Contacts;
-    use crate::floor::{FloorJob, FloorState};
+    use crate::floor::FloorState;
     use crate::rig::default_rig;
 
     const HERE: Whereabouts = Whereabouts { grid_rad: Some(0.0), ..Whereabouts::START };
@@ -235,9 +243,7 @@ mod tests {
 
     impl Robot {
         fn new() -> Self {
-            let mut job = Job::IDLE;
-            job.begin(&default_rig());
-            Self { job, time_us: 0 }
+            Self { job: Job::exploring(PilotConfig::DEFAULT, &default_rig()), time_us: 0 }
         }
 
         fn step(&mut self, whereabouts: &Whereabouts) -> WheelSpeeds {

@@ -9,7 +9,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
-mod cleaning;
+mod bearings;
 pub mod condition;
 pub mod contact;
 pub mod floor;

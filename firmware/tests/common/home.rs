@@ -195,8 +195,8 @@ impl Home {
         let mut backup = self.backup.borrow_mut();
         let mut pose_backup = self.pose_backup.borrow_mut();
         let mut keeper = Keeper::start(&mut *flash, &slam);
-        let mut job = Job::IDLE;
-        job.begin(&robot.rig());
+        let mut job = Job::idle();
+        job.explore(&robot.rig());
         let (mut encoders, mut motors, pins) = (self.board.encoders(), self.board.motors(), self.board.contacts());
         let inputs = ContactPins {
             bump_left: Input(pins.bump_left),

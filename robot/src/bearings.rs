@@ -11,14 +11,13 @@
 //! own   -> own     the home was in it twice: what was swept meanwhile lies who knows where; all anew, home is where it was
 //! ```
 
-use slam_core::{Pose, Rig};
+use slam_core::Pose;
 
 use crate::condition::Condition;
-use crate::floor::{BRUSH_M, Bounds, FloorConfig, FloorJob, FloorProgress, FloorRecordError, FloorState, Notes};
+use crate::floor::{BRUSH_M, Bounds, FloorJob, FloorState};
 use crate::job::{AreaCorner, Whereabouts};
 use crate::pilot::Senses;
-use crate::pilot::beam::Beam;
-use crate::traits::{LastingMemory, WheelSpeeds};
+use crate::traits::WheelSpeeds;
 
 /// A dock that is farther than this from where the map began was moved, metres: fresh maps are off by less where they are found.
 const MOVED_M: f32 = 0.3;
@@ -32,10 +31,9 @@ enum Map {
     Fresh,
 }
 
-/// A floor job and what it knows of the map.
+/// What a floor job knows of the map. It is not one with the job, so that the program has the constant of a job that begins once, whoever begins it.
 #[derive(Clone, Debug)]
-pub(crate) struct Cleaning<const S: usize> {
-    job: FloorJob<S>,
+pub(crate) struct Bearings {
     /// By which map it goes, since the first step.
     map: Option<Map>,
     world: Option<u32>,
@@ -53,74 +51,49 @@ pub(crate) struct Cleaning<const S: usize> {
     next_corner: u8,
 }
 
-impl<const S: usize> Cleaning<S> {
-    /// Of no robot: to be begun.
-    pub(crate) const BLANK: Self = Self {
-        job: FloorJob::BLANK,
-        map: None,
-        world: None,
-        redrawn: None,
-        searched_m: 0.0,
-        is_carried: false,
-        last: None,
-        started: Pose::ORIGIN,
-        bounds: Bounds::NONE,
-        next_corner: 0,
-    };
-
-    pub(crate) fn begin(&mut self, config: FloorConfig, rig: &Rig<S>) {
-        self.job.prepare(config, Beam::of_rig(rig));
+impl Bearings {
+    /// Before the first step.
+    pub(crate) fn new() -> Self {
+        Self {
+            map: None,
+            world: None,
+            redrawn: None,
+            searched_m: 0.0,
+            is_carried: false,
+            last: None,
+            started: Pose::ORIGIN,
+            bounds: Bounds::NONE,
+            next_corner: 0,
+        }
     }
 
-    pub(crate) fn pause(&mut self) {
-        self.job.pause();
+    /// Whether something is to be known of the job after a reset: it is not over, and goes by a map that is there then.
+    pub(crate) fn is_worth_noting<const S: usize>(&self, job: &FloorJob<S>) -> bool {
+        self.map == Some(Map::Own) && !job.is_over()
     }
 
-    pub(crate) fn resume(&mut self) {
-        self.job.resume();
-    }
-
-    pub(crate) fn is_over(&self) -> bool {
-        self.job.is_over()
-    }
-
-    pub(crate) fn progress(&self) -> FloorProgress {
-        self.job.progress()
-    }
-
-    /// Whether something is to be known after a reset: it is not over, and goes by a map that is there then.
-    pub(crate) fn is_worth_noting(&self) -> bool {
-        self.map == Some(Map::Own) && !self.is_over()
-    }
-
-    /// Writes down a piece of what is to be known after a reset; true where that was the last one.
-    pub(crate) fn note(&mut self, map: u32, notes: &mut Notes, memory: &mut impl LastingMemory) -> bool {
-        self.job.note(map, notes, memory)
-    }
-
-    /// Writes down all of it.
-    pub(crate) fn save(&mut self, map: u32, memory: &mut impl LastingMemory) {
-        self.job.save(map, memory);
-    }
-
-    /// One about to begin becomes the one that was saved.
-    pub(crate) fn restore(&mut self, map: u32, memory: &impl LastingMemory) -> Result<(), FloorRecordError> {
-        self.job.restore(map, memory)?;
+    /// The job about to begin is the one that was saved.
+    pub(crate) fn go_by_own_map(&mut self) {
         self.map = Some(Map::Own);
-        Ok(())
     }
 
-    pub(crate) fn step(&mut self, senses: &Senses<S>, whereabouts: &Whereabouts) -> WheelSpeeds {
+    /// Has the job make its step, by the map that is the right one now.
+    pub(crate) fn step<const S: usize>(
+        &mut self,
+        job: &mut FloorJob<S>,
+        senses: &Senses<S>,
+        whereabouts: &Whereabouts,
+    ) -> WheelSpeeds {
         let Whereabouts { is_located, grid_rad, corner, .. } = *whereabouts;
         self.search(senses, whereabouts);
-        let map = self.choose_map(senses, whereabouts);
+        let map = self.choose_map(job, senses, whereabouts);
         let is_lost = !is_located && map == Map::Own;
         let knows_areas = self.hear_areas(corner) && is_located;
         let bounds = if knows_areas { &self.bounds } else { &Bounds::NONE };
         let condition = Condition { is_lost, ..senses.condition };
-        let speeds = self.job.step_within(&Senses { condition, ..*senses }, bounds);
+        let speeds = job.step_within(&Senses { condition, ..*senses }, bounds);
         if let Some(grid_rad) = grid_rad.filter(|_| is_located || map == Map::Fresh) {
-            self.job.align(grid_rad);
+            job.align(grid_rad);
         }
         speeds
     }
@@ -137,7 +110,7 @@ impl<const S: usize> Cleaning<S> {
     }
 
     /// Counts how far it looked for itself.
-    fn search(&mut self, senses: &Senses<S>, whereabouts: &Whereabouts) {
+    fn search<const S: usize>(&mut self, senses: &Senses<S>, whereabouts: &Whereabouts) {
         let reckoned = whereabouts.reckoned;
         let [_, last] = self.last.unwrap_or([reckoned; 2]);
         let moved_m = slam_core::pose::length(reckoned.x_m - last.x_m, reckoned.y_m - last.y_m);
@@ -150,7 +123,12 @@ impl<const S: usize> Cleaning<S> {
     }
 
     /// By which map it goes from now on. It begins anew where nothing is any more where it was.
-    fn choose_map(&mut self, senses: &Senses<S>, whereabouts: &Whereabouts) -> Map {
+    fn choose_map<const S: usize>(
+        &mut self,
+        job: &mut FloorJob<S>,
+        senses: &Senses<S>,
+        whereabouts: &Whereabouts,
+    ) -> Map {
         let Whereabouts { world, redrawn, is_located, start, reckoned, .. } = *whereabouts;
         let is_elsewhere = self.world.replace(world).is_some_and(|before| before != world);
         let is_redrawn = self.redrawn.replace(redrawn).is_some_and(|before| before != redrawn);
@@ -161,21 +139,21 @@ impl<const S: usize> Cleaning<S> {
                 let now_in_fresh = pose.compose(&before.inverse().compose(&reckoned));
                 let in_map = |fresh: Pose| senses.pose.compose(&now_in_fresh.inverse().compose(&fresh));
                 let is_far = |at: &Pose| slam_core::pose::length(at.x_m - start.x_m, at.y_m - start.y_m) > MOVED_M;
-                let moved = self.job.began_in_dock().map(in_map).filter(is_far);
-                self.job.go_on_in(&now_in_fresh, &senses.pose);
-                self.job.go_home_to(moved.unwrap_or(start));
+                let moved = job.began_in_dock().map(in_map).filter(is_far);
+                job.go_on_in(&now_in_fresh, &senses.pose);
+                job.go_home_to(moved.unwrap_or(start));
             }
-            (Some(Map::Fresh), _) if senses.contacts.lifted => self.begin_anew(None),
-            (Some(Map::Own), _) if !is_located && self.is_worth_less_than_the_search() => {
-                self.begin_anew(self.job.home().filter(|_| !self.is_carried));
+            (Some(Map::Fresh), _) if senses.contacts.lifted => self.begin_anew(job, None),
+            (Some(Map::Own), _) if !is_located && self.is_worth_less_than_the_search(job) => {
+                self.begin_anew(job, job.home().filter(|_| !self.is_carried));
             }
-            _ if is_elsewhere => self.begin_anew(None),
+            _ if is_elsewhere => self.begin_anew(job, None),
             (Some(map), _) => {
                 if is_redrawn {
-                    self.begin_anew(self.job.home());
+                    self.begin_anew(job, job.home());
                 }
                 if map == Map::Own && is_located {
-                    self.follow_start(start);
+                    self.follow_start(job, start);
                 }
                 return map;
             }
@@ -187,34 +165,34 @@ impl<const S: usize> Cleaning<S> {
     }
 
     /// A map holds its walls where they were drawn: what moves, where it knows them better, is where it started, and home with that.
-    fn follow_start(&mut self, start: Pose) {
+    fn follow_start<const S: usize>(&mut self, job: &mut FloorJob<S>, start: Pose) {
         let before = core::mem::replace(&mut self.started, start);
         let is_near = |home: &Pose| slam_core::pose::length(home.x_m - before.x_m, home.y_m - before.y_m) < MOVED_M;
         if before != start
-            && let Some(home) = self.job.home().filter(is_near)
+            && let Some(home) = job.home().filter(is_near)
         {
-            self.job.go_home_to(start.compose(&before.inverse()).compose(&home));
+            job.go_home_to(start.compose(&before.inverse()).compose(&home));
         }
     }
 
     /// Whether it could have swept again what it knows on the path on which it looked for itself.
-    fn is_worth_less_than_the_search(&self) -> bool {
-        self.job.progress().swept_m2 < BRUSH_M * self.searched_m
+    fn is_worth_less_than_the_search<const S: usize>(&self, job: &FloorJob<S>) -> bool {
+        job.progress().swept_m2 < BRUSH_M * self.searched_m
     }
 
     /// Begins anew, with home, and the dock if it is there, where it was; none: here.
-    fn begin_anew(&mut self, home: Option<Pose>) {
-        let has_dock = self.job.began_in_dock().is_some();
-        match self.job.state() {
+    fn begin_anew<const S: usize>(&mut self, job: &mut FloorJob<S>, home: Option<Pose>) {
+        let has_dock = job.began_in_dock().is_some();
+        match job.state() {
             FloorState::Done | FloorState::Unreached | FloorState::Flat | FloorState::Away => {}
             FloorState::Paused => {
-                self.job.begin_anew();
-                self.job.pause();
+                job.begin_anew();
+                job.pause();
             }
-            _ => self.job.begin_anew(),
+            _ => job.begin_anew(),
         }
         if let Some(home) = home {
-            self.job.take_home(home, has_dock);
+            job.take_home(home, has_dock);
         }
         self.searched_m = 0.0;
         (self.bounds, self.next_corner) = (Bounds::NONE, 0);
@@ -225,12 +203,13 @@ impl<const S: usize> Cleaning<S> {
 mod tests {
     use super::*;
     use crate::contact::Contacts;
-    use crate::floor::{AreaKind, FloorState};
+    use crate::floor::{AreaKind, FloorConfig, FloorState};
     use crate::rig::default_rig;
 
     /// A robot that comes on by 5 cm a step along its wheels' x axis, in a map whose origin lies somewhere in theirs.
     struct Robot {
-        cleaning: Cleaning<8>,
+        job: FloorJob<8>,
+        bearings: Bearings,
         steps: u32,
         map: Pose,
         contacts: Contacts,
@@ -238,9 +217,8 @@ mod tests {
 
     impl Robot {
         fn new() -> Self {
-            let mut cleaning = Cleaning::BLANK;
-            cleaning.begin(FloorConfig::DEFAULT, &default_rig());
-            Self { cleaning, steps: 0, map: Pose::ORIGIN, contacts: Contacts::default() }
+            let job = FloorJob::new(FloorConfig::DEFAULT, &default_rig());
+            Self { job, bearings: Bearings::new(), steps: 0, map: Pose::ORIGIN, contacts: Contacts::default() }
         }
 
         fn step(&mut self, whereabouts: &Whereabouts) -> FloorState {
@@ -253,12 +231,12 @@ mod tests {
                 contacts: self.contacts,
                 condition: Condition::default(),
             };
-            self.cleaning.step(&senses, &Whereabouts { reckoned, ..*whereabouts });
-            self.cleaning.progress().state
+            self.bearings.step(&mut self.job, &senses, &Whereabouts { reckoned, ..*whereabouts });
+            self.job.state()
         }
 
         fn swept_m2(&self) -> f32 {
-            self.cleaning.progress().swept_m2
+            self.job.progress().swept_m2
         }
     }
 
@@ -315,15 +293,16 @@ mod tests {
         let mut robot = Robot::new();
         let mut bytes = [0; crate::FLOOR_RECORD_BYTES];
         robot.step(&LOST);
-        assert!(!robot.cleaning.is_worth_noting(), "a fresh map is not there after a reset");
+        assert!(!robot.bearings.is_worth_noting(&robot.job), "a fresh map is not there after a reset");
         let mut robot = Robot::new();
         (0..100).for_each(|_| {
             robot.step(&FOUND);
         });
-        assert!(robot.cleaning.is_worth_noting());
-        robot.cleaning.save(3, &mut bytes);
+        assert!(robot.bearings.is_worth_noting(&robot.job));
+        robot.job.save(3, &mut bytes);
         let mut again = Robot::new();
-        again.cleaning.restore(3, &bytes).unwrap();
+        again.job.restore(3, &bytes).unwrap();
+        again.bearings.go_by_own_map();
         assert_eq!(again.step(&LOST), FloorState::Lost);
         assert_ne!(again.step(&FOUND), FloorState::Lost);
         assert!((again.swept_m2() - robot.swept_m2()).abs() < 0.1);
@@ -335,9 +314,9 @@ mod tests {
         (0..20).for_each(|_| {
             robot.step(&FOUND);
         });
-        let before_m2 = robot.cleaning.progress().swept_m2;
+        let before_m2 = robot.swept_m2();
         robot.step(&Whereabouts { world: 1, ..FOUND });
-        assert!(robot.cleaning.progress().swept_m2 < before_m2);
+        assert!(robot.swept_m2() < before_m2);
     }
 
     #[test]
@@ -350,13 +329,13 @@ mod tests {
             is_first: index == 0,
             at_m: corners[usize::from(index)],
         };
-        let mut cleaning = Robot::new().cleaning;
-        assert!(cleaning.hear_areas(None), "there are none");
-        let known = [1, 0, 0, 2, 1, 2].map(|index| cleaning.hear_areas(Some(corner(index))));
+        let mut bearings = Bearings::new();
+        assert!(bearings.hear_areas(None), "there are none");
+        let known = [1, 0, 0, 2, 1, 2].map(|index| bearings.hear_areas(Some(corner(index))));
         assert_eq!(known, [false, false, false, false, false, true]);
         let mut whole = Bounds::NONE;
         whole.add(AreaKind::KeepOut, &corners).unwrap();
-        assert_eq!(cleaning.bounds, whole);
+        assert_eq!(bearings.bounds, whole);
     }
 
     #[test]
@@ -365,18 +344,18 @@ mod tests {
         robot.step(&FOUND);
         let start = Pose::new(0.2, -0.1, 0.05);
         robot.step(&Whereabouts { start, ..FOUND });
-        let home = robot.cleaning.job.home().expect("a home");
+        let home = robot.job.home().expect("a home");
         let off_m = slam_core::pose::length(home.x_m - start.x_m, home.y_m - start.y_m);
         assert!(off_m < 0.06, "{home:?}: a step from it");
         // In another frame than its own map's nothing moves it.
         robot.step(&Whereabouts { start: Pose::new(5.0, 5.0, 0.0), ..LOST });
-        assert_eq!(robot.cleaning.job.home(), Some(home));
+        assert_eq!(robot.job.home(), Some(home));
         robot.step(&Whereabouts { start, ..FOUND });
-        assert_eq!(robot.cleaning.job.home(), Some(home));
+        assert_eq!(robot.job.home(), Some(home));
         // A robot that somebody set down elsewhere goes home to there.
         let there = Pose::new(3.0, 2.0, 1.0);
-        robot.cleaning.job.go_home_to(there);
+        robot.job.go_home_to(there);
         robot.step(&FOUND);
-        assert_eq!(robot.cleaning.job.home(), Some(there));
+        assert_eq!(robot.job.home(), Some(there));
     }
 }
