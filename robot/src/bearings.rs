@@ -98,13 +98,15 @@ impl Bearings {
         speeds
     }
 
-    /// Takes in the next corner of an area; whether all are known.
+    /// Takes in the next corner of an area, or where the map has one now that was told before; whether all are known.
     fn hear_areas(&mut self, corner: Option<AreaCorner>) -> bool {
         let Some(AreaCorner { index, of, kind, is_first, at_m }) = corner else { return true };
         if index == self.next_corner {
             // A kept map has no more areas than there is room for.
             let _ = self.bounds.add_corner(kind, is_first, at_m);
             self.next_corner += 1;
+        } else {
+            self.bounds.move_corner(index, at_m);
         }
         self.next_corner >= of
     }
@@ -322,13 +324,14 @@ mod tests {
     #[test]
     fn areas_count_when_all_their_corners_are_known() {
         let corners = [[1.0, 1.0], [2.0, 1.0], [2.0, 2.0]];
-        let corner = |index: u8| AreaCorner {
+        let corner_at = |index: u8, at_m: [f32; 2]| AreaCorner {
             index,
             of: 3,
             kind: AreaKind::KeepOut,
             is_first: index == 0,
-            at_m: corners[usize::from(index)],
+            at_m,
         };
+        let corner = |index: u8| corner_at(index, corners[usize::from(index)]);
         let mut bearings = Bearings::new();
         assert!(bearings.hear_areas(None), "there are none");
         let known = [1, 0, 0, 2, 1, 2].map(|index| bearings.hear_areas(Some(corner(index))));
@@ -336,6 +339,10 @@ mod tests {
         let mut whole = Bounds::NONE;
         whole.add(AreaKind::KeepOut, &corners).unwrap();
         assert_eq!(bearings.bounds, whole);
+        // The map moved where the area is.
+        assert!(bearings.hear_areas(Some(corner_at(2, [2.1, 2.2]))));
+        let area = bearings.bounds.areas(AreaKind::KeepOut).next();
+        assert_eq!(area, Some(&[[1.0, 1.0], [2.0, 1.0], [2.1, 2.2]][..]));
     }
 
     #[test]

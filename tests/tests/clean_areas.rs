@@ -31,12 +31,14 @@ fn assert_swept(drive: &FloorDrive, what: &str) {
     assert_eq!((drive.progress.state, drive.progress.missed), (FloorState::Done, 0), "{what}");
     // What is off by a decimetre is the map of rooms that were hardly seen.
     assert!(drive.score.swept > 0.9, "{what}: {} of the area", drive.score.swept);
+    assert!(drive.score.largest_hole_m2 < 0.4, "{what}: a hole of {} m2", drive.score.largest_hole_m2);
     assert!(drive.score.home_m < 0.2, "{what}: {} m from where it started", drive.score.home_m);
 }
 
+/// With these seeds the map turns by 3 to 5 degrees about the start in the first twenty seconds.
 #[test]
 fn an_area_behind_one_door_or_two_is_found_and_swept() {
-    for seed in 1..=3 {
+    for seed in [8, 17, 39] {
         for area in [SECOND, THIRD, [5.0, 1.0, 9.0, 3.5]] {
             assert_swept(&job(&format!("{ROW}{OPEN}"), &[area], seed), &format!("{area:?}, seed {seed}"));
         }

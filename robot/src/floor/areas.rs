@@ -118,13 +118,13 @@ pub(super) fn within_picture(cell: Cell) -> Cell {
 impl<const S: usize> FloorJob<S> {
     /// Takes in where the robot is among the areas, and draws them into the next cells of the picture.
     pub(super) fn mind_areas(&mut self, pose: &Pose, bounds: &Bounds) {
-        self.areas.is_elsewhere = !bounds.is_to_clean([pose.x_m, pose.y_m]);
+        let all = bounds.areas(AreaKind::Clean).enumerate().fold(0, |all, (index, _)| all | bit(index));
+        self.areas.is_elsewhere = all != 0 && areas_at(bounds, [pose.x_m, pose.y_m]) == 0;
         if bounds.is_empty() || self.is_over() {
             return;
         }
         let brush_m = [-BESIDE_M, 0.0, BESIDE_M].map(|left_m| pose.transform([0.0, left_m]));
         brush_m.iter().for_each(|at_m| self.areas.reached |= areas_at(bounds, *at_m));
-        let all = bounds.areas(AreaKind::Clean).enumerate().fold(0, |all, (index, _)| all | bit(index));
         self.areas.is_any = all != 0;
         let missed = all & !self.areas.reached;
         if core::mem::replace(&mut self.areas.missed, missed) != missed {
@@ -135,7 +135,8 @@ impl<const S: usize> FloorJob<S> {
         self.mark_areas(bounds);
     }
 
-    /// Draws the areas into the next cells of the picture: blocked where it must not go, swept where it need not clean.
+    /// Draws the areas into the next cells of the picture: blocked where it must not go, left out where it need not clean. Where the map moves
+    /// them, what was left out is to be cleaned, and what was swept stays so.
     fn mark_areas(&mut self, bounds: &Bounds) {
         let origin = self.frame.origin();
         let (s, c) = slam_core::angle::sin_cos(origin.theta_rad);
@@ -150,14 +151,17 @@ impl<const S: usize> FloorJob<S> {
             if quarters_m.iter().any(|at_m| bounds.is_out(*at_m)) {
                 self.sheet.picture.block(cell);
             }
-            let at_m = on_map(self.sheet.picture.centre_m(cell));
             let is_towards = beyond.iter().any(|beyond| cell.moves_to(*beyond) <= TOWARDS);
             // What an edge of an area goes through is to be cleaned, too.
-            if is_towards || !quarters_m.iter().any(|at_m| bounds.is_to_clean(*at_m)) {
-                self.sheet.swept.set(cell, !is_towards);
-            } else if self.areas.left > 0 && self.sheet.swept.left_in(cell) == 0 && self.sheet.picture.is_free(cell) {
+            let is_to_clean = !self.areas.is_any || quarters_m.iter().any(|at_m| areas_at(bounds, *at_m) != 0);
+            let is_left = self.sheet.swept.left_in(cell) > 0;
+            if is_towards || is_to_clean && self.sheet.swept.is_left_out(cell) {
+                self.sheet.swept.set(cell, false);
+            } else if !is_to_clean && is_left {
+                self.sheet.swept.leave_out(cell);
+            } else if is_to_clean && !is_left && self.areas.left > 0 && self.sheet.picture.is_free(cell) {
                 // It was there before it knew of the areas.
-                self.areas.reached |= areas_at(bounds, at_m);
+                self.areas.reached |= areas_at(bounds, on_map(self.sheet.picture.centre_m(cell)));
             }
         }
         self.areas.left = self.areas.left.saturating_sub(MARKED);
@@ -266,6 +270,20 @@ mod tests {
         job.sheet.swept.set(cell, true);
         draw(&mut job, &there);
         assert_eq!(job.areas.missed, 0);
+    }
+
+    #[test]
+    fn areas_that_the_map_moves_are_drawn_where_they_are_and_what_was_swept_stays() {
+        let mut job = job();
+        let cell = |job: &FloorJob<8>, x_m: f32| job.sheet.picture.cell_at(x_m, 0.0);
+        let [before, both, after] = [1.3, 2.0, 3.3].map(|x_m| cell(&job, x_m));
+        draw(&mut job, &square(1.0, -1.0));
+        assert_eq!([before, both, after].map(|cell| job.sheet.swept.left_in(cell)), [4, 4, 0]);
+        job.sheet.swept.set(before, true);
+        draw(&mut job, &square(1.6, -1.0));
+        assert_eq!([before, both, after].map(|cell| job.sheet.swept.left_in(cell)), [0, 4, 4]);
+        draw(&mut job, &square(1.0, -1.0));
+        assert_eq!([before, both, after].map(|cell| job.sheet.swept.left_in(cell)), [0, 4, 0]);
     }
 
     #[test]

@@ -86,6 +86,13 @@ impl Bounds {
         Ok(())
     }
 
+    /// The corner of this number, of those that there are, is there, metres.
+    pub fn move_corner(&mut self, index: u8, at_m: [f32; 2]) {
+        if let Some(corner) = self.corners.get_mut(usize::from(index)) {
+            *corner = at_m;
+        }
+    }
+
     /// The same areas in the frame whose origin is this pose.
     pub fn seen_from(&self, origin: &Pose) -> Self {
         let back = origin.inverse();

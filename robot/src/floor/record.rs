@@ -54,7 +54,7 @@ impl core::fmt::Display for FloorRecordError {
 
 impl core::error::Error for FloorRecordError {}
 
-/// Of the sixteen ways in which the quarters of a free cell are swept or not, the two where only opposite corners are lose one, so
+/// Of the sixteen ways in which the quarters of a free cell are swept or not, the two where only opposite corners are count as none, so
 /// that a cell fits in four bits with two more for what is unknown and what stands there.
 const SWEPT: [u8; 14] = [0, 1, 2, 3, 4, 5, 7, 8, 10, 11, 12, 13, 14, 15];
 const UNKNOWN: u8 = 14;
@@ -68,11 +68,7 @@ impl Sheet {
         if !self.picture.is_free(cell) {
             return UNKNOWN;
         }
-        let swept = match self.swept.of(cell) {
-            6 => 2,
-            9 => 1,
-            swept => swept,
-        };
+        let swept = self.swept.of(cell);
         SWEPT.iter().position(|kept| *kept == swept).unwrap_or(0) as u8
     }
 

@@ -28,6 +28,8 @@ impl Quarter {
 
 /// All quarters of a cell.
 const WHOLE: u8 = 0xF;
+/// What stands for a cell that need not be swept: two opposite quarters alone, for between them the brush was, too.
+const LEFT_OUT: u8 = 0b1001;
 
 /// Which floor was swept, or was given up.
 #[derive(Clone, Debug)]
@@ -54,20 +56,38 @@ impl Swept {
         Some([stored::<CELLS>(cell.row, self.origin[1])?, stored::<CELLS>(cell.col, self.origin[0])?])
     }
 
-    /// The swept quarters of a cell, a bit each; all of them outside the picture.
-    pub(super) fn of(&self, cell: Cell) -> u8 {
+    fn kept_of(&self, cell: Cell) -> u8 {
         let Some([row, col]) = self.stored_at(cell) else { return WHOLE };
         let both = self.cells.get(row).and_then(|row| row.get(col / 2)).copied().unwrap_or(0xFF);
         (both >> (4 * (col % 2))) & WHOLE
     }
 
-    /// Says which quarters of a cell are swept, a bit each.
-    pub(super) fn put(&mut self, cell: Cell, quarters: u8) {
+    fn keep(&mut self, cell: Cell, quarters: u8) {
         let Some([row, col]) = self.stored_at(cell) else { return };
         if let Some(both) = self.cells.get_mut(row).and_then(|row| row.get_mut(col / 2)) {
             let shift = 4 * (col % 2);
             *both = (*both & !(WHOLE << shift)) | (quarters << shift);
         }
+    }
+
+    /// The swept quarters of a cell, a bit each; all of them outside the picture, and where it need not be swept.
+    pub(super) fn of(&self, cell: Cell) -> u8 {
+        if self.is_left_out(cell) { WHOLE } else { self.kept_of(cell) }
+    }
+
+    /// Says which quarters of a cell are swept, a bit each.
+    pub(super) fn put(&mut self, cell: Cell, quarters: u8) {
+        self.keep(cell, if quarters == LEFT_OUT { quarters | 2 } else { quarters });
+    }
+
+    /// A cell need not be swept.
+    pub(super) fn leave_out(&mut self, cell: Cell) {
+        self.keep(cell, LEFT_OUT);
+    }
+
+    /// Whether a cell need not be swept.
+    pub(super) fn is_left_out(&self, cell: Cell) -> bool {
+        self.kept_of(cell) == LEFT_OUT
     }
 
     /// Whether this quarter was swept; one outside the picture counts as swept.
@@ -77,9 +97,11 @@ impl Swept {
 
     /// Marks a quarter as swept; whether it was not before.
     pub(super) fn sweep(&mut self, quarter: Quarter) -> bool {
-        let before = self.of(quarter.cell());
-        self.put(quarter.cell(), before | quarter.bit());
-        before & quarter.bit() == 0
+        let is_new = !self.is_swept(quarter);
+        if is_new {
+            self.put(quarter.cell(), self.of(quarter.cell()) | quarter.bit());
+        }
+        is_new
     }
 
     /// Marks a quarter as not swept; whether it was.
@@ -124,6 +146,18 @@ mod tests {
         assert!(swept.is_swept(moved) && !swept.is_swept(quarter));
         swept.shift(-3, 2);
         assert!(swept.is_swept(quarter) && !swept.is_swept(moved));
+    }
+
+    #[test]
+    fn a_cell_that_is_left_out_counts_as_swept_and_stays_left_out_under_the_brush() {
+        let mut swept = Swept::new();
+        let [one, opposite] = [Quarter { col: 20, row: 10 }, Quarter { col: 21, row: 11 }];
+        swept.leave_out(one.cell());
+        assert_eq!((swept.left_in(one.cell()), swept.sweep(one)), (0, false));
+        assert!(swept.is_left_out(one.cell()));
+        swept.set(one.cell(), false);
+        assert!(swept.sweep(one) && swept.sweep(opposite) && !swept.is_left_out(one.cell()));
+        assert!(swept.is_swept(one) && swept.is_swept(opposite));
     }
 
     #[test]
