@@ -49,7 +49,8 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
                 *last_m = reading.range_m.unwrap_or(before_m);
                 before_m
             });
-            if let Some(hit) = hit(&robot, (slam.gain(number), last_m), number as u8, sensor, reading) {
+            let known = Known { gain: slam.gain(number), last_m, output_level: slam.output_level() };
+            if let Some(hit) = hit(&robot, &known, number as u8, sensor, reading) {
                 self.hit(&hit);
             }
         }
@@ -96,10 +97,20 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     }
 }
 
+/// What is known of a sensor.
+pub(crate) struct Known {
+    /// Its gain.
+    pub gain: f32,
+    /// What it read last, metres.
+    pub last_m: f32,
+    /// Factor of the variance of its output, where it is an analogue one.
+    pub output_level: f32,
+}
+
 /// What a reading ended on, seen from the robot; none where it ended on nothing.
 pub(crate) fn hit(
     robot: &Frame,
-    (gain, last_m): (f32, f32),
+    &Known { gain, last_m, output_level }: &Known,
     number: u8,
     sensor: &RangeSensor,
     reading: &ReadingReport,
@@ -115,7 +126,7 @@ pub(crate) fn hit(
         (Outcome::Updated { noise_m2, .. }, RangeModel::Sharp { .. }) => (noise_m2, 1.0),
         _ => {
             let about_m = expected_m(sensor, reading, last_m)?;
-            let (variance_m2, alike) = noise(&sensor.model, about_m);
+            let (variance_m2, alike) = noise(&sensor.model, about_m, output_level);
             if wall.is_none() && is_cut_off(sensor, gain * about_m, variance_m2) {
                 return None;
             }
@@ -145,7 +156,7 @@ pub(crate) fn expected_m(sensor: &RangeSensor, reading: &ReadingReport, last_m: 
 }
 
 /// Variance of a reading at this range, m^2, and of how many it is one.
-fn noise(model: &RangeModel, range_m: f32) -> (f32, f32) {
+fn noise(model: &RangeModel, range_m: f32, output_level: f32) -> (f32, f32) {
     match *model {
         RangeModel::Metric { noise_m, noise_rel } => {
             let rel_m = noise_rel * range_m;
@@ -154,7 +165,7 @@ fn noise(model: &RangeModel, range_m: f32) -> (f32, f32) {
         RangeModel::Sharp { scale_m, exponent, noise_v } => {
             let per_volt_m = range_m * power(range_m / scale_m, -1.0 / exponent);
             let own_m = exponent * per_volt_m * noise_v;
-            (own_m * own_m + SURFACE_M * SURFACE_M, 1.0)
+            (output_level * own_m * own_m + SURFACE_M * SURFACE_M, 1.0)
         }
     }
 }

@@ -32,7 +32,7 @@ impl<const S: usize> Front<S> {
         Self {
             rig,
             sensors: vec![FrontEnd::NEW; n],
-            noise: OutputNoise::STATED,
+            noise: OutputNoise::UNKNOWN,
             encoders: Encoders::NEW,
             last_us: None,
             path: 0.0,

@@ -109,7 +109,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         latency: Latency::NONE,
         levels: NoiseLevels::STATED,
         slippage: Slippage::BELIEVED,
-        output_noise: OutputNoise::STATED,
+        output_noise: OutputNoise::UNKNOWN,
         correlation: SurfaceCorrelation::NEW,
         ekf: Ekf::IDLE,
         first: FirstEstimates::START,
@@ -178,7 +178,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.latency = Latency::NONE;
         self.levels = NoiseLevels::STATED;
         self.slippage = Slippage::BELIEVED;
-        self.output_noise = OutputNoise::STATED;
+        self.output_noise = OutputNoise::UNKNOWN;
         self.correlation = SurfaceCorrelation::NEW;
         (self.first, self.shortfall) = (FirstEstimates::START, Shortfall::NONE);
         self.map.clear(self.config.walls.frame);

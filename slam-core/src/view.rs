@@ -164,6 +164,11 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         if self.config.motion.slip == Slip::Learned { self.slippage.factor() } else { 1.0 }
     }
 
+    /// Factor of the variance of analogue outputs, as it was learned: of what the rig states.
+    pub fn output_level(&self) -> f32 {
+        self.output_noise.factor()
+    }
+
     /// Whether something holds the robot, so that its wheels turn and it stays where it is.
     pub fn is_held(&self) -> bool {
         self.holds.is_held()

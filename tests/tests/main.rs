@@ -19,6 +19,7 @@ mod jolts;
 mod last_poses;
 mod long_drive;
 mod odd_inputs;
+mod output_noise;
 mod place_page;
 mod positivity;
 mod protocol;

@@ -3,7 +3,7 @@
 use slam_core::{Mount, Outcome, Pose, RangeModel, RangeSensor, ReadingReport};
 
 use crate::frame::Frame;
-use crate::record::{expected_m, hit};
+use crate::record::{Known, expected_m, hit};
 
 fn sensor(model: RangeModel) -> RangeSensor {
     let mount = Mount { x_m: 0.06, y_m: 0.0, bearing_rad: 0.0 };
@@ -14,6 +14,23 @@ fn read(range_m: f32, outcome: Outcome) -> ReadingReport {
     ReadingReport { outcome, range_m: Some(range_m), hit_m: None }
 }
 
+fn known(gain: f32, last_m: f32, output_level: f32) -> Known {
+    Known { gain, last_m, output_level }
+}
+
+/// The first readings of a drive are of no wall yet, and tell where the start is.
+#[test]
+fn what_is_learned_of_an_output_counts_where_there_is_no_wall_yet() {
+    let sharp = sensor(RangeModel::Sharp { scale_m: 0.6, exponent: -1.16, noise_v: 0.012 });
+    let reading = ReadingReport { hit_m: Some([0.86, 0.0]), ..read(0.8, Outcome::Unexplained) };
+    let variance_m2 = |level| {
+        let seen = hit(&Frame::of(&Pose::ORIGIN), &known(1.0, 0.8, level), 0, &sharp, &reading).expect("a hit");
+        seen.variance_m2 - slam_core::SURFACE_M * slam_core::SURFACE_M
+    };
+    let ratio = variance_m2(14.0) / variance_m2(1.0);
+    assert!((ratio - 14.0).abs() < 0.01, "{ratio}");
+}
+
 /// Analogue readings of one range, short and long ones, have one variance: else they would pull their wall towards the robot.
 #[test]
 fn the_noise_of_an_analogue_reading_does_not_depend_on_the_reading() {
@@ -21,7 +38,7 @@ fn the_noise_of_an_analogue_reading_does_not_depend_on_the_reading() {
     for off_m in [-0.05, 0.0, 0.05] {
         let met = Outcome::Updated { wall: 1, innovation_m: 1.01 * off_m, variance_m2: 1e-3, noise_m2: 7e-4 };
         let reading = ReadingReport { hit_m: Some([1.26 + off_m, 0.0]), ..read(1.2 + off_m, met) };
-        let found = hit(&Frame::of(&Pose::ORIGIN), (1.01, 0.0), 0, &sharp, &reading).expect("a hit");
+        let found = hit(&Frame::of(&Pose::ORIGIN), &known(1.01, 0.0, 1.0), 0, &sharp, &reading).expect("a hit");
         assert_eq!((found.variance_m2, found.alike), (7e-4, 1.0), "as the filter took it");
         let new = read(1.2 + off_m, Outcome::Unexplained);
         assert_eq!(expected_m(&sharp, &new, 1.21), Some(1.21));
@@ -44,7 +61,7 @@ fn readings_of_no_wall_near_the_largest_range_are_not_kept() {
     let met = Outcome::Updated { wall: 1, innovation_m: 0.0, variance_m2: 1e-3, noise_m2: 7e-4 };
     let kept = |sensor: &RangeSensor, range_m: f32, outcome| {
         let reading = ReadingReport { hit_m: Some([0.06 + range_m, 0.0]), ..read(range_m, outcome) };
-        hit(&Frame::of(&Pose::ORIGIN), (1.0, range_m), 0, sensor, &reading).is_some()
+        hit(&Frame::of(&Pose::ORIGIN), &known(1.0, range_m, 1.0), 0, sensor, &reading).is_some()
     };
     assert!(kept(&sharp, 1.2, Outcome::Unexplained) && !kept(&sharp, 1.49, Outcome::Unexplained));
     assert!(kept(&sharp, 1.49, met) && kept(&metric, 1.49, Outcome::Unexplained));

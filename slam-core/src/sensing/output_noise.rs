@@ -13,40 +13,52 @@ const FIRST_CHANGES: f32 = 4.0;
 const MOST_CHANGE: f32 = 0.2;
 const LEAST_CHANGE: f32 = 0.005;
 
+/// Readings after which the factor is known, to its half: from there on they change it less and less.
+const KNOWN_AFTER: u16 = (FIRST_CHANGES / MOST_CHANGE) as u16;
+
 /// Largest factor of the stated noise, 1-sigma: a rig is assumed to state at least a sixth of the true one.
 const MOST: f32 = 36.0;
+
+/// The factor that is believed before any reading: by its logarithm in the middle, between that and what is stated.
+const BELIEVED: f32 = 6.0;
 
 /// Factor of the stated variance of outputs, for all sensors together.
 #[derive(Clone, Copy, Debug)]
 pub struct OutputNoise {
-    /// The factor less one.
+    /// The factor over what is believed, less one.
     above: f32,
     readings: u16,
 }
 
 impl OutputNoise {
-    /// As stated.
-    pub const STATED: Self = Self { above: 0.0, readings: 0 };
+    /// Before any reading.
+    pub const UNKNOWN: Self = Self { above: 0.0, readings: 0 };
+
+    /// Whether readings have told. A line through points that were taken for better than they are lies where the first few of them do, and
+    /// is surer of its direction than it may be.
+    pub fn is_known(&self) -> bool {
+        self.readings >= KNOWN_AFTER
+    }
 
     /// The factor. It is never less than one: what a board's filter smooths does not become more certain, since the
     /// readings that follow are off by the same.
     pub fn factor(&self) -> f32 {
-        1.0 + self.above.max(0.0)
+        self.true_factor().max(1.0)
     }
 
     /// The factor as it is, less than one where readings that follow one another are smoother than stated.
     pub fn true_factor(&self) -> f32 {
-        1.0 + self.above
+        BELIEVED * (1.0 + self.above)
     }
 
     /// Takes note of a second difference of one sensor's outputs, volts, where that variance of an output is stated, V^2.
     pub fn note(&mut self, bend_v: f32, stated_v2: f32) {
         self.readings = self.readings.saturating_add(1);
         let change = (FIRST_CHANGES / f32::from(self.readings)).clamp(LEAST_CHANGE, MOST_CHANGE);
-        let factor = 1.0 + self.above;
+        let factor = self.true_factor();
         let is_more = bend_v * bend_v > MEDIAN * 6.0 * stated_v2 * factor;
         let factor = factor * if is_more { 1.0 + change } else { 1.0 - change };
-        self.above = factor.clamp(1.0 / MOST, MOST) - 1.0;
+        self.above = factor.clamp(1.0 / MOST, MOST) / BELIEVED - 1.0;
     }
 }
 

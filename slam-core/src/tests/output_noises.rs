@@ -7,7 +7,7 @@ use crate::sensing::output_noise::{OutputNoise, Outputs};
 /// one wall after another, for a second each.
 fn found(noise_v: f64, seconds: usize) -> f32 {
     let mut random = Random::new(3);
-    let (mut noise, mut outputs) = (OutputNoise::STATED, Outputs::NONE);
+    let (mut noise, mut outputs) = (OutputNoise::UNKNOWN, Outputs::NONE);
     for step in 0..25 * seconds {
         let range_m = 1.2 - 0.5 * (step % 25) as f64 * 0.04;
         let volts = (range_m / 0.6).powf(-0.86) + noise_v * random.gaussian();
