@@ -265,17 +265,16 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.counters.add_motion(travel.is_none());
         let turn_rad = travel.map_or(0.0, |travel| travel.turn_rad(&self.rig.drive));
         let ended = travel.and_then(|travel| self.sign.follow(&travel, turn_rad, tick.dt_s));
+        let noise = self.wheel_level();
+        let way = Way { is_reversed: self.sign.is_reversed, is_held: self.holds.is_held(), noise };
         let Self { rig, config, drive, ekf, .. } = self;
         let seen = drive.dead_reckoning.pose;
-        let way = Way { is_reversed: self.sign.is_reversed, is_held: self.holds.is_held() };
         let factors = drive.advance(&rig.drive, &config.motion, travel, way, tick.dt_s, ekf);
         self.holds.follow(&drive.turned, tick.dt_s);
         let step = &drive.step;
         let learned = |noise| self.levels.of_motion(noise, &rig.drive);
         let mut noise = if config.sensing.learn_noise { learned(&step.noise) } else { step.noise };
         if config.motion.slip == Slip::Learned {
-            let factor = self.slippage.factor();
-            noise = noise.map(|row| row.map(|entry| factor * entry));
             self.slippage.moved(step.path_m, noise[2][2]);
         }
         noise[0][0] += self.shortfall.advance(step.path_m, self.map.heading_variance(ekf));

@@ -62,6 +62,8 @@ pub struct Way {
     pub is_reversed: bool,
     /// The ranges tell that something holds the robot.
     pub is_held: bool,
+    /// Factor of the variance of its noise, as it was learned.
+    pub noise: f32,
 }
 
 /// The motion of the robot so far.
@@ -120,7 +122,8 @@ impl Drive {
             None => self.step.lost(),
         };
         // What holds it gives way by what the wheels' noise is.
-        let step = if way.is_held { Step { noise: step.noise, ..Step::STILL } } else { step };
+        let mut step = if way.is_held { Step { noise: step.noise, ..Step::STILL } } else { step };
+        step.noise = step.noise.map(|row| row.map(|entry| way.noise * entry));
         self.dead_reckoning.advance(&step);
         self.step = step;
         let nominal = |travel: Travel| step::step(model, &travel, &Factors::nominal(model));

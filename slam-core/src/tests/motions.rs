@@ -260,11 +260,27 @@ fn wheels_slide_in_turns_where_floors_are_real() {
     let noise_m2 = |slip: Slip| {
         let settings = MotionSettings { slip, ..MotionSettings::default() };
         let mut drive = Drive::START;
-        drive.advance(&rig, &settings, Some(travel), Way { is_reversed: false, is_held: false }, 0.1, &ekf);
+        drive.advance(&rig, &settings, Some(travel), Way { is_reversed: false, is_held: false, noise: 1.0 }, 0.1, &ekf);
         [drive.step.noise[0][0], drive.step.noise[1][1]]
     };
     for (with, without) in noise_m2(Slip::OfFloors).into_iter().zip(noise_m2(Slip::Stated)) {
         assert!(with >= 0.1 * SLIP_M2_PER_RAD && without < 1e-5, "{with} and {without} m^2");
+    }
+}
+
+/// What wheels slip beyond what the rig states is in the way since a new line's points were seen, too.
+#[test]
+fn dead_reckoning_is_as_noisy_as_wheels_turned_out_to_be() {
+    let ekf = Ekf::<{ storage(8) }>::EMPTY;
+    let travel = Travel::Wheels { left_m: 0.02, right_m: 0.02 };
+    let variances = |noise: f32| {
+        let mut drive = Drive::START;
+        let way = Way { is_reversed: false, is_held: false, noise };
+        drive.advance(&WHEELS, &MotionSettings::default(), Some(travel), way, 0.1, &ekf);
+        [drive.dead_reckoning.position_variance, drive.dead_reckoning.heading_variance]
+    };
+    for (slipping, stated) in variances(4.0).into_iter().zip(variances(1.0)) {
+        assert!(stated > 0.0 && (slipping / stated - 4.0).abs() < 1e-5, "{slipping} and {stated}");
     }
 }
 
