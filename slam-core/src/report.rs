@@ -19,7 +19,7 @@ pub enum Refusal {
     /// Meets a wall at an angle the sensor does not support.
     Incidence,
     /// Two walls explain it equally well, or it is near a wall's end and neither fits nor is clear of it. Or an analogue output has gone from one
-    /// surface to another, or is one of the first, whose noise is not known yet.
+    /// surface to another.
     Ambiguous,
     /// The innovation variance is not a positive number.
     Degenerate,

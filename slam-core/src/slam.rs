@@ -363,6 +363,10 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     /// Finds new walls among the outliers (Rousse & Qiu 3.3), and keeps the map tidy. Its variables are on the stack only while it runs.
     #[inline(never)]
     fn extend_map(&mut self, turns: usize, report: &mut StepReport<S>) {
+        if let Some(times) = self.output_noise.settle() {
+            self.candidates.buffer.widen(times);
+        }
+        let turns = if self.output_noise.is_settling() { 0 } else { turns };
         let born = Extension {
             settings: &self.config.births,
             walls: &self.config.walls,

@@ -10,7 +10,7 @@ use robot::FLOOR_RECORD_BYTES;
 use tests::carries::carried;
 
 /// Random homes.
-const HOMES: std::ops::RangeInclusive<u64> = 501..=512;
+const HOMES: std::ops::RangeInclusive<u64> = 513..=524;
 
 /// What a robot has after its power was cut, and where it is in the plan.
 struct Cut {

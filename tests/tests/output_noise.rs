@@ -14,7 +14,7 @@ fn a_noise_that_the_rig_does_not_state_is_known_before_the_first_wall() {
             estimated(&rows, Config::default()).estimate.and_then(|score| score.nees).expect("a true path")
         })
         .collect();
-    // 2.9; with the first readings taken for as good as the rig says 4.0.
+    // 3.1; with the first readings taken for as good as the rig says 4.0.
     let mean_nees = mean(&nees).expect("drives");
     assert!(mean_nees < 3.6, "{mean_nees}");
 }

@@ -53,6 +53,11 @@ impl<const B: usize> OutlierBuffer<B> {
         full
     }
 
+    /// Readings are so many times as noisy as was said.
+    pub fn widen(&mut self, times: f32) {
+        self.points.iter_mut().for_each(|point| point.sigma_m *= times);
+    }
+
     /// Number of points.
     pub fn len(&self) -> usize {
         self.points.len()

@@ -13,13 +13,13 @@ const FIRST_CHANGES: f32 = 4.0;
 const MOST_CHANGE: f32 = 0.2;
 const LEAST_CHANGE: f32 = 0.005;
 
-/// Readings after which the factor is known, to its half: from there on they change it less and less.
-const KNOWN_AFTER: u16 = (FIRST_CHANGES / MOST_CHANGE) as u16;
+/// Readings after which the factor is known, to a third: twice as many as those that change it most.
+const KNOWN_AFTER: u16 = 2 * (FIRST_CHANGES / MOST_CHANGE) as u16;
 
 /// Largest factor of the stated noise, 1-sigma: a rig is assumed to state at least a sixth of the true one.
 const MOST: f32 = 36.0;
 
-/// The factor that is believed before any reading: by its logarithm in the middle, between that and what is stated.
+/// The factor that is believed before it is known: by its logarithm in the middle, between that and what is stated.
 const BELIEVED: f32 = 6.0;
 
 /// Factor of the stated variance of outputs, for all sensors together.
@@ -28,22 +28,33 @@ pub struct OutputNoise {
     /// The factor over what is believed, less one.
     above: f32,
     readings: u16,
+    is_known: bool,
 }
 
 impl OutputNoise {
     /// Before any reading.
-    pub const UNKNOWN: Self = Self { above: 0.0, readings: 0 };
+    pub const UNKNOWN: Self = Self { above: 0.0, readings: 0, is_known: false };
 
-    /// Whether readings have told. A line through points that were taken for better than they are lies where the first few of them do, and
-    /// is surer of its direction than it may be.
-    pub fn is_known(&self) -> bool {
-        self.readings >= KNOWN_AFTER
+    /// Whether readings have begun to tell, and not told enough. A line through points that were taken for better than they are lies where the
+    /// first few of them do, and is surer of its direction than it may be: until then no line is drawn.
+    pub fn is_settling(&self) -> bool {
+        self.readings > 0 && !self.is_known
+    }
+
+    /// The readings of a step were taken in. By how many times the standard deviations of earlier ones are larger than was said of
+    /// them, once that is known.
+    pub fn settle(&mut self) -> Option<f32> {
+        if self.is_known || self.readings < KNOWN_AFTER {
+            return None;
+        }
+        self.is_known = true;
+        Some(float::sqrtf(self.factor() / BELIEVED))
     }
 
     /// The factor. It is never less than one: what a board's filter smooths does not become more certain, since the
     /// readings that follow are off by the same.
     pub fn factor(&self) -> f32 {
-        self.true_factor().max(1.0)
+        if self.is_known { self.true_factor().max(1.0) } else { BELIEVED }
     }
 
     /// The factor as it is, less than one where readings that follow one another are smoother than stated.

@@ -221,7 +221,7 @@ impl FrontEnd {
                     return Err(refusal);
                 }
                 self.last_m = (range_m, path_m);
-                if is_step || !noise.is_known() { Err(Refusal::Ambiguous) } else { Ok(reading) }
+                if is_step { Err(Refusal::Ambiguous) } else { Ok(reading) }
             }
             (RangeInput::Metres(range_m), &RangeModel::Metric { noise_m, noise_rel }, _) => {
                 if !range_m.is_finite() || range_m < 0.0 {

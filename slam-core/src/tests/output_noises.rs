@@ -1,5 +1,7 @@
 //! How noisy analogue outputs are, from the outputs alone.
 
+use std::vec::Vec;
+
 use super::random::Random;
 use crate::sensing::output_noise::{OutputNoise, Outputs};
 
@@ -15,6 +17,7 @@ fn found(noise_v: f64, seconds: usize) -> f32 {
             outputs = Outputs::starting_at(volts as f32);
         } else if let Some(bend_v) = outputs.push(volts as f32) {
             noise.note(bend_v, 0.012 * 0.012);
+            noise.settle();
         }
     }
     noise.factor()
@@ -40,4 +43,23 @@ fn a_second_s_readings_of_eight_sensors_tell_most_of_it() {
 fn less_noise_than_stated_is_not_believed() {
     let factor = found(0.003, 60);
     assert!((1.0..1.001).contains(&factor), "{factor}");
+}
+
+/// What was read before the noise is known has the noise that is found, from then on.
+#[test]
+fn the_first_readings_wait_until_their_noise_is_known() {
+    let (mut random, mut noise) = (Random::new(3), OutputNoise::UNKNOWN);
+    assert!(!noise.is_settling(), "a robot without analogue sensors waits for nothing");
+    let mut settled = Vec::new();
+    for _ in 0..100 {
+        let before = noise.factor();
+        let bend_v = 6.0f64.sqrt() * 0.036 * random.gaussian();
+        noise.note(bend_v as f32, 0.012 * 0.012);
+        if let Some(times) = noise.settle() {
+            settled.push(f64::from(before * times * times));
+        }
+        assert_eq!(noise.is_settling(), settled.is_empty());
+    }
+    // Three times the stated sigma.
+    assert!(settled.len() == 1 && (settled[0] / 9.0).ln().abs() < 0.7, "{settled:?}");
 }
