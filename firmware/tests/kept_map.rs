@@ -14,7 +14,7 @@ fn run(home: &Home, story: impl FnOnce(&mut Tasks<'_>)) {
     home.run(BuiltIn::Sharp, Ranges(home.board.range_sensors()), story);
 }
 
-/// Longest that the robot may take to find itself, tens of seconds. In the flat, of which the map has a third, one in seven has
+/// Longest that the robot may take to find itself, tens of seconds. In a home of which the map has a third, one in seven has
 /// not after 20 m of path (docs/results/relocation.md).
 const LONGEST: usize = 40;
 
@@ -43,7 +43,7 @@ fn find(home: &Home, tasks: &mut Tasks<'_>) {
 
 #[test]
 fn the_map_outlives_resets_and_power_cuts() {
-    let home = Home::new("flat", BuiltIn::Sharp);
+    let home = Home::new("l-shape", BuiltIn::Sharp);
     let mut kept = 0;
     run(&home, |tasks| {
         home.command(Command::Start);
@@ -79,7 +79,7 @@ fn the_map_outlives_resets_and_power_cuts() {
 
     // The next save is cut short: what was kept is still there.
     let home = home.restarted();
-    home.flash.borrow_mut().words_left = 1000;
+    home.flash.borrow_mut().words_left = 300;
     run(&home, |tasks| {
         find(&home, tasks);
         tasks.drive(20.0);
