@@ -20,8 +20,10 @@ const JOLTED: u16 = 0x80;
 const UNSENSED_M: f32 = 0.01;
 const UNSENSED_RAD: f32 = 0.02;
 
-/// Of no motion: from where a kept map's frame is to where the map as a whole is in it.
-const HOLDS_MAP: u16 = u16::MAX;
+/// Marks no motion: from where a kept map's frame is to where the map as a whole is in it; and from there on to where parts of it are, with
+/// how well that is known, as before.
+const HOLDS_MAP: u16 = UNSENSED | JOLTED | 0x7f;
+const WHOLE: u16 = 0x7f00;
 
 /// A pose that is placed, and the odometry from it to the next.
 #[derive(Clone, Copy, Debug)]
@@ -56,16 +58,31 @@ impl Keyframe {
 
     /// The map as a whole is seen from the next one.
     pub fn hold_map(&mut self) {
-        self.swing = HOLDS_MAP;
+        self.swing = HOLDS_MAP | WHOLE;
     }
 
-    /// Whether the map as a whole is seen from the next one.
+    /// A part of the map is seen from the next one: where it is is known this well beside what is seen from here, 1-sigma, metres.
+    pub fn hold_part(&mut self, sigma_m: f32) {
+        // Rounded up: no part is where it is for certain.
+        self.swing = HOLDS_MAP | unsensed([sigma_m + 0.5 * UNSENSED_M, 0.0]);
+    }
+
+    /// Whether the map is seen from the next one: the whole, or a part of it.
     pub fn holds_map(&self) -> bool {
-        self.swing == HOLDS_MAP
+        self.swing & HOLDS_MAP == HOLDS_MAP
+    }
+
+    /// Whether that is the map as a whole.
+    pub fn holds_whole(&self) -> bool {
+        self.swing == HOLDS_MAP | WHOLE
     }
 
     /// Variance of where the motion ends by the errors of headings on the way, m^2.
     pub fn swing_m2(&self) -> f32 {
+        if self.holds_map() {
+            let sigma_m = UNSENSED_M * f32::from((self.swing & WHOLE) >> 8);
+            return sigma_m * sigma_m;
+        }
         if let Some([position_m2, _]) = self.unsensed() {
             return position_m2;
         }
@@ -140,6 +157,6 @@ impl Keyframe {
 /// What marks a motion that was not sensed and is known to a 1-sigma, metres and radians; saturates.
 fn unsensed([sigma_m, sigma_rad]: [f32; 2]) -> u16 {
     let of_m = libm::roundf(sigma_m / UNSENSED_M).min(126.0) as u16;
-    let of_rad = libm::roundf(sigma_rad / UNSENSED_RAD).min(127.0) as u16;
+    let of_rad = libm::roundf(sigma_rad / UNSENSED_RAD).min(126.0) as u16;
     UNSENSED | of_m << 8 | of_rad
 }

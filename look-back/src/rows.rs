@@ -74,7 +74,7 @@ impl Odometry {
 
     /// Variance of each axis of the position, m^2, and of the heading, rad^2, after a keyframe's motion.
     pub fn variances(&self, key: &Keyframe) -> [f32; 2] {
-        if key.holds_map() {
+        if key.holds_whole() {
             return self.map_variances.map(|variance| variance + 1e-8);
         }
         let Keyframe { path_m, turning_rad, .. } = *key;

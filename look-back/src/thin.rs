@@ -27,7 +27,7 @@ pub fn thin(
     placed: u32,
 ) -> bool {
     let span = |key: &Keyframe| key.path_m + key.turning_rad / RAD_PER_M;
-    let first = if keyframes.first().is_some_and(Keyframe::holds_map) { 2 } else { 1 };
+    let first = 1 + keyframes.iter().take_while(|key| key.holds_map()).count();
     let inner = keyframes.len().saturating_sub(1);
     let settled = keyframes.iter().take(inner).take_while(|key| key.serial <= placed).count();
     let pairs_of = if settled >= 3 { settled } else { inner };

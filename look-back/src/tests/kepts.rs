@@ -25,23 +25,31 @@ const OWN_M: f64 = 0.004;
 const FAR: usize = 4;
 const FAR_ID: u16 = 50;
 
-/// A map of the room's four walls, and of one far away, with errors that all share and own ones.
+/// Numbers of two walls of another room, and how far apart they are, metres; how well that room is known along their normal, 1-sigma, metres.
+const OTHER_ROOM: [usize; 2] = [5, 6];
+const APART_M: f64 = 0.3;
+const ROOM_M: f64 = 0.05;
+
+/// A map of the room's four walls, of one far away, and of two in another room, with errors that all share, that those two share, and own ones.
 struct Map {
     alpha_rad: f64,
     /// Offset and direction of the normal of each.
     walls: Vec<[f64; 2]>,
-    /// By x, y and turn of the whole, and by its own error, of each offset.
-    by: Vec<[f64; 3]>,
+    /// By x, y and turn of the whole, and by the other room's place, of each offset.
+    by: Vec<[f64; 4]>,
 }
 
 impl Map {
     fn of(robot: &Robot, random: &mut Random) -> (Self, Pose) {
         let [x, y, turn] = [MOVED_M, MOVED_M, TURNED_RAD].map(|sigma| sigma * random.normal());
         let mut room = robot.walls();
-        room.push((20.0, [1.0, 0.0]));
+        room.extend([(20.0, [1.0, 0.0]), (30.0, [1.0, 0.0]), (30.0 + APART_M, [1.0, 0.0])]);
         let walls =
             room.iter().map(|(rho, n)| [rho + n[0] * x + n[1] * y + OWN_M * random.normal(), n[1].atan2(n[0]) + turn]);
-        let by = room.iter().map(|(_, n)| [n[0], n[1], 0.0]);
+        let by = room
+            .iter()
+            .enumerate()
+            .map(|(index, (_, n))| [n[0], n[1], 0.0, if OTHER_ROOM.contains(&index) { 1.0 } else { 0.0 }]);
         let map = Self { alpha_rad: turn, walls: walls.collect(), by: by.collect() };
         (map, Pose::new(x as f32, y as f32, turn as f32))
     }
@@ -75,7 +83,7 @@ impl Kept for Map {
             direction: Direction::Grid(quarter as u8),
             lo_m: -6.0,
             hi_m: 6.0,
-            updates: 500,
+            updates: if index < FAR { 500 } else { 100 },
             score: 10,
             drawn: None,
         })
@@ -91,11 +99,12 @@ impl Kept for Map {
     fn covariance(&self, i: usize, j: usize) -> f32 {
         let by = |state: usize| match state.checked_sub(POSE_STATES + 1) {
             Some(wall) => self.by[wall],
-            None => [0.0, 0.0, 1.0],
+            None => [0.0, 0.0, 1.0, 0.0],
         };
         let (a, b) = (by(i), by(j));
         let own = if i == j && i > POSE_STATES { OWN_M * OWN_M } else { 0.0 };
-        (MOVED_M * MOVED_M * (a[0] * b[0] + a[1] * b[1]) + TURNED_RAD * TURNED_RAD * a[2] * b[2] + own) as f32
+        let sigmas = [MOVED_M, MOVED_M, TURNED_RAD, ROOM_M];
+        (sigmas.iter().zip(a).zip(b).map(|((sigma, a), b)| sigma * sigma * a * b).sum::<f64>() + own) as f32
     }
 }
 
@@ -148,7 +157,20 @@ fn walls_that_a_drive_does_not_see_stay_in_the_map() {
     let known_m = (MOVED_M * MOVED_M + OWN_M * OWN_M + 9e-6).sqrt();
     assert!((0.7..1.3).contains(&(sigma_m / known_m)), "{sigma_m} {known_m}");
     // Walls drawn anew are the kept ones.
-    assert_eq!(diary.walls().filter(|(_, wall)| wall.hits > 0).count(), 5);
+    assert_eq!(diary.walls().filter(|(_, wall)| wall.hits > 0).count(), 7);
+}
+
+#[test]
+fn walls_of_a_room_that_is_badly_known_lie_to_each_other_as_the_map_has_them() {
+    let (diary, look_back, _) = drive(1, 300);
+    let [a, b] = OTHER_ROOM.map(Unknown::Offset);
+    let covariance = |a, b| f64::from(look_back.covariance(a, b).expect("done, and two walls still"));
+    assert!(covariance(a, a).sqrt() > 0.9 * ROOM_M, "where the room is nothing here tells");
+    let apart_m = (covariance(a, a) + covariance(b, b) - 2.0 * covariance(a, b)).sqrt();
+    assert!(apart_m < 3.0 * OWN_M, "{apart_m}");
+    let [first, second] =
+        OTHER_ROOM.map(|wall| diary.walls().find(|(place, _)| *place == wall).expect("it is there").1);
+    assert!((f64::from(second.rho_m - first.rho_m) - APART_M).abs() < 3.0 * OWN_M);
 }
 
 #[test]
@@ -156,7 +178,7 @@ fn the_map_is_seen_from_where_it_is_however_full_the_diary_gets() {
     let (mut diary, ..) = drive(1, 700);
     while diary.make_some_room(56, 0, 0).is_some() {}
     let seen: Vec<_> = diary.sightings().map(|(key, groups)| (key.holds_map(), groups.len())).collect();
-    assert_eq!(seen[..2], [(true, 0), (false, 5)]);
+    assert_eq!(seen[..3], [(true, 0), (true, 5), (false, 2)]);
     diary.go_on_elsewhere(&Pose::ORIGIN, Displaced::Held);
     assert!(diary.keyframes[0].holds_map());
 }
