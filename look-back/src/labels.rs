@@ -1,11 +1,16 @@
 //! Which wall each group is on.
 
+use crate::chance::likelier_same;
 use crate::diary::Diary;
 use crate::frame::Frame;
+use crate::group::{Group, Offset};
 use crate::survey::{Cursor, SIGMAS, faces, through_m};
 
 /// A group that is on a wall stays on it so far beyond its ends, metres; one that is on none comes onto it only so far inside them.
 const BEYOND_M: f32 = 0.125;
+
+/// Where a pose is beside a wall is known to this at best, 1-sigma, metres: what a look back leaves of drift and of what walls are not flat.
+const PLACED_M: f32 = 0.03;
 
 /// Multiply-adds of a group and one wall.
 const COST: u32 = 40;
@@ -60,7 +65,8 @@ impl<const W: usize> Labels<W> {
             }
             let offset = group.offset(frame, &line);
             let is_along = (wall.lo_m - beyond_m..=wall.hi_m + beyond_m).contains(&offset.along_m);
-            if is_along && offset.square < nearest.map_or(SIGMAS * SIGMAS, |(_, square)| square) {
+            let may_join = group.wall().is_some() || is_likely(&group, &offset);
+            if is_along && may_join && offset.square < nearest.map_or(SIGMAS * SIGMAS, |(_, square)| square) {
                 nearest = Some((i, offset.square));
             }
             let far_m = SIGMAS * float::sqrtf(group.variance());
@@ -86,4 +92,12 @@ impl<const W: usize> Labels<W> {
             }
         }
     }
+}
+
+/// Whether a group that was on none is likelier on a wall than on something else beside it, by each of its hits and by all together. Where
+/// hits are decimetres wide, what stands before a wall would be on it, and draw it and the poses along: by up to 45 degrees within a few metres.
+fn is_likely(group: &Group, offset: &Offset) -> bool {
+    let mean_m2 = 1.0 / group.weight + PLACED_M * PLACED_M;
+    offset.square < likelier_same(group.variance())
+        && offset.behind_m * offset.behind_m < mean_m2 * likelier_same(mean_m2)
 }

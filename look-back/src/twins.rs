@@ -2,6 +2,7 @@
 
 use heapless::Vec;
 
+use crate::chance::likelier_same;
 use crate::diary::Diary;
 use crate::frame::{Frame, dot};
 use crate::solve::Solver;
@@ -13,11 +14,6 @@ const FLUSH_M: f32 = 0.005;
 
 /// 99 % of a chi-square distribution with one degree of freedom.
 const GATE: f32 = 6.63;
-
-/// Faces that look the same way are about so far apart, metres, where furniture stands before walls: in homes drawn at random a wall has one
-/// every 1.3 m between 0.3 and 0.6 m from it, every 2.3 m up to 1 m, and every 3 to 7 m beyond. Where what is known of two leaves them anywhere
-/// within it, one lies by chance where the other may be, and says nothing.
-const APART_M: f32 = 1.5;
 
 /// Gate for walls that were both seen at one place, over half a metre, and not both can be: five sigma. A door's leaf may have been moved
 /// there.
@@ -146,7 +142,7 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
         let len = self.solver.system.len() as u32;
         let cost = PAIR_COST + len * len / 2;
         let is_near = apart_m.abs() <= REACH_M;
-        if square <= GATE.min(likelier_one(variance)) && is_near {
+        if square <= GATE.min(likelier_same(variance)) && is_near {
             return (cost, Some((square, false)));
         }
         if square > HIDDEN_GATE {
@@ -206,12 +202,6 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
             })
         })
     }
-}
-
-/// Squared distance over its variance up to which walls that are so well known, m^2, are likelier one than two: the density of the
-/// distance is above that of other walls.
-fn likelier_one(variance: f32) -> f32 {
-    libm::logf(APART_M * APART_M / (core::f32::consts::TAU * variance))
 }
 
 /// The piece of an overlap that a place is in.
