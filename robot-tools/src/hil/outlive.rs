@@ -12,7 +12,7 @@ use super::boot::{Boot, Moment, PERIOD_US};
 const FOUND_M: f64 = 0.1;
 /// It finds itself within this time, seconds.
 const FOUND_S: f64 = 200.0;
-/// Drive after that, for there to be something to save, seconds.
+/// Drive after that, or after the last save, for there to be something to save, seconds.
 const ON_S: f64 = 20.0;
 /// Time to stand and save, seconds.
 const SAVE_S: f64 = 3.0;
@@ -49,7 +49,14 @@ impl Hil {
         let mut kept = 0;
         story.boot(None, |boot, _| {
             boot.command(Command::Start)?;
-            let driving = pass(boot, 60.0 * self.minutes)?;
+            let mut driving = pass(boot, 60.0 * self.minutes)?;
+            // Just after a stop that it made to save there is nothing to save.
+            loop {
+                let before = std::mem::replace(&mut driving, pass(boot, ON_S)?);
+                if driving.place.saves == before.place.saves {
+                    break;
+                }
+            }
             driving.expect("while it drives", |place| place.state == PlaceState::Tracking && place.failed == 0)?;
             boot.command(Command::Stop)?;
             kept = driving.place.saves + 1;
