@@ -134,8 +134,9 @@ impl<const W: usize> Gauges<W> {
             for ((_, wall), known_m2) in walls(map).zip(&mut known_m2) {
                 *known_m2 = place.0.variance_m2(map, &wall).unwrap_or(f32::INFINITY).min(*known_m2);
             }
+            let before = all.iter().filter(|(_, known_m2)| *known_m2 <= place.1).count();
             // There is room for it.
-            let _ = all.push(place);
+            let _ = all.insert(before, place);
             let untold = walls(map).zip(&known_m2).filter(|(_, known_m2)| **known_m2 > PART_M * PART_M);
             let others = untold.map(|((_, wall), _)| wall).filter(|wall| wall.direction.turns_with() == ALPHA);
             next = others.max_by_key(|wall| wall.updates).filter(|_| !all.is_full()).and_then(|wall| {
@@ -143,7 +144,6 @@ impl<const W: usize> Gauges<W> {
                 Some((Gauge::of_part(map, &wall), whole.variance_m2(map, &wall)?))
             });
         }
-        all.sort_unstable_by(|(_, a), (_, b)| a.total_cmp(b));
         let mut nearest = [0; W];
         for ((_, wall), nearest) in walls(map).zip(&mut nearest) {
             let known =
