@@ -30,13 +30,13 @@ const BEFORE_M: f32 = 0.1;
 /// What a number is the sum of: states of the filter, and its derivatives by them.
 type Terms = [(usize, f32)];
 
-/// Places that walls are seen from: that of the map as a whole, and those of so many parts less one.
+/// At most so many places that walls are seen from: one is the whole map's, the others are of parts of it.
 const PLACES: usize = 4;
 
-/// A wall that every place so far leaves unknown to this makes a place of its own, 1-sigma, metres.
+/// A wall that no place so far tells better than this makes a place of its own, 1-sigma, metres: what a keyframe can say of how far a part is off.
 const PART_M: f32 = 0.01;
 
-/// Sine of the angle within which walls are parallel.
+/// Walls at a smaller angle than this are parallel, as its sine: three degrees.
 const PARALLEL_SINE: f32 = 0.05;
 
 /// Where the map as a whole is: two of its walls are where they are in it, and its grid has the direction that it has. Or where a part of it
@@ -182,16 +182,15 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
             last.part_from(robot, &self.calibration, FOUND);
         }
         for (at, (key, (place, _))) in places.iter_mut().zip(&all).enumerate() {
-            for ((index, kept), _) in walls(map).zip(&nearest).filter(|(_, nearest)| **nearest == at) {
+            let all_walls = walls(map).zip(&nearest).zip(&mut self.walls);
+            for (((index, kept), _), slot) in all_walls.filter(|((_, nearest), _)| **nearest == at) {
                 let wall = drawn(map, &kept);
                 let mut seen = place.sighting(map, &kept, &wall);
                 seen.set_wall(Some(index));
                 let name = Name { id: kept.id, wall: index as u8 };
                 // There are more names than walls.
                 if self.groups.push(seen).is_ok() && self.names.push(name).is_ok() {
-                    if let Some(slot) = self.walls.get_mut(index) {
-                        *slot = Some(wall);
-                    }
+                    *slot = Some(wall);
                     key.groups += 1;
                 }
             }

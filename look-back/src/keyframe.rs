@@ -154,7 +154,7 @@ impl Keyframe {
     }
 }
 
-/// What marks a motion that was not sensed and is known to a 1-sigma, metres and radians; saturates.
+/// What marks a motion that was not sensed and is known to a 1-sigma, metres and radians; saturates below what marks that a map is held.
 fn unsensed([sigma_m, sigma_rad]: [f32; 2]) -> u16 {
     let of_m = libm::roundf(sigma_m / UNSENSED_M).min(126.0) as u16;
     let of_rad = libm::roundf(sigma_rad / UNSENSED_RAD).min(126.0) as u16;

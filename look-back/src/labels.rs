@@ -65,8 +65,8 @@ impl<const W: usize> Labels<W> {
             }
             let offset = group.offset(frame, &line);
             let is_along = (wall.lo_m - beyond_m..=wall.hi_m + beyond_m).contains(&offset.along_m);
-            let may_join = group.wall().is_some() || is_likely(&group, &offset);
-            if is_along && may_join && offset.square < nearest.map_or(SIGMAS * SIGMAS, |(_, square)| square) {
+            let is_nearer = offset.square < nearest.map_or(SIGMAS * SIGMAS, |(_, square)| square);
+            if is_along && is_nearer && (group.wall().is_some() || is_likely(&group, &offset)) {
                 nearest = Some((i, offset.square));
             }
             let far_m = SIGMAS * float::sqrtf(group.variance());
