@@ -89,6 +89,8 @@ pub struct Diary<const K: usize, const G: usize, const W: usize> {
     pub(crate) alpha_rad: Option<f32>,
     /// Number of the filter's wall that is asked next how it stands to the grid.
     pub(crate) turn: u8,
+    /// What was seen since a turn that nothing told was put on the grid; the filter does not know yet.
+    pub(crate) is_turned_back: bool,
     pub(crate) odometry: Odometry,
     /// The robot in the last keyframe's frame, by the odometry as it is calibrated at present.
     robot: Moving,
@@ -117,6 +119,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         gains: Gains::NONE,
         alpha_rad: None,
         turn: 0,
+        is_turned_back: false,
         odometry: Odometry::NONE,
         robot: Moving::NONE,
         filter: Pose::ORIGIN,
@@ -146,6 +149,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         self.gains = gains;
         self.alpha_rad = None;
         self.turn = 0;
+        self.is_turned_back = false;
         self.ranges_m = [0.0; MOST_GAINS];
         self.odometry = Odometry::of(drive);
         (self.robot, self.filter) = (Moving::ORIGIN, start);

@@ -60,6 +60,7 @@ mod system;
 #[cfg(test)]
 mod tests;
 mod thin;
+mod turned;
 mod twins;
 mod wall;
 

@@ -7,12 +7,13 @@ use core::ops::ControlFlow;
 
 use crate::diary::{Diary, FEWEST};
 use crate::labels::Labels;
-use crate::place::{is_on_grid, place};
+use crate::place::place_wall;
 use crate::present::Present;
 use crate::rows;
 use crate::solve::{Slice, Solver};
 use crate::survey::{self, Cursor};
 use crate::system::border_len;
+use crate::turned::Search;
 use crate::twins::Twins;
 
 /// Steps until it is settled, at most, at first and at last, and between two mergers, when it need not be.
@@ -29,8 +30,7 @@ const LABELLING_ROUNDS: u32 = 4;
 /// What a step moves that is settled, metres and radians.
 const SETTLED: f32 = 3e-4;
 
-/// Multiply-adds of drawing a wall's line, for each group of the diary, of a look at a group, and of a choice.
-const PLACE_COST: u32 = 20;
+/// Multiply-adds of a look at a group, and of a choice.
 const SURVEY_COST: u32 = 40;
 const CHOICE_COST: u32 = 3;
 
@@ -64,6 +64,7 @@ enum Last {
 enum Stage {
     Idle,
     Place { wall: usize },
+    Turn { search: Search },
     Solve,
     Survey { cursor: Cursor },
     Merge,
@@ -194,8 +195,14 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K,
                 if index < W {
                     return place_wall(diary, index);
                 }
-                self.begin_solving(diary, if self.last == Last::Latest { STEPS_AT_LAST } else { STEPS })
+                match self.last {
+                    Last::No => self.stage = Stage::Turn { search: Search::NEW },
+                    Last::Settling => return self.begin_solving(diary, STEPS),
+                    Last::Latest => return self.begin_solving(diary, STEPS_AT_LAST),
+                }
+                1
             }
+            Stage::Turn { search } => search.take(diary).unwrap_or_else(|| self.begin_solving(diary, STEPS)),
             Stage::Solve => self.solve(diary),
             Stage::Survey { cursor } => match cursor.next(diary) {
                 Some((index, frame)) => {
@@ -386,15 +393,4 @@ pub enum Unknown {
     Offset(usize),
     /// Its direction, radians.
     Direction(usize),
-}
-
-/// Draws the line of a wall that has none, and says of every wall whether it stands on the grid.
-fn place_wall<const K: usize, const G: usize, const W: usize>(diary: &mut Diary<K, G, W>, index: usize) -> u32 {
-    let Some(wall) = diary.walls.get(index).copied().flatten() else { return 1 };
-    let placed = if wall.is_placed { Some(wall) } else { place(diary, index) };
-    if let (Some(slot), Some(mut found)) = (diary.walls.get_mut(index), placed) {
-        found.on_grid = is_on_grid(&found, diary.alpha_rad);
-        *slot = Some(found);
-    }
-    if wall.is_placed { 1 } else { PLACE_COST * diary.groups.len() as u32 }
 }

@@ -19,6 +19,20 @@ const NEAR_M: f32 = 0.1;
 /// Rounds in which a line is drawn to where most groups are.
 const ROUNDS: usize = 6;
 
+/// Multiply-adds of drawing a line, for each group of the diary.
+const PLACE_COST: u32 = 20;
+
+/// Draws the line of a wall that has none, and says of every wall whether it stands on the grid.
+pub fn place_wall<const K: usize, const G: usize, const W: usize>(diary: &mut Diary<K, G, W>, index: usize) -> u32 {
+    let Some(wall) = diary.walls.get(index).copied().flatten() else { return 1 };
+    let placed = if wall.is_placed { Some(wall) } else { place(diary, index) };
+    if let (Some(slot), Some(mut found)) = (diary.walls.get_mut(index), placed) {
+        found.on_grid = is_on_grid(&found, diary.alpha_rad);
+        *slot = Some(found);
+    }
+    if wall.is_placed { 1 } else { PLACE_COST * diary.groups.len() as u32 }
+}
+
 /// Draws the line of wall `index` through its groups: least squares across it, in rounds, of groups weighted by how near they
 /// are to the last round's line. Says whether it stands on the grid. None where it has no groups.
 pub fn place<const K: usize, const G: usize, const W: usize>(diary: &Diary<K, G, W>, index: usize) -> Option<Wall> {

@@ -78,6 +78,8 @@ pub struct HandOver<'a> {
     /// The lower triangle of the covariance, row by row: [`DISTANCE`], [`TURN`], [`VEER`], [`ALPHA`], [`POSE`], [`GAINS`],
     /// [`WALLS`].
     pub covariance: &'a [f32],
+    /// Whether it found that something moved the robot of which the filter does not know: then that is surer than it may be.
+    pub is_displaced: bool,
 }
 
 /// What one number is a sum of: unknowns and its derivatives by them. Those of nought count for nothing.

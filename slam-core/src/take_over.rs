@@ -139,6 +139,9 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let judged = self.judge(found);
         self.counters.add_hand_over(judged);
         judged?;
+        if found.is_displaced {
+            self.counters.add_jolt();
+        }
         self.replace(found);
         self.slippage.keep();
         self.map.begin_epoch();
@@ -173,7 +176,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let [their_x, their_y, their_theta] =
             [X, Y, THETA].map(|i| found.covariance(hand_over::POSE + i, hand_over::POSE + i));
         let is_less_sure = their_x + their_y > LESS_SURE * (x + y) || their_theta > LESS_SURE * theta;
-        if is_less_sure { Err(NotTaken::LessSure) } else { Ok(()) }
+        if is_less_sure && !found.is_displaced { Err(NotTaken::LessSure) } else { Ok(()) }
     }
 
     /// Whether a wall lies to the robot as a hand-over has it.

@@ -10,3 +10,4 @@ mod readings;
 mod sizes;
 mod steps;
 mod stretches;
+mod turns;

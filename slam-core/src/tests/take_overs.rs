@@ -91,6 +91,7 @@ fn found<'a>(slam: &RobotSlam, covariance: &'a [f32]) -> HandOver<'a> {
         walls: &WALLS,
         names: &NAMES,
         covariance,
+        is_displaced: false,
     }
 }
 
@@ -224,6 +225,17 @@ fn what_is_taken_over_is_of_another_epoch_and_what_is_refused_changes_nothing() 
     assert_eq!(slam.take_over(&good), Ok(()));
     assert_eq!((slam.counters().taken_over, slam.epoch()), (1, good.epoch + 1));
     assert_eq!(slam.take_over(&good), Err(NotTaken::Outdated), "it was made for the filter as it was");
+}
+
+/// Of a jolt that a look back found the filter does not know, and is surer than it may be.
+#[test]
+fn a_filter_that_was_displaced_is_not_asked_how_sure_it_is() {
+    let vague: Vec<f32> = packed(&covariance(2)).iter().map(|value| 1e3 * value).collect();
+    let mut slam = filter();
+    let found = found(&slam, &vague);
+    assert_eq!(slam.take_over(&found), Err(NotTaken::LessSure));
+    assert_eq!(slam.take_over(&HandOver { is_displaced: true, ..found }), Ok(()));
+    assert_eq!(slam.counters().jolts, 1);
 }
 
 #[test]
