@@ -91,11 +91,13 @@ pub struct Diary<const K: usize, const G: usize, const W: usize> {
     pub(crate) turn: u8,
     /// What was seen since a turn that nothing told was put on the grid; the filter does not know yet.
     pub(crate) is_turned_back: bool,
+    /// The keyframe since which that is so, and by how much, radians; until the robot was turned again.
+    pub(crate) last_turn: Option<(u32, f32)>,
     pub(crate) odometry: Odometry,
     /// The robot in the last keyframe's frame, by the odometry as it is calibrated at present.
-    robot: Moving,
+    pub(crate) robot: Moving,
     /// The filter's pose at the last keyframe.
-    filter: Pose,
+    pub(crate) filter: Pose,
     /// Which keyframe of the drive was the last that a look back placed.
     pub(crate) placed: u32,
     /// Changes with whatever a look back that has begun may not survive.
@@ -120,6 +122,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         alpha_rad: None,
         turn: 0,
         is_turned_back: false,
+        last_turn: None,
         odometry: Odometry::NONE,
         robot: Moving::NONE,
         filter: Pose::ORIGIN,
@@ -149,7 +152,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         self.gains = gains;
         self.alpha_rad = None;
         self.turn = 0;
-        self.is_turned_back = false;
+        (self.is_turned_back, self.last_turn) = (false, None);
         self.ranges_m = [0.0; MOST_GAINS];
         self.odometry = Odometry::of(drive);
         (self.robot, self.filter) = (Moving::ORIGIN, start);

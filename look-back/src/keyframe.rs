@@ -120,6 +120,13 @@ impl Keyframe {
         }
     }
 
+    /// No jolt moved the robot on the way to the next one after all.
+    pub fn forget_jolt(&mut self) {
+        if self.is_jolted() {
+            self.swing = 0;
+        }
+    }
+
     /// Whether a jolt may have moved the robot on the way to the next one.
     pub fn is_jolted(&self) -> bool {
         self.unsensed().is_some() && self.swing & JOLTED != 0

@@ -6,7 +6,7 @@ use slam_core::{
 };
 
 use crate::diary::{Diary, Hit};
-use crate::frame::Frame;
+use crate::frame::{Frame, relative};
 use crate::keyframe::Keyframe;
 use crate::power::power;
 
@@ -72,8 +72,13 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     /// found out. `filter` is the filter's pose there.
     pub(crate) fn go_on_elsewhere(&mut self, filter: &Pose, displaced: Displaced) {
         self.drop_ahead();
+        let turned_rad = relative(&self.filter, filter).theta_rad - self.robot.pose().theta_rad;
         self.begin_keyframe(filter);
         self.revision = self.revision.wrapping_add(1);
+        let here = self.keyframes.len().saturating_sub(1);
+        if displaced == Displaced::Jolted && self.leave_wing(turned_rad, here) {
+            return;
+        }
         let Self { keyframes, calibration, .. } = self;
         let Some((here, before)) = keyframes.split_last_mut() else { return };
         let mut path_m = 0.0;

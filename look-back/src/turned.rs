@@ -234,9 +234,42 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         sides
     }
 
-    /// Turns what was seen since back onto the grid. On the way there a jolt may have moved the robot.
+    /// Turns what was seen since back onto the grid. On the way there a jolt may have moved the robot. Where it was turned back by as much
+    /// as it had been turned, nothing did: it was in a wing that stands askew, and is back.
     fn turn_back(&mut self, turn: &Turn) {
         let &Turn { from, to, by_rad, .. } = turn;
+        if self.leave_wing(by_rad, self.keyframes.len()) {
+            return;
+        }
+        let sides = self.sides(to);
+        // Their variances add up to a jolt's.
+        let share = 1.0 / float::sqrtf(to.saturating_sub(from).max(1) as f32);
+        for key in self.keyframes.iter_mut().take(to).skip(from) {
+            key.jolt([share * JOLT[0], share * JOLT[2]]);
+        }
+        self.turn_since(to, self.keyframes.len(), by_rad);
+        self.forget_strays(to, &sides);
+        self.last_turn = self.keyframes.get(to).map(|key| (key.serial, by_rad));
+    }
+
+    /// Where the last turn that was turned back is turned again the other way by as much, the robot was in a wing in between, until the
+    /// keyframe with the number `end`: it is where it was drawn. False where it was not.
+    pub(crate) fn leave_wing(&mut self, by_rad: f32, end: usize) -> bool {
+        let Some((serial, last_rad)) = self.last_turn else { return false };
+        let Some(to) = self.keyframes.iter().position(|key| key.serial >= serial) else { return false };
+        if wrap(by_rad + last_rad).abs() > ALIKE_RAD || to >= end {
+            return false;
+        }
+        for key in self.keyframes.iter_mut().take(to).rev().take_while(|key| key.is_jolted()) {
+            key.forget_jolt();
+        }
+        self.turn_since(to, end, -last_rad);
+        self.last_turn = None;
+        true
+    }
+
+    /// Turns the keyframes from `to` up to `end` about the first of them, and the walls that were seen since.
+    fn turn_since(&mut self, to: usize, end: usize, by_rad: f32) {
         let sides = self.sides(to);
         let (Some(pivot), Some(alpha_rad)) = (self.keyframes.get(to).map(|key| key.pose), self.alpha_rad) else {
             return;
@@ -245,15 +278,9 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         let [as_seen, as_turned] = [pivot.theta_rad, turned(pivot.theta_rad)];
         let [as_seen, as_turned] = [as_seen, as_turned].map(|theta_rad| Frame::of(&Pose { theta_rad, ..pivot }));
         let moved = |at_m: [f32; 2]| as_turned.point(as_seen.seen(at_m));
-        // Their variances add up to a jolt's.
-        let share = 1.0 / float::sqrtf(to.saturating_sub(from).max(1) as f32);
-        for (number, key) in self.keyframes.iter_mut().enumerate().skip(from) {
-            if number < to {
-                key.jolt([share * JOLT[0], share * JOLT[2]]);
-            } else {
-                let [x_m, y_m] = moved([key.pose.x_m, key.pose.y_m]);
-                key.pose = Pose { x_m, y_m, theta_rad: turned(key.pose.theta_rad) };
-            }
+        for key in self.keyframes.iter_mut().take(end).skip(to) {
+            let [x_m, y_m] = moved([key.pose.x_m, key.pose.y_m]);
+            key.pose = Pose { x_m, y_m, theta_rad: turned(key.pose.theta_rad) };
         }
         for (number, wall) in self.walls.iter_mut().enumerate() {
             let is_since = sides.is_since(number) != Some(false);
@@ -262,13 +289,16 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
             wall.beta_rad = turned(wall.beta_rad);
             let line = wall.line();
             (wall.rho_m, wall.anchor_m) = (dot(line.normal, anchor_m), dot(line.tangent(), anchor_m));
-            if wall.told == Standing::Off && off_grid(wall.beta_rad, alpha_rad).abs() < ALIKE_RAD {
-                let quarters = libm::roundf((wall.beta_rad - alpha_rad) / FRAC_PI_2) as i32;
-                wall.told = Standing::Near(quarters.rem_euclid(4) as u8);
-            }
+            let is_near = off_grid(wall.beta_rad, alpha_rad).abs() < ALIKE_RAD;
+            let quarters = libm::roundf((wall.beta_rad - alpha_rad) / FRAC_PI_2) as i32;
+            wall.told = match wall.told {
+                Standing::Unknown => Standing::Unknown,
+                Standing::Off if !is_near => Standing::Off,
+                _ if is_near => Standing::Near(quarters.rem_euclid(4) as u8),
+                _ => Standing::Off,
+            };
             wall.on_grid = is_on_grid(wall, self.alpha_rad);
         }
-        self.forget_strays(to, &sides);
         self.is_turned_back = true;
     }
 

@@ -55,7 +55,7 @@ fn a_flat_battery_is_charged_in_the_dock_and_the_job_goes_on() {
 }
 
 /// A kick leaves the pose wrong by a decimetre and more, and the map redrawn: the dock is where it was. In the homes 301 to 700, of which these
-/// are forty, 352 of 400 robots find it before their battery is empty.
+/// are forty, 382 of 400 robots find it before their battery is empty.
 #[test]
 fn a_kicked_robot_finds_its_dock_and_goes_on() {
     let is_docked = |home: &u64| {
@@ -66,7 +66,7 @@ fn a_kicked_robot_finds_its_dock_and_goes_on() {
         let drive = clean(&plan, SimOptions::default(), *home).expect("the robot fits");
         drive.progress.state == FloorState::Done && drive.score.home_m <= 0.05 && drive.score.swept >= 0.95
     };
-    let halves = [541..561, 561..581].map(|homes| thread::spawn(move || homes.filter(is_docked).count()));
+    let halves = [301..321, 321..341].map(|homes| thread::spawn(move || homes.filter(is_docked).count()));
     let docked: usize = halves.into_iter().map(|half| half.join().expect("no panic")).sum();
     assert!(12 * docked >= 11 * 40, "{docked} of 40");
 }
@@ -158,15 +158,19 @@ fn a_robot_that_is_held_beside_a_wall_looks_about_and_finds_out() {
     let is_home = |plan: &'static str| {
         let drive = move |seed: u32| {
             let mut plan = plan_file::load(plan).expect("a built-in plan");
-            plan.mishaps.holds.push(Hold { at_s: 34.0 + 6.0 * f64::from(seed), held_s: 20.0, is_jammed: false });
+            plan.mishaps.holds.push(Hold {
+                at_s: 40.0 + 6.0 * f64::from((seed - 1) % 20),
+                held_s: 20.0,
+                is_jammed: false,
+            });
             clean(&plan, SimOptions::default(), seed.into()).expect("the robot fits")
         };
         let is_home = |drive: &FloorDrive| drive.progress.state == FloorState::Done && drive.score.home_m < 0.2;
-        thread::spawn(move || (1..=20).map(drive).filter(is_home).count())
+        thread::spawn(move || (1..=40).map(drive).filter(is_home).count())
     };
     let home: usize = ["room", "l-shape"].map(is_home).into_iter().map(|plan| plan.join().expect("no panic")).sum();
-    // 39 do, and 33 without looking about.
-    assert!(home >= 36, "{home} of 40");
+    // Of the seeds 1 to 100 181 of 200 do.
+    assert!(10 * home >= 9 * 80, "{home} of 80");
 }
 
 #[test]

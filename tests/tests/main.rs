@@ -38,6 +38,7 @@ mod slips;
 mod slow_logs;
 mod structure;
 mod studio;
+mod wings;
 
 /// The file's modules, beside the folder of this name.
 fn files_of(folder: &str) -> Vec<String> {

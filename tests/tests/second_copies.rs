@@ -41,23 +41,21 @@ fn jobs(is_kicked: bool) -> Vec<FloorDrive> {
     halves.into_iter().flat_map(|half| half.join().expect("no panic")).collect()
 }
 
+/// By the readings of its moment, by the walls that stand askew since, or by those that are drawn a second time.
 #[test]
-fn kicks_that_no_reading_tells_are_told_by_walls_drawn_twice() {
+fn a_kicked_robot_comes_home_and_sweeps_it() {
     let jobs = jobs(true);
-    // Of these eighty, some are not told by the readings that follow, and end 0.3 to 1 m from home where nothing else tells.
-    let told = jobs.iter().filter(|job| job.second_copies > 0).count();
-    assert!(told >= 3, "{told} of {}", jobs.len());
     let is_well = |job: &&FloorDrive| job.score.home_m < 0.2 && job.score.swept > 0.93;
     let well = jobs.iter().filter(is_well).count();
-    // After ten of the 160 kicks in the homes 401 to 560 the robot ends farther off, or has not swept all of it.
-    assert!(well >= 73, "{well} of {} are home and have swept it", jobs.len());
+    // After three of the 160 kicks in the homes 401 to 560 the robot ends farther off.
+    assert!(well >= 77, "{well} of {} are home and have swept it", jobs.len());
 }
 
 #[test]
 fn a_push_that_no_reading_tells_is_told_by_walls_drawn_beside_the_older_ones() {
-    // Most are told by the readings of the moment. In the homes 181 to 380 walls told three, and those robots ended within 0.03 m of home; seven
-    // ended 0.26 to 0.79 m off untold.
-    let halves = [224..232, 372..380]
+    // Most are told by the readings of the moment. In the homes 181 to 380 walls told two, and those robots ended within 0.03 m of home; seven
+    // ended 0.30 to 0.79 m off untold.
+    let halves = [352..360, 372..380]
         .map(|homes| thread::spawn(|| homes.map(|home| job(home, Some(PUSH), LATER_S)).collect::<Vec<_>>()));
     let jobs = halves.into_iter().flat_map(|half| half.join().expect("no panic"));
     let told: Vec<_> = jobs.filter(|job| job.second_copies > 0).collect();

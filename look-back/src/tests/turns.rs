@@ -1,6 +1,6 @@
 //! Turns that nothing told: what tells them is that all walls that are seen since stand askew, by the same angle.
 
-use slam_core::{Increment, Pose, Standing};
+use slam_core::{Displaced, Increment, Pose, Standing};
 
 use super::drive::DRIVE;
 use super::random::Random;
@@ -17,85 +17,90 @@ type Ends = [[f64; 2]; 2];
 /// Three walls of the room in which the robot starts at the origin, looking along x.
 const BEFORE: [Ends; 3] = [[[3.0, 1.0], [-1.5, 1.0]], [[-1.5, -1.0], [3.0, -1.0]], [[-1.5, 1.0], [-1.5, -1.0]]];
 
-/// All four of the one that it comes to.
+/// All four of the one that it comes to after 3 m.
 const ROOM: [Ends; 4] =
     [[[9.0, 2.2], [2.9, 2.2]], [[2.9, -2.8], [9.0, -2.8]], [[9.0, -2.8], [9.0, 2.2]], [[2.9, 2.2], [2.9, 0.5]]];
+
+/// Three of one more, after 7 m.
+const NEXT: [Ends; 3] = [[[13.0, 1.5], [7.5, 1.5]], [[7.5, -1.5], [13.0, -1.5]], [[13.0, -1.5], [13.0, 1.5]]];
 
 /// Three sides of a box on its left.
 const BOX: [Ends; 3] = [[[5.5, 0.6], [4.0, 0.6]], [[4.0, 0.6], [4.0, 1.6]], [[5.5, 1.6], [5.5, 0.6]]];
 
-/// A robot that drives 3 m along `BEFORE`, is turned by so much unseen by its wheels, and drives 4 m on past other walls.
-struct Drive {
-    turned_rad: f64,
-    since: &'static [Ends],
-    /// Where those stand askew, by so much.
-    askew_rad: f64,
-    /// One wall of before is seen for some time.
-    sees_one_on: bool,
-    told: Standing,
+/// Turned about where the second room begins.
+fn askew([x, y]: [f64; 2], by_rad: f64) -> [f64; 2] {
+    let (s, c) = by_rad.sin_cos();
+    [3.0 + c * (x - 3.0) - s * y, s * (x - 3.0) + c * y]
 }
 
-const KICKED: Drive =
-    Drive { turned_rad: -0.26, since: &ROOM, askew_rad: 0.0, sees_one_on: false, told: Standing::Unknown };
+/// A robot that drives straight on, and what it writes down.
+struct World {
+    diary: SmallDiary,
+    random: Random,
+    /// x, y, theta.
+    truth: [f64; 3],
+    reckoned: Pose,
+    /// How a filter has walls that stand askew to its grid.
+    told: Standing,
+    step: u32,
+}
 
-/// What came of it: by how much the last pose's heading is off, radians, its place, metres, and whether a turn was found.
-fn placed(drive: &Drive) -> (f64, f64, bool) {
-    let mut diary = SmallDiary::new(&DRIVE, Pose::ORIGIN);
-    let hit = |diary: &mut SmallDiary, end_m, wall| {
-        let (from_m, wall) = ([0.0; 2], Some(wall));
-        diary.hit(&Hit { from_m, end_m, variance_m2: 1e-4, alike: 1.0, sensor: 0, wall });
-    };
-    diary.grid(0.0);
-    let mut random = Random(3);
-    let (mut truth, mut reckoned) = ([0.0_f64; 3], Pose::ORIGIN);
-    for step in 0..175 {
-        let is_before = step < 75;
-        if step == 75 {
-            truth[2] += drive.turned_rad;
-        }
-        let [x, y, theta] = truth;
-        truth = [x + 0.04 * theta.cos(), y + 0.04 * theta.sin(), theta];
-        let moved = Increment { forward_m: 0.04, left_m: 0.0, turn_rad: 0.0 };
-        reckoned = reckoned.compose(&Pose::new(0.04, 0.0, 0.0));
-        diary.travel(&moved);
-        if diary.is_due() {
-            diary.begin_keyframe(&reckoned);
-        }
-        if !is_before && step % 20 == 0 {
-            // Where the robot has the wall that was on its left there is a chair.
-            hit(&mut diary, [0.0, 1.0], 0);
-        }
-        let (walls, first) = if is_before { (&BEFORE[..], 0) } else { (drive.since, 8) };
-        let is_askew = |id: u16| id >= 8;
-        let seen_on = (!is_before && step < 105 && drive.sees_one_on).then_some((0, BEFORE[0]));
-        let seen = walls.iter().zip(first..).map(|(ends, id)| (id, *ends)).chain(seen_on);
-        for (id, ends) in seen {
-            let askew_rad = if is_askew(id) { drive.askew_rad } else { 0.0 };
-            let [[ax, ay], [bx, by]] = ends.map(|[x, y]| {
-                let (s, c) = askew_rad.sin_cos();
-                [3.0 + c * (x - 3.0) - s * y, s * (x - 3.0) + c * y]
-            });
-            let [x, y, theta] = truth;
-            if (bx - ax) * (y - ay) - (by - ay) * (x - ax) < 0.1 {
-                continue;
+impl World {
+    fn new(told: Standing) -> Self {
+        let mut diary = SmallDiary::new(&DRIVE, Pose::ORIGIN);
+        diary.grid(0.0);
+        let mut world = Self { diary, random: Random(3), truth: [0.0; 3], reckoned: Pose::ORIGIN, told, step: 0 };
+        world.drive(75, &BEFORE, 0);
+        world
+    }
+
+    /// So many steps of 4 cm past these walls, which the filter calls by numbers from `first` on.
+    fn drive(&mut self, steps: u32, walls: &[Ends], first: u16) {
+        for _ in 0..steps {
+            self.step += 1;
+            let [x, y, theta] = self.truth;
+            self.truth = [x + 0.04 * theta.cos(), y + 0.04 * theta.sin(), theta];
+            self.reckoned = self.reckoned.compose(&Pose::new(0.04, 0.0, 0.0));
+            self.diary.travel(&Increment { forward_m: 0.04, left_m: 0.0, turn_rad: 0.0 });
+            if self.diary.is_due() {
+                self.diary.begin_keyframe(&self.reckoned);
             }
-            let share = f64::from(step * 7 % 10) / 9.0;
-            let way = [ax + share * (bx - ax) - x, ay + share * (by - ay) - y];
-            let range = way[0].hypot(way[1]) + 0.01 * random.normal();
-            let bearing = way[1].atan2(way[0]) - theta;
-            let end_m = [(range * bearing.cos()) as f32, (range * bearing.sin()) as f32];
-            hit(&mut diary, end_m, id);
-            if is_askew(id) {
-                diary.stand(id, drive.told);
-            }
+            walls.iter().zip(first..).for_each(|(ends, id)| self.see(*ends, id));
         }
     }
-    let mut look_back = Small::new();
-    look_back.begin(&diary);
-    assert_eq!(look_back.work(&mut diary, u32::MAX), Progress::Done);
-    let robot = diary.robot();
-    let off_m = (f64::from(robot.x_m) - truth[0]).hypot(f64::from(robot.y_m) - truth[1]);
-    ((f64::from(robot.theta_rad) - truth[2]).abs(), off_m, diary.is_turned_back)
+
+    fn see(&mut self, [[ax, ay], [bx, by]]: Ends, id: u16) {
+        let [x, y, theta] = self.truth;
+        if (bx - ax) * (y - ay) - (by - ay) * (x - ax) < 0.1 {
+            return;
+        }
+        let share = f64::from(self.step * 7 % 10) / 9.0;
+        let way = [ax + share * (bx - ax) - x, ay + share * (by - ay) - y];
+        let range = way[0].hypot(way[1]) + 0.01 * self.random.normal();
+        let bearing = way[1].atan2(way[0]) - theta;
+        self.hit([(range * bearing.cos()) as f32, (range * bearing.sin()) as f32], id);
+        if id >= 8 {
+            self.diary.stand(id, self.told);
+        }
+    }
+
+    fn hit(&mut self, end_m: [f32; 2], id: u16) {
+        let (from_m, wall) = ([0.0; 2], Some(id));
+        self.diary.hit(&Hit { from_m, end_m, variance_m2: 1e-4, alike: 1.0, sensor: 0, wall });
+    }
+
+    fn kick(&mut self, turned_rad: f64) {
+        self.truth[2] += turned_rad;
+    }
+
+    /// Looks back: by how much the heading is off then, radians, and the place, metres.
+    fn look_back(&mut self) -> [f64; 2] {
+        let mut look_back = Small::new();
+        look_back.begin(&self.diary);
+        assert_eq!(look_back.work(&mut self.diary, u32::MAX), Progress::Done);
+        let (robot, [x, y, theta]) = (self.diary.robot(), self.truth);
+        [(f64::from(robot.theta_rad) - theta).abs(), (f64::from(robot.x_m) - x).hypot(f64::from(robot.y_m) - y)]
+    }
 }
 
 #[test]
@@ -104,8 +109,15 @@ fn a_turn_that_nothing_told_is_told_by_the_walls_that_stand_askew_since() {
     for told in [Standing::Unknown, Standing::Off] {
         for turned_rad in [-0.35, -0.15, 0.15, 0.35] {
             let name = std::format!("{turned_rad} rad, {told:?}");
-            let (off_rad, off_m, is_found) = placed(&Drive { turned_rad, told, ..KICKED });
-            assert!(is_found, "{name}");
+            let mut world = World::new(told);
+            world.kick(turned_rad);
+            for _ in 0..5 {
+                world.drive(20, &ROOM, 8);
+                // Where the robot has the wall that was on its left there is a chair.
+                world.hit([0.0, 1.0], 0);
+            }
+            let [off_rad, off_m] = world.look_back();
+            assert!(world.diary.is_turned_back, "{name}");
             assert!(off_rad < 0.02, "{name}: {off_rad} rad");
             // The turn may have been anywhere within a keyframe or two.
             assert!(off_m < 0.25, "{name}: {off_m} m");
@@ -115,20 +127,51 @@ fn a_turn_that_nothing_told_is_told_by_the_walls_that_stand_askew_since() {
 
 #[test]
 fn a_turn_is_not_told_by_less() {
-    let few = |since| Drive { since, ..KICKED };
-    let cases = [
-        ("two walls", few(&ROOM[..2])),
-        ("an angle that the heading may be off by", Drive { turned_rad: 0.05, told: Standing::Off, ..KICKED }),
-        ("an angle by which nothing turns a robot", Drive { turned_rad: 0.75, ..KICKED }),
-        ("the sides of one thing", few(&BOX)),
-        (
-            "a wing into which a wall is seen on",
-            Drive { turned_rad: 0.0, askew_rad: 0.26, sees_one_on: true, ..KICKED },
-        ),
-        ("walls on the grid", Drive { turned_rad: 0.0, ..KICKED }),
+    let wing = ROOM.map(|ends| ends.map(|end| askew(end, 0.26)));
+    let cases: [(&str, f64, &[Ends], u32); 6] = [
+        ("two walls", -0.26, &ROOM[..2], 0),
+        ("an angle that the heading may be off by", 0.05, &ROOM, 0),
+        ("an angle by which nothing turns a robot", 0.75, &ROOM, 0),
+        ("the sides of one thing", -0.26, &BOX, 0),
+        ("a wing into which a wall is seen on", 0.0, &wing, 30),
+        ("walls on the grid", 0.0, &ROOM, 0),
     ];
-    for (name, drive) in cases {
-        let (_, _, is_found) = placed(&drive);
-        assert!(!is_found, "{name}");
+    for (name, turned_rad, since, seen_on) in cases {
+        // On the grid is what a filter does not say is off it.
+        let told = if turned_rad == 0.0 { Standing::Unknown } else { Standing::Off };
+        let mut world = World::new(told);
+        world.kick(turned_rad);
+        for _ in 0..seen_on {
+            world.drive(1, since, 8);
+            world.see(BEFORE[0], 0);
+        }
+        world.drive(100 - seen_on, since, 8);
+        world.look_back();
+        assert!(!world.diary.is_turned_back, "{name}");
+    }
+}
+
+/// What was taken for a turn was a wing, and the robot is back: by the walls that it draws there, or by its readings.
+#[test]
+fn a_robot_that_comes_back_turned_by_as_much_was_in_a_wing() {
+    for told in [Standing::Unknown, Standing::Off] {
+        for is_found_by_readings in [false, true] {
+            let name = std::format!("{told:?}, {is_found_by_readings}");
+            let mut world = World::new(told);
+            world.drive(100, &ROOM.map(|ends| ends.map(|end| askew(end, 0.26))), 8);
+            let [off_rad, _] = world.look_back();
+            assert!(world.diary.is_turned_back && (off_rad - 0.26).abs() < 0.03, "{name}: {off_rad} rad off");
+            // The filter takes it over.
+            world.diary.is_turned_back = false;
+            if is_found_by_readings {
+                world.reckoned = world.reckoned.compose(&Pose::new(0.0, 0.0, 0.26));
+                world.diary.go_on_elsewhere(&world.reckoned, Displaced::Jolted);
+                world.told = Standing::Unknown;
+            }
+            world.drive(75, &NEXT, 12);
+            let [off_rad, off_m] = world.look_back();
+            assert!(world.diary.is_turned_back, "{name}");
+            assert!(off_rad < 0.02 && off_m < 0.1, "{name}: {off_rad} rad, {off_m} m");
+        }
     }
 }
