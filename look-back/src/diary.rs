@@ -13,6 +13,7 @@ use crate::keyframe::Keyframe;
 use crate::names::{NAMES, Name};
 use crate::rows::Odometry;
 use crate::thin;
+use crate::turned::Turned;
 use crate::wall::Wall;
 
 /// Hits of one sensor that no wall explains and that are so near to each other are on one thing, metres.
@@ -89,10 +90,7 @@ pub struct Diary<const K: usize, const G: usize, const W: usize> {
     pub(crate) alpha_rad: Option<f32>,
     /// Number of the filter's wall that is asked next how it stands to the grid.
     pub(crate) turn: u8,
-    /// What was seen since a turn that nothing told was put on the grid; the filter does not know yet.
-    pub(crate) is_turned_back: bool,
-    /// The keyframe since which that is so, and by how much, radians; until the robot was turned again.
-    pub(crate) last_turn: Option<(u32, f32)>,
+    pub(crate) turned: Turned,
     pub(crate) odometry: Odometry,
     /// The robot in the last keyframe's frame, by the odometry as it is calibrated at present.
     pub(crate) robot: Moving,
@@ -121,8 +119,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         gains: Gains::NONE,
         alpha_rad: None,
         turn: 0,
-        is_turned_back: false,
-        last_turn: None,
+        turned: Turned::NOT,
         odometry: Odometry::NONE,
         robot: Moving::NONE,
         filter: Pose::ORIGIN,
@@ -152,7 +149,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         self.gains = gains;
         self.alpha_rad = None;
         self.turn = 0;
-        (self.is_turned_back, self.last_turn) = (false, None);
+        self.turned = Turned::NOT;
         self.ranges_m = [0.0; MOST_GAINS];
         self.odometry = Odometry::of(drive);
         (self.robot, self.filter) = (Moving::ORIGIN, start);

@@ -57,7 +57,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         let Some(wall) = self.names.iter().find(|name| name.id == id).map(|name| name.wall) else { return };
         if let Some(wall) = self.walls.get_mut(usize::from(wall)).and_then(Option::as_mut)
             && !matches!(wall.told, Standing::Exact(_))
-            && !(self.is_turned_back && wall.told != Standing::Unknown)
+            && !(self.turned.is_new && wall.told != Standing::Unknown)
         {
             wall.told = standing;
         }

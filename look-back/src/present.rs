@@ -179,12 +179,12 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K,
             walls: &walls,
             names: &names,
             covariance: solver.system.covariance_entries(),
-            is_displaced: diary.is_turned_back,
+            is_displaced: diary.turned.is_new,
         };
         // What f32 did not tell from nothing has no variance.
         let found = if self.is_positive() { found } else { HandOver { covariance: &[], ..found } };
         slam.take_over(&found)?;
-        diary.is_turned_back = false;
+        diary.turned.is_new = false;
         diary.follow_filter();
         Ok(())
     }

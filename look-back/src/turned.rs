@@ -38,8 +38,8 @@ const LEAST_RAD: f32 = 0.1;
 /// Of the hits on a wall, and of all, one in so many may be another wall's: after a jolt some fit what they are not of.
 const STRAY: u32 = 20;
 
-/// How often it is a jolt where all walls in view become others: in simulated homes they do so every 65 m, and a jolt comes once in an
-/// hour, 900 m, as the filter has it.
+/// How often it is a jolt where all walls in view become others: in forty simulated homes, random-301 to random-340, they do so every 65 m,
+/// and a jolt comes once in an hour, 900 m, as the filter has it.
 const JOLTED: f32 = 0.07;
 
 /// How often a wing begins there that stands askew as a whole: one home in fifty has one, one robot in five sees nothing there of where
@@ -48,6 +48,21 @@ const WING: f32 = 0.0016;
 
 /// Multiply-adds of a look at one wall, for each group of the diary.
 const COST: u32 = 5;
+
+/// What was turned back.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Turned {
+    /// The filter has not taken that over yet.
+    pub is_new: bool,
+    /// The keyframe since which it was, and by how much, radians; nought where nothing was, or it turned out to be a wing.
+    since: u32,
+    by_rad: f32,
+}
+
+impl Turned {
+    /// Nothing was; every byte is zero.
+    pub const NOT: Self = Self { is_new: false, since: 0, by_rad: 0.0 };
+}
 
 /// What may have turned the robot between two keyframes: of all walls none was seen both until the first and from the second one on, and
 /// those that were seen since stand askew.
@@ -86,7 +101,7 @@ impl Search {
     /// Looks at the next wall; after the last one turns back what was turned, if that is sure enough. The cost in multiply-adds; none where it
     /// is over. While the filter has not taken over what was turned back nothing else is looked for.
     pub fn take<const K: usize, const G: usize, const W: usize>(&mut self, diary: &mut Diary<K, G, W>) -> Option<u32> {
-        if self.wall < W && !diary.is_turned_back {
+        if self.wall < W && !diary.turned.is_new {
             let found = diary.stands_askew(self.wall).then(|| diary.turn_before(self.wall));
             self.wall += 1;
             let Some(found) = found else { return Some(1) };
@@ -249,22 +264,23 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         }
         self.turn_since(to, self.keyframes.len(), by_rad);
         self.forget_strays(to, &sides);
-        self.last_turn = self.keyframes.get(to).map(|key| (key.serial, by_rad));
+        let since = self.keyframes.get(to).map_or(0, |key| key.serial);
+        self.turned = Turned { is_new: true, since, by_rad };
     }
 
     /// Where the last turn that was turned back is turned again the other way by as much, the robot was in a wing in between, until the
     /// keyframe with the number `end`: it is where it was drawn. False where it was not.
     pub(crate) fn leave_wing(&mut self, by_rad: f32, end: usize) -> bool {
-        let Some((serial, last_rad)) = self.last_turn else { return false };
-        let Some(to) = self.keyframes.iter().position(|key| key.serial >= serial) else { return false };
-        if wrap(by_rad + last_rad).abs() > ALIKE_RAD || to >= end {
+        let Turned { since, by_rad: last_rad, .. } = self.turned;
+        let to = self.keyframes.iter().position(|key| key.serial >= since);
+        let Some(to) = to.filter(|to| *to < end && last_rad != 0.0 && wrap(by_rad + last_rad).abs() < ALIKE_RAD) else {
             return false;
-        }
+        };
         for key in self.keyframes.iter_mut().take(to).rev().take_while(|key| key.is_jolted()) {
             key.forget_jolt();
         }
         self.turn_since(to, end, -last_rad);
-        self.last_turn = None;
+        self.turned = Turned { is_new: true, ..Turned::NOT };
         true
     }
 
@@ -299,7 +315,6 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
             };
             wall.on_grid = is_on_grid(wall, self.alpha_rad);
         }
-        self.is_turned_back = true;
     }
 
     /// What was seen on one side of the turn is not on a wall of the other: nothing but the jolt holds the two sides together, and a few hits

@@ -117,7 +117,7 @@ fn a_turn_that_nothing_told_is_told_by_the_walls_that_stand_askew_since() {
                 world.hit([0.0, 1.0], 0);
             }
             let [off_rad, off_m] = world.look_back();
-            assert!(world.diary.is_turned_back, "{name}");
+            assert!(world.diary.turned.is_new, "{name}");
             assert!(off_rad < 0.02, "{name}: {off_rad} rad");
             // The turn may have been anywhere within a keyframe or two.
             assert!(off_m < 0.25, "{name}: {off_m} m");
@@ -147,7 +147,7 @@ fn a_turn_is_not_told_by_less() {
         }
         world.drive(100 - seen_on, since, 8);
         world.look_back();
-        assert!(!world.diary.is_turned_back, "{name}");
+        assert!(!world.diary.turned.is_new, "{name}");
     }
 }
 
@@ -160,9 +160,9 @@ fn a_robot_that_comes_back_turned_by_as_much_was_in_a_wing() {
             let mut world = World::new(told);
             world.drive(100, &ROOM.map(|ends| ends.map(|end| askew(end, 0.26))), 8);
             let [off_rad, _] = world.look_back();
-            assert!(world.diary.is_turned_back && (off_rad - 0.26).abs() < 0.03, "{name}: {off_rad} rad off");
+            assert!(world.diary.turned.is_new && (off_rad - 0.26).abs() < 0.03, "{name}: {off_rad} rad off");
             // The filter takes it over.
-            world.diary.is_turned_back = false;
+            world.diary.turned.is_new = false;
             if is_found_by_readings {
                 world.reckoned = world.reckoned.compose(&Pose::new(0.0, 0.0, 0.26));
                 world.diary.go_on_elsewhere(&world.reckoned, Displaced::Jolted);
@@ -170,7 +170,7 @@ fn a_robot_that_comes_back_turned_by_as_much_was_in_a_wing() {
             }
             world.drive(75, &NEXT, 12);
             let [off_rad, off_m] = world.look_back();
-            assert!(world.diary.is_turned_back, "{name}");
+            assert!(world.diary.turned.is_new, "{name}");
             assert!(off_rad < 0.02 && off_m < 0.1, "{name}: {off_rad} rad, {off_m} m");
         }
     }
