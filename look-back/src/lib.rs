@@ -13,7 +13,7 @@
 //! | gains, rows | residuals of odometry, groups and priors with their derivatives |
 //! | system, packed | one Gauss-Newton step: poses eliminated along the path, the border solved, the poses found on the way back |
 //! | solve | the step in slices |
-//! | place, survey, chance, labels, twins | where a new wall is, what was seen of each, which group is on which, which two are one |
+//! | place, turned, survey, chance, labels, twins | where a new wall is, whether something turned the robot, what was seen of each wall, which group is on which, which two are one |
 //! | [`look_back`] | the order of all that, and what came of it |
 //! | record, power | what a step of the filter writes down |
 //! | posterior, present | what was found, brought up to the present and handed over to the filter |

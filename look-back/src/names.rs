@@ -52,7 +52,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     }
 
     /// The filter has the wall that it calls `id` stand so to the grid. Of two walls that are one, one may stand there exactly and the other
-    /// not yet.
+    /// not yet. Of walls that were turned back the filter says what was before.
     pub(crate) fn stand(&mut self, id: u16, standing: Standing) {
         let Some(wall) = self.names.iter().find(|name| name.id == id).map(|name| name.wall) else { return };
         if let Some(wall) = self.walls.get_mut(usize::from(wall)).and_then(Option::as_mut)
