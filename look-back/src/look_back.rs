@@ -192,15 +192,7 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K,
             Stage::Place { wall } => {
                 let index = *wall;
                 *wall += 1;
-                if index < W {
-                    return place_wall(diary, index);
-                }
-                match self.last {
-                    Last::No => self.stage = Stage::Turn { search: Search::NEW },
-                    Last::Settling => return self.begin_solving(diary, STEPS),
-                    Last::Latest => return self.begin_solving(diary, STEPS_AT_LAST),
-                }
-                1
+                if index < W { place_wall(diary, index) } else { self.placed(diary) }
             }
             Stage::Turn { search } => search.take(diary).unwrap_or_else(|| self.begin_solving(diary, STEPS)),
             Stage::Solve => self.solve(diary),
@@ -251,6 +243,15 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K,
             }),
             Stage::Idle | Stage::Ended(_) => 0,
         }
+    }
+
+    /// What follows when every wall has a line.
+    fn placed<const G: usize>(&mut self, diary: &mut Diary<K, G, W>) -> u32 {
+        if self.last == Last::No {
+            self.stage = Stage::Turn { search: Search::NEW };
+            return 1;
+        }
+        self.begin_solving(diary, if self.last == Last::Latest { STEPS_AT_LAST } else { STEPS })
     }
 
     fn begin_solving<const G: usize>(&mut self, diary: &mut Diary<K, G, W>, steps: u32) -> u32 {
