@@ -76,9 +76,11 @@ struct Turn {
 }
 
 impl Turn {
+    const NONE: Self = Self { from: 0, to: 0, by_rad: 0.0, odds: 0.0 };
+
     /// The likelier one.
-    fn or(self, other: Option<Self>) -> Self {
-        other.filter(|other| other.odds > self.odds).unwrap_or(self)
+    fn or(self, other: Self) -> Self {
+        if other.odds > self.odds { other } else { self }
     }
 
     /// Whether it is sure enough.
@@ -91,12 +93,13 @@ impl Turn {
 #[derive(Clone, Debug)]
 pub(crate) struct Search {
     wall: usize,
-    likeliest: Option<Turn>,
+    /// At odds of nought where none was found: with an `Option` a look back that has nothing to do would not be all zeros.
+    likeliest: Turn,
 }
 
 impl Search {
     /// Before the first wall.
-    pub const NEW: Self = Self { wall: 0, likeliest: None };
+    pub const NEW: Self = Self { wall: 0, likeliest: Turn::NONE };
 
     /// Looks at the next wall; after the last one turns back what was turned, if that is sure enough. The cost in multiply-adds; none where it
     /// is over. While the filter has not taken over what was turned back nothing else is looked for.
@@ -105,11 +108,11 @@ impl Search {
             let found = diary.stands_askew(self.wall).then(|| diary.turn_before(self.wall));
             self.wall += 1;
             let Some(found) = found else { return Some(1) };
-            self.likeliest = found.map(|turn| turn.or(self.likeliest)).or(self.likeliest);
+            self.likeliest = found.map_or(self.likeliest, |turn| turn.or(self.likeliest));
             return Some(COST * diary.groups.len() as u32);
         }
-        if let Some(turn) = self.likeliest.take().filter(Turn::is_sure) {
-            diary.turn_back(&turn);
+        if self.likeliest.is_sure() {
+            diary.turn_back(&self.likeliest);
         }
         None
     }
