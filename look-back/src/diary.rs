@@ -89,7 +89,7 @@ pub struct Diary<const K: usize, const G: usize, const W: usize> {
     /// Direction of the grid, radians.
     pub(crate) alpha_rad: Option<f32>,
     /// Number of the filter's wall that is asked next how it stands to the grid.
-    pub(crate) turn: u8,
+    pub(crate) asked: u8,
     pub(crate) turned: Turned,
     pub(crate) odometry: Odometry,
     /// The robot in the last keyframe's frame, by the odometry as it is calibrated at present.
@@ -118,7 +118,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         calibration: Calibration { distance: 0.0, turn: 0.0, veer_rad_per_m: 0.0 },
         gains: Gains::NONE,
         alpha_rad: None,
-        turn: 0,
+        asked: 0,
         turned: Turned::NOT,
         odometry: Odometry::NONE,
         robot: Moving::NONE,
@@ -148,7 +148,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         self.calibration = Calibration::EXACT;
         self.gains = gains;
         self.alpha_rad = None;
-        self.turn = 0;
+        self.asked = 0;
         self.turned = Turned::NOT;
         self.ranges_m = [0.0; MOST_GAINS];
         self.odometry = Odometry::of(drive);

@@ -120,11 +120,9 @@ impl Keyframe {
         }
     }
 
-    /// No jolt moved the robot on the way to the next one after all.
+    /// No jolt moved the robot after all, on a way on which one may have.
     pub fn forget_jolt(&mut self) {
-        if self.is_jolted() {
-            self.swing = 0;
-        }
+        self.swing = 0;
     }
 
     /// Whether a jolt may have moved the robot on the way to the next one.

@@ -35,10 +35,10 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
             self.grid(alpha_rad);
         }
         // One wall a step.
-        self.turn = match slam.standing(self.turn.into()) {
+        self.asked = match slam.standing(self.asked.into()) {
             Some((id, standing)) => {
                 self.stand(id, standing);
-                self.turn.wrapping_add(1)
+                self.asked.wrapping_add(1)
             }
             None => 0,
         };

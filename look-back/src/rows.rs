@@ -214,6 +214,10 @@ pub fn grid_rad(alpha_rad: f32, quarter: u8) -> f32 {
 
 /// Angle from the nearest direction of the grid.
 pub fn off_grid(beta_rad: f32, alpha_rad: f32) -> f32 {
-    let difference = beta_rad - alpha_rad;
-    difference - libm::roundf(difference / core::f32::consts::FRAC_PI_2) * core::f32::consts::FRAC_PI_2
+    beta_rad - alpha_rad - quarters(beta_rad, alpha_rad) * core::f32::consts::FRAC_PI_2
+}
+
+/// Quarter turns from alpha to the grid's direction that is nearest.
+pub fn quarters(beta_rad: f32, alpha_rad: f32) -> f32 {
+    libm::roundf((beta_rad - alpha_rad) / core::f32::consts::FRAC_PI_2)
 }

@@ -4,24 +4,24 @@
 //! askew, wall after wall by the same angle, and what it saw before it sees no more. Of one such wall nobody can say whether it stands
 //! askew; that all do is the less likely the more there are.
 
-use core::f32::consts::{FRAC_2_PI, FRAC_PI_2, TAU};
+use core::f32::consts::{FRAC_2_PI, TAU};
 
 use heapless::Vec;
 use slam_core::angle::wrap;
-use slam_core::{JOLT, Pose, Standing};
+use slam_core::{DECISION, GRID_SHARE, JOLT, Pose, Standing, are_apart};
 
 use crate::diary::{Diary, FEWEST};
 use crate::frame::{Frame, dot};
 use crate::group::Group;
 use crate::place::is_on_grid;
-use crate::rows::off_grid;
+use crate::rows::{off_grid, quarters};
 use crate::wall::{Line, Wall};
 
-/// Odds at which a decision is made: 95 %, as the filter decides what stands on the grid.
-const SURE: f32 = 19.0;
+/// Odds at which a decision is made, 19 to 1: as the filter decides what stands on the grid.
+const SURE: f32 = DECISION / (1.0 - DECISION);
 
-/// Odds that a wall stands on the grid, before it is seen: nine in ten do, as the filter has it.
-const ON_GRID: f32 = 9.0;
+/// Odds that a wall stands on the grid, before it is seen, 9 to 1: as the filter has it.
+const ON_GRID: f32 = GRID_SHARE / (1.0 - GRID_SHARE);
 
 /// Walls that stand alike do so within this angle, radians: two sigma of the two degrees to which the filter knows a wall off the grid.
 const ALIKE_RAD: f32 = 0.07;
@@ -32,18 +32,15 @@ const MOST_ALIKE: usize = 8;
 /// So many walls make a grid, at least.
 const GRID_WALLS: usize = 2;
 
-/// What turns a robot by less is the filter's own error, radians, as it has it of jolts.
-const LEAST_RAD: f32 = 0.1;
-
 /// Of the hits on a wall, and of all, one in so many may be another wall's: after a jolt some fit what they are not of.
 const STRAY: u32 = 20;
 
-/// How often it is a jolt where all walls in view become others: in forty simulated homes, random-301 to random-340, they do so every 65 m,
-/// and a jolt comes once in an hour, 900 m, as the filter has it.
+/// How often it is a jolt where all walls in view become others. They do so every 65 m, counted once, in forty simulated homes, and a jolt
+/// comes once in an hour, 900 m, as the filter has it.
 const JOLTED: f32 = 0.07;
 
-/// How often a wing begins there that stands askew as a whole: one home in fifty has one, one robot in five sees nothing there of where
-/// it comes from, and walls in view become others two or three times in a home.
+/// How often a wing begins there that stands askew as a whole. One home in fifty is taken to have one. One robot in five saw nothing there of
+/// where it came from, in 24 simulated wings, and walls in view become others two or three times in a home.
 const WING: f32 = 0.0016;
 
 /// Multiply-adds of a look at one wall, for each group of the diary.
@@ -172,9 +169,13 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     fn turn_before(&self, index: usize) -> Option<Turn> {
         let alpha_rad = self.alpha_rad?;
         let off_rad = off_grid(self.placed(index)?.beta_rad, alpha_rad);
+        // What turns a robot by less is the filter's own error, as it has it of jolts.
+        if !are_apart(&[0.0, 0.0, off_rad], &[0.0; 3]) {
+            return None;
+        }
         let to = self.first_seen(index)?;
         let sides = self.sides(to);
-        if off_rad.abs() < LEAST_RAD || sides.is_since(index) != Some(true) || !sides.are_parted() {
+        if sides.is_since(index) != Some(true) || !sides.are_parted() {
             return None;
         }
         let is_alike = |wall: &Wall| !wall.on_grid && off_grid(wall.beta_rad - off_rad, alpha_rad).abs() < ALIKE_RAD;
@@ -265,7 +266,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         for key in self.keyframes.iter_mut().take(to).skip(from) {
             key.jolt([share * JOLT[0], share * JOLT[2]]);
         }
-        self.turn_since(to, self.keyframes.len(), by_rad);
+        self.turn_since(to, self.keyframes.len(), by_rad, &sides);
         self.forget_strays(to, &sides);
         let since = self.keyframes.get(to).map_or(0, |key| key.serial);
         self.turned = Turned { is_new: true, since, by_rad };
@@ -282,14 +283,13 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         for key in self.keyframes.iter_mut().take(to).rev().take_while(|key| key.is_jolted()) {
             key.forget_jolt();
         }
-        self.turn_since(to, end, -last_rad);
+        self.turn_since(to, end, -last_rad, &self.sides(to));
         self.turned = Turned { is_new: true, ..Turned::NOT };
         true
     }
 
     /// Turns the keyframes from `to` up to `end` about the first of them, and the walls that were seen since.
-    fn turn_since(&mut self, to: usize, end: usize, by_rad: f32) {
-        let sides = self.sides(to);
+    fn turn_since(&mut self, to: usize, end: usize, by_rad: f32, sides: &Sides<W>) {
         let (Some(pivot), Some(alpha_rad)) = (self.keyframes.get(to).map(|key| key.pose), self.alpha_rad) else {
             return;
         };
@@ -304,18 +304,12 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         for (number, wall) in self.walls.iter_mut().enumerate() {
             let is_since = sides.is_since(number) != Some(false);
             let Some(wall) = wall.as_mut().filter(|wall| is_since && wall.is_placed) else { continue };
-            let anchor_m = moved(wall.line().at(wall.anchor_m));
-            wall.beta_rad = turned(wall.beta_rad);
-            let line = wall.line();
-            (wall.rho_m, wall.anchor_m) = (dot(line.normal, anchor_m), dot(line.tangent(), anchor_m));
-            let is_near = off_grid(wall.beta_rad, alpha_rad).abs() < ALIKE_RAD;
-            let quarters = libm::roundf((wall.beta_rad - alpha_rad) / FRAC_PI_2) as i32;
-            wall.told = match wall.told {
-                Standing::Unknown => Standing::Unknown,
-                Standing::Off if !is_near => Standing::Off,
-                _ if is_near => Standing::Near(quarters.rem_euclid(4) as u8),
-                _ => Standing::Off,
-            };
+            wall.put(moved(wall.line().at(wall.anchor_m)), by_rad);
+            if wall.told != Standing::Unknown {
+                let is_near = off_grid(wall.beta_rad, alpha_rad).abs() < ALIKE_RAD;
+                let quarter = (quarters(wall.beta_rad, alpha_rad) as i32).rem_euclid(4) as u8;
+                wall.told = if is_near { Standing::Near(quarter) } else { Standing::Off };
+            }
             wall.on_grid = is_on_grid(wall, self.alpha_rad);
         }
     }

@@ -78,10 +78,14 @@ impl Wall {
 
     /// Moves its line by so much at the anchor, and turns it there.
     pub(crate) fn shift(&mut self, by_m: f32, by_rad: f32) {
-        let anchor = self.line().at(self.anchor_m);
+        self.put(self.line().at(self.anchor_m), by_rad);
+        self.rho_m += by_m;
+    }
+
+    /// Puts its anchor there, metres, and turns it by so much.
+    pub(crate) fn put(&mut self, anchor_m: [f32; 2], by_rad: f32) {
         self.beta_rad = slam_core::angle::wrap(self.beta_rad + by_rad);
         let turned = self.line();
-        self.rho_m = dot(turned.normal, anchor) + by_m;
-        self.anchor_m = dot(turned.tangent(), anchor);
+        (self.rho_m, self.anchor_m) = (dot(turned.normal, anchor_m), dot(turned.tangent(), anchor_m));
     }
 }
