@@ -3,10 +3,13 @@
 use std::thread;
 
 use hal_sim::mishap::Kick;
+use hal_sim::plan::Plan;
 use hal_sim::rng::Rng;
 use hal_sim::{SimOptions, plan_file};
-use lab::run::{FloorDrive, clean};
-use slam_core::{Match, SecondCopy, Unfit};
+use lab::input::built_in_robot;
+use lab::input::settings::by_default;
+use lab::run::{Drive, FloorDrive, Session, clean};
+use slam_core::{Config, Match, SecondCopy, Unfit};
 use tests::carries::{drive, rig};
 
 /// Random homes, one drive each, by a robot of its own.
@@ -20,15 +23,20 @@ const PUSH: (f64, f64) = (0.5, 0.0);
 const EARLY_S: (f64, f64) = (20.0, 120.0);
 const LATER_S: (f64, f64) = (60.0, 420.0);
 
-/// The floor job in this home, with such a kick at some moment of these, or without.
-fn job(home: u64, kick: Option<(f64, f64)>, (from_s, to_s): (f64, f64)) -> FloorDrive {
+/// This home, with such a kick at some moment of these, or without.
+fn kicked(home: u64, kick: Option<(f64, f64)>, (from_s, to_s): (f64, f64)) -> Plan {
     let mut plan = plan_file::load(&format!("random-{home}")).expect("a random home");
     plan.mishaps.kicks.extend(kick.map(|(slide_m, turn_deg)| Kick {
         at_s: Rng::stream(home, "moment", 0).uniform(from_s, to_s),
         slide_m,
         turn_rad: turn_deg.to_radians(),
     }));
-    clean(&plan, SimOptions::default(), home).expect("the robot fits")
+    plan
+}
+
+/// The floor job there.
+fn job(home: u64, kick: Option<(f64, f64)>, moments_s: (f64, f64)) -> FloorDrive {
+    clean(&kicked(home, kick, moments_s), SimOptions::default(), home).expect("the robot fits")
 }
 
 /// Floor jobs in these homes, in every fourth one where nobody kicks.
@@ -49,6 +57,24 @@ fn a_kicked_robot_comes_home_and_sweeps_it() {
     let well = jobs.iter().filter(is_well).count();
     // After three of the 160 kicks in the homes 401 to 560 the robot ends farther off.
     assert!(well >= 77, "{well} of {} are home and have swept it", jobs.len());
+}
+
+/// A look back tells most of these sooner, by the walls that stand askew.
+#[test]
+fn without_a_look_back_kicks_that_no_reading_tells_are_told_by_walls_drawn_twice() {
+    let is_told = |home: &u64| {
+        let (robot, _) = built_in_robot().expect("the built-in rig is good");
+        let config = Config { hand_overs: false, ..by_default(&robot.rig) };
+        let mut session = Session::new(&robot, config, "").expect("a rig");
+        let plan = kicked(*home, Some(KICK), EARLY_S);
+        let mut drive = Drive::cleaning(&plan, &robot, SimOptions::default(), *home).expect("the robot fits");
+        while !drive.is_over() && drive.step(&mut session).t_s < 3600.0 {}
+        session.slam().counters().second_copies > 0
+    };
+    let halves = HOMES.map(|homes| thread::spawn(move || homes.filter(is_told).count()));
+    let told: usize = halves.into_iter().map(|half| half.join().expect("no panic")).sum();
+    // Nine are.
+    assert!(told >= 6, "{told} of 80");
 }
 
 #[test]

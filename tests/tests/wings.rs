@@ -47,7 +47,7 @@ fn job(home: u64, seed: u64) -> FloorDrive {
     clean(&plan, SimOptions::default(), seed).expect("the robot fits")
 }
 
-/// One in four takes what it sees there for its own turn; most of these find out when they come back. 44 of these 48 come home.
+/// Of these 48 robots 15 take what they see there for their own turn; most of them find out when they come back. 44 come home.
 #[test]
 fn a_robot_that_takes_a_wing_for_its_own_turn_mostly_comes_home() {
     let halves = [0, 1].map(|half| {
