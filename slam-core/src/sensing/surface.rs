@@ -4,17 +4,24 @@
 //! move by itself, so that one such surface alone does not decide. People who walk ahead are no walls: while they say backwards,
 //! the walls beside them say forwards, and who says now this and now that says nothing.
 //!
+//! A surface that is no wall of the map may face any way. So one that gets nearer does so because the robot drives forwards, or is one beside which it
+//! drives backwards and that stands askew. How much its range changes is the same for as long as it is the same surface: it tells
+//! once what it does.
+//!
 //! A range is held against the one with which its stretch of some centimetres began and against all that was driven since, not row by row:
 //! the odometry of a row may be of another moment than its ranges, and that does not add up.
 
 use core::f32::consts::PI;
 
 use crate::geometry::angle::sin_cos;
+use crate::measurement::data_association::density;
 use crate::rig::{Mount, RangeModel, RangeSensor};
 use crate::sample::RangeInput;
 
-/// Beams tell whose ranges change by at least this share of what is driven: those within 60 degrees of the way, on what faces them.
-const LEAST_SHARE: f32 = 0.5;
+/// Beams tell whose ranges change by at least this share of what is driven, on what faces them: those within 66 degrees of the way, and on
+/// a wall of the map within 60.
+const LEAST_SHARE: f32 = 0.4;
+const LEAST_SHARE_OF_WALL: f32 = 0.5;
 
 /// Least cosine of the incidence on a wall whose reading tells something.
 const LEAST_COS: f32 = 0.3;
@@ -29,9 +36,10 @@ const STAMP_SHARE: f32 = 0.09;
 /// The same of a stretch by the odometry's scale, off by 5 %.
 const SCALE_SHARE: f32 = 0.0025;
 
-/// Variance of how a surface's range changes, as a share of the motion's square and of the squared sine of the beam's angle
-/// to it: of a normal that may stand anywhere up to 70 degrees from the beam, 0.7 rad 1-sigma.
-const INCIDENCE_SHARE: f32 = 0.5;
+/// Of a surface that may stand anyhow a beam meets the more the more it faces the beam: the sine of the incidence is uniform, and the range changes by its
+/// tangent beyond what it would on one that faces the beam. Tangents in the middle of five parts of the sine up to that of 70 degrees, and
+/// the standard deviation of the tangent within each.
+const PARTS: [(f32, f32); 5] = [(-1.141, 0.379), (-0.406, 0.136), (0.0, 0.109), (0.406, 0.136), (1.141, 0.379)];
 
 /// Share of surfaces that move by themselves, and of those that fitted a wall of the map: one surface tells at most the logarithm of
 /// its inverse, 3.9 or 6.9.
@@ -71,8 +79,7 @@ pub struct Says {
 pub struct Surface {
     /// The last range, metres; zero where there is none.
     last_m: f32,
-    /// Direction of the normal of the wall that it is, in the robot's frame.
-    normal: Option<Normal>,
+    stands: Stands,
     /// By how much its range changed over this stretch besides by the robot's turning, and by how much it would have forwards, metres.
     changed_m: f32,
     forwards_m: f32,
@@ -84,7 +91,44 @@ pub struct Surface {
     heard: f32,
 }
 
-/// Direction of a normal, either way, in parts of half a turn of which there are 2^15.
+/// How a surface stands.
+#[derive(Clone, Copy, Debug)]
+enum Stands {
+    /// Anyhow.
+    Anyhow,
+    /// So that its range changes by so many times what that of one that faces the beam would, forwards.
+    Askew(Ratio),
+    /// As the wall of the map does that it is.
+    AsWall(Normal),
+}
+
+impl Stands {
+    /// To a robot that has turned by so much, radians.
+    fn after(self, turn_rad: f32) -> Self {
+        match self {
+            Self::AsWall(normal) => Self::AsWall(Normal::new(normal.rad() - turn_rad)),
+            _ => self,
+        }
+    }
+}
+
+/// A ratio, in parts of which there are 2^12.
+#[derive(Clone, Copy, Debug)]
+struct Ratio(i16);
+
+impl Ratio {
+    const PER_ONE: f32 = 4096.0;
+
+    fn new(ratio: f32) -> Self {
+        Self((ratio * Self::PER_ONE) as i16)
+    }
+
+    fn value(self) -> f32 {
+        f32::from(self.0) / Self::PER_ONE
+    }
+}
+
+/// Direction of a normal in the robot's frame, either way, in parts of half a turn of which there are 2^15.
 #[derive(Clone, Copy, Debug)]
 struct Normal(i16);
 
@@ -108,8 +152,8 @@ struct Change {
     forwards_m: f32,
     /// Variance of it by turning, m^2.
     variance_m2: f32,
-    /// Variance of it as a share of the square of what it changes forwards.
-    share: f32,
+    /// Tangent of the beam's angle to the way, of a surface that may stand anyhow.
+    tangent: f32,
     /// By more than this it is another surface, beside the noise, metres.
     most_m: f32,
 }
@@ -118,7 +162,7 @@ impl Surface {
     /// Nothing was seen. Every byte is zero.
     pub const NONE: Self = Self {
         last_m: 0.0,
-        normal: None,
+        stands: Stands::Anyhow,
         changed_m: 0.0,
         forwards_m: 0.0,
         variance_m2: 0.0,
@@ -128,12 +172,21 @@ impl Surface {
 
     /// It is a wall whose normal has this direction in the robot's frame, radians; none where that does not tell.
     pub fn meet(&mut self, normal_rad: Option<f32>) {
-        self.normal = normal_rad.map(Normal::new);
+        self.stands = match (normal_rad, self.stands) {
+            (Some(normal_rad), _) => Stands::AsWall(Normal::new(normal_rad)),
+            (None, Stands::AsWall(_)) => Stands::Anyhow,
+            (None, stands) => stands,
+        };
     }
 
     /// What it said was of another stretch.
     pub fn begin(&mut self) {
-        *self = Self { last_m: self.last_m, normal: self.normal, ..Self::NONE };
+        let stands = if self.is_wall() { self.stands } else { Stands::Anyhow };
+        *self = Self { last_m: self.last_m, stands, ..Self::NONE };
+    }
+
+    fn is_wall(&self) -> bool {
+        matches!(self.stands, Stands::AsWall(_))
     }
 
     /// So much of what it says is heard, as log odds.
@@ -152,45 +205,39 @@ impl Surface {
             return Says::default();
         }
         self.last_m = now_m;
-        let change = match before.normal {
-            Some(normal) => before.change_of_wall(&sensor.mount, normal.rad(), motion),
-            None => before.change(&sensor.mount, now_m, motion),
+        let change = match before.stands {
+            Stands::AsWall(normal) => before.change_of_wall(&sensor.mount, normal.rad(), motion),
+            _ => before.change(&sensor.mount, now_m, motion),
         };
         let Some(change) = change else { return Says::default() };
         let noise_m = noise_m + noise_rel * now_m;
-        let relief_m = if before.normal.is_some() { RELIEF_M } else { 0.0 };
+        let relief_m = if before.is_wall() { RELIEF_M } else { 0.0 };
         let ranges_m2 = 2.0 * noise_m * noise_m + relief_m * relief_m;
         let stamps_m2 = STAMP_SHARE * motion.longest_m * motion.longest_m;
         let changed_m = now_m - change.turned_m;
-        let row_m2 =
-            if before.normal.is_some() { ranges_m2 + change.variance_m2 + stamps_m2 } else { noise_m * noise_m };
+        let row_m2 = if before.is_wall() { ranges_m2 + change.variance_m2 + stamps_m2 } else { noise_m * noise_m };
         if changed_m.abs() > change.most_m + SIGMAS * float::sqrtf(row_m2) {
             return Says::default();
         }
         let first_m2 = if before.forwards_m == 0.0 { stamps_m2 } else { 0.0 };
         *self = Self {
             last_m: now_m,
-            normal: before.normal.map(|normal| Normal::new(normal.rad() - motion.turn_rad)),
+            stands: before.stands.after(motion.turn_rad),
             changed_m: before.changed_m + changed_m,
             forwards_m: before.forwards_m + change.forwards_m,
             variance_m2: before.variance_m2 + change.variance_m2 + first_m2,
             ..before
         };
-        let shares_m2 = (change.share + SCALE_SHARE) * self.forwards_m * self.forwards_m;
-        self.judge(ranges_m2 + stamps_m2 + shares_m2 + self.variance_m2, sensor.span_m())
+        let scale_m2 = SCALE_SHARE * self.forwards_m * self.forwards_m;
+        self.judge(ranges_m2 + stamps_m2 + scale_m2 + self.variance_m2, change.tangent, sensor.span_m())
     }
 
-    /// What its change over this stretch says, where that has this variance, m^2, or is, as likely, anything that the sensor can read. What
-    /// moves by itself is explained as well as by the better of both ways.
-    fn judge(&mut self, variance_m2: f32, span_m: f32) -> Says {
-        const INVERSE_SQRT_TAU: f32 = 0.398_942_3; // 1 / sqrt(2 pi)
-        let most = INVERSE_SQRT_TAU * span_m / float::sqrtf(variance_m2);
-        let fits = [-self.forwards_m, self.forwards_m].map(|way_m| {
-            let off_m = self.changed_m + way_m;
-            1.0 + most * libm::expf(-0.5 * off_m * off_m / variance_m2)
-        });
+    /// What its change over this stretch says, where that has this variance, m^2, beside that of a surface that may stand anyhow to a beam with this
+    /// tangent, or is, as likely, anything that the sensor can read. What moves by itself is explained as well as by the better of both ways.
+    fn judge(&mut self, variance_m2: f32, tangent: f32, span_m: f32) -> Says {
+        let fits = [1.0, -1.0].map(|way| 1.0 + span_m * self.density(way, variance_m2, tangent));
         let best = fits[0].max(fits[1]);
-        let at_rest = 1.0 - if self.normal.is_some() { MOVING_WALLS } else { MOVING };
+        let at_rest = 1.0 - if self.is_wall() { MOVING_WALLS } else { MOVING };
         let (mut likelihoods, mut doubts) = ([0.0; 2], [0.0; 2]);
         for (((likelihood, doubt), before), fit) in likelihoods.iter_mut().zip(&mut doubts).zip(self.doubts).zip(fits) {
             let rests = at_rest * (1.0 - before);
@@ -203,9 +250,31 @@ impl Surface {
         let more = says - self.heard;
         if self.forwards_m.abs() > STRETCH_M {
             // What is not heard now is left for the next.
-            *self = Self { last_m: self.last_m, normal: self.normal, doubts, heard: -more, ..Self::NONE };
+            let ratio = Ratio::new(self.changed_m / self.forwards_m);
+            let stands = if self.is_wall() { self.stands } else { Stands::Askew(ratio) };
+            *self = Self { last_m: self.last_m, stands, doubts, heard: -more, ..Self::NONE };
         }
         Says { at_rest: odds(fits), more }
+    }
+
+    /// Density of its change over this stretch, 1/m, if the robot drives forwards (1) or backwards (-1).
+    fn density(&self, way: f32, variance_m2: f32, tangent: f32) -> f32 {
+        let (faces_m, across_m) = (way * self.forwards_m, tangent * self.forwards_m);
+        let part = |&(tangent, sigma): &(f32, f32)| {
+            let part_m = sigma * across_m;
+            density(self.changed_m - faces_m - tangent * across_m, variance_m2 + part_m * part_m)
+        };
+        let another = if across_m == 0.0 {
+            density(self.changed_m - faces_m, variance_m2)
+        } else {
+            PARTS.iter().map(part).sum::<f32>() / PARTS.len() as f32
+        };
+        let Stands::Askew(ratio) = self.stands else { return another };
+        // The ratio is known as well as a stretch tells it.
+        let stretches = self.forwards_m / STRETCH_M;
+        let same =
+            density(self.changed_m - ratio.value() * self.forwards_m, variance_m2 * (1.0 + stretches * stretches));
+        same + ANOTHER * (another - same)
     }
 
     /// Of a surface that may stand anyhow, seen now at this range.
@@ -219,7 +288,7 @@ impl Surface {
             turned_m: self.last_m,
             forwards_m: -motion.forward_m * cos,
             variance_m2: swept_m * swept_m,
-            share: INCIDENCE_SHARE * sin * sin / (cos * cos),
+            tangent: (sin / cos).abs(),
             most_m: SAME_SURFACE * motion.longest_m + swept_m.abs(),
         })
     }
@@ -231,7 +300,7 @@ impl Surface {
         let before_cos = sin_cos(normal_rad - mount.bearing_rad).1;
         let (now_sin, now_cos) = sin_cos(normal_rad - turn_rad - mount.bearing_rad);
         let is_oblique = before_cos.abs() < LEAST_COS || now_cos.abs() < LEAST_COS;
-        if is_oblique || cos.abs() < LEAST_SHARE * now_cos.abs() {
+        if is_oblique || cos.abs() < LEAST_SHARE_OF_WALL * now_cos.abs() {
             return None;
         }
         // The turn takes a sensor along that is not on the axle's centre.
@@ -242,7 +311,7 @@ impl Surface {
             turned_m,
             forwards_m: -motion.forward_m * share,
             variance_m2: STAMP_SHARE * swept_m * swept_m,
-            share: 0.0,
+            tangent: 0.0,
             most_m: (motion.longest_m * share).abs(),
         })
     }

@@ -4,6 +4,7 @@ use std::vec::Vec;
 
 use crate::motion::travel::Travel;
 use crate::sensing::sign::Sign;
+use crate::sensing::surface::{Motion as Row, Surface};
 use crate::{
     Config, DriveModel, HostSlam, Increment, Motion, Mount, RangeInput, RangeModel, RangeSensor, Rig, Sample,
     VEER_SIGMA,
@@ -211,4 +212,27 @@ fn a_surface_that_says_now_this_and_now_that_says_nothing() {
         let _ = sign.follow(&travel, 0.0, 0.2);
         assert!(sign.tell(sensors, &ranges_m.map(RangeInput::Metres)).is_none(), "turned round at row {row}");
     }
+}
+
+/// The highest log odds of backwards that a surface says in all, which is no wall of the map and recedes from a beam 30 degrees to the left by
+/// half of what is driven, as one does that stands askew beside a robot which drives forwards; a new one after so many rows.
+fn says_of_what_recedes(rows: usize) -> f32 {
+    let sensor = &rig().sensors[4];
+    let motion = Row { forward_m: 0.05, turn_rad: 0.0, longest_m: 0.05 };
+    let (mut surface, mut range_m, mut heard, mut most) = (Surface::NONE, 1.0f32, 0.0f32, 0.0f32);
+    for row in 0..40 {
+        range_m += 0.025 + if row % rows == rows - 1 { 0.6 } else { 0.0 };
+        let says = surface.look(sensor, RangeInput::Metres(range_m), &motion);
+        surface.hear(says.more);
+        heard += says.more;
+        most = most.max(heard);
+    }
+    most
+}
+
+#[test]
+fn a_surface_that_stands_askew_says_once_what_it_does() {
+    let (one, two) = (says_of_what_recedes(usize::MAX), says_of_what_recedes(20));
+    assert!(one < 3.5, "{one}");
+    assert!(two > 1.5 * one, "{two} of two surfaces, {one} of one");
 }
