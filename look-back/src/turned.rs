@@ -125,6 +125,11 @@ impl<const W: usize> Sides<W> {
         (before + since >= FEWEST).then_some(since > before)
     }
 
+    /// Whether most of its hits are since; not of a wall without hits, which is older than the diary.
+    fn is_mostly_since(&self, wall: usize) -> bool {
+        self.0.get(wall).is_some_and(|[before, since]| since > before)
+    }
+
     /// Whether each wall was seen on one side only, but for stray hits.
     fn are_parted(&self) -> bool {
         let (mut hits, mut stray) = ([0; 2], 0);
@@ -302,7 +307,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
             key.pose = Pose { x_m, y_m, theta_rad: turned(key.pose.theta_rad) };
         }
         for (number, wall) in self.walls.iter_mut().enumerate() {
-            let is_since = sides.is_since(number) != Some(false);
+            let is_since = sides.is_mostly_since(number);
             let Some(wall) = wall.as_mut().filter(|wall| is_since && wall.is_placed) else { continue };
             wall.put(moved(wall.line().at(wall.anchor_m)), by_rad);
             if wall.told != Standing::Unknown {
