@@ -43,6 +43,11 @@ const JOLTED: f32 = 0.07;
 /// where it came from, in 24 simulated wings, and walls in view become others two or three times in a home.
 const WING: f32 = 0.0016;
 
+/// What the look back before found longer is no piece of furniture but a wall of the building, metres, and stands askew as often as homes have a
+/// wing that does.
+const LONG_M: f32 = 3.0;
+const LONG_ASKEW: f32 = 0.02;
+
 /// Multiply-adds of a look at one wall, for each group of the diary.
 const COST: u32 = 5;
 
@@ -145,12 +150,13 @@ impl<const W: usize> Sides<W> {
 struct Alike {
     line: Line,
     middle_m: [f32; 2],
+    is_long: bool,
 }
 
 impl Alike {
     fn of(wall: &Wall) -> Self {
         let line = wall.line();
-        Self { line, middle_m: line.at(wall.anchor_m) }
+        Self { line, middle_m: line.at(wall.anchor_m), is_long: wall.hi_m - wall.lo_m > LONG_M }
     }
 
     fn is_behind(&self, other: &Self) -> bool {
@@ -202,6 +208,8 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
                 askew *= if alike.push(one).is_ok() { others / ON_GRID } else { 1.0 };
             }
         }
+        let is_long = alike.iter().any(|one| one.is_long);
+        askew *= if is_long { ON_GRID * LONG_ASKEW } else { 1.0 };
         let from = self.last_seen_before(to, &sides)?;
         // A direction askew is any within a quarter turn.
         Some(Turn { from, to, by_rad: -off_rad, odds: jolted / (FRAC_2_PI * (WING + askew)) })

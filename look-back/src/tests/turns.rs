@@ -175,3 +175,19 @@ fn a_robot_that_comes_back_turned_by_as_much_was_in_a_wing() {
         }
     }
 }
+
+/// Of furniture it takes three.
+#[test]
+fn two_walls_tell_a_turn_where_one_is_longer_than_furniture() {
+    let walls = |length_m: f64| [[[2.9 + length_m, 1.2], [2.9, 1.2]], [[2.9, -1.8], [2.9 + length_m, -1.8]]];
+    for (length_m, is_told) in [(2.0, false), (4.0, true)] {
+        let mut world = World::new(Standing::Off);
+        world.kick(-0.26);
+        // A look back knows of walls how long the one before found them.
+        for _ in 0..2 {
+            world.drive(50, &walls(length_m), 8);
+            world.look_back();
+        }
+        assert_eq!(world.diary.turned.is_new, is_told, "{length_m} m");
+    }
+}
