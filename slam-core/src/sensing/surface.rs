@@ -14,7 +14,6 @@
 use core::f32::consts::PI;
 
 use crate::geometry::angle::sin_cos;
-use crate::measurement::data_association::density;
 use crate::rig::{Mount, RangeModel, RangeSensor};
 use crate::sample::RangeInput;
 
@@ -315,4 +314,11 @@ impl Surface {
             most_m: (motion.longest_m * share).abs(),
         })
     }
+}
+
+/// Normal density at so far from the mean.
+fn density(off_m: f32, variance_m2: f32) -> f32 {
+    const INVERSE_SQRT_TAU: f32 = 0.398_942_3; // 1 / sqrt(2 pi)
+    let square = off_m * off_m / variance_m2;
+    INVERSE_SQRT_TAU / float::sqrtf(variance_m2) * libm::expf(-0.5 * square)
 }
