@@ -9,6 +9,7 @@ pub mod claim;
 pub mod frozen;
 pub mod stillness;
 
+use crate::filter::density::density;
 use crate::filter::ekf::EkfView;
 use crate::filter::layout;
 use crate::geometry::angle::{sin_cos, wrap};
@@ -20,7 +21,7 @@ use crate::jolts::confirmation::Confirmation;
 use crate::jolts::recent::{self, Recent};
 use crate::jolts::search::Scene;
 use crate::measurement::beam::Beam;
-use crate::measurement::data_association::{CHANGES, change, density};
+use crate::measurement::data_association::{CHANGES, change};
 use crate::measurement::sensor::Sensor;
 use crate::motion::step::{MIDDLE_M, Step};
 use crate::report::Outcome;

@@ -9,9 +9,10 @@
 //! room with right angles it is so for all sensors at once. The next one says much, for then the slope is known. Each look is a
 //! likelihood ratio of a robot that stands and one that turns, and they are summed (Wald 1945) until a reading changes.
 
+use crate::filter::density::density;
 use crate::geometry::pose::Pose;
 use crate::jolts::confirmation::SURE;
-use crate::measurement::data_association::{CHANGES, change, density};
+use crate::measurement::data_association::{CHANGES, change};
 use crate::measurement::sensor::Sensor;
 use crate::motion::step::MIDDLE_M;
 use crate::rig::RangeSensor;

@@ -1,12 +1,12 @@
 //! The displacement of the robot under which its last readings fit the map best, and how likely it is.
 
+use crate::filter::density::density;
 use crate::filter::ekf::EkfView;
 use crate::geometry::angle::{normal, sin_cos};
 use crate::geometry::matrix::{Triangle, determinant, inverse};
 use crate::geometry::pose::length;
 use crate::jolts::recent::{READINGS, Seen, Sighting};
 use crate::measurement::beam::{Beam, Prediction};
-use crate::measurement::data_association::density;
 use crate::measurement::derivatives::by_pose_and_wall;
 use crate::measurement::line_of_sight::{Candidate, first_met};
 use crate::rig::RangeSensor;

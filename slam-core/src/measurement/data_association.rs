@@ -6,8 +6,7 @@
 //! the sensor's span, either as probable as the other beforehand. And a reading counts by the probability that it is the
 //! wall's (Bar-Shalom and Tse 1975, probabilistic data association with one reading).
 
-/// 1 / sqrt(2 pi).
-const INVERSE_SQRT_TAU: f32 = 0.398_942_3;
+use crate::filter::density::INVERSE_SQRT_TAU;
 
 /// A beam comes to something else, a wall's end, a chair or a door, once in so many metres that its middle moves.
 const CHANGE_M: f32 = 0.75;
@@ -19,12 +18,6 @@ pub const CHANGES: (f32, f32) = (0.02, 0.6);
 pub fn change(moved_m: f32) -> f32 {
     let (least, most) = CHANGES;
     (moved_m / CHANGE_M).clamp(least, most)
-}
-
-/// Normal density at so far from the mean.
-pub fn density(off_m: f32, variance_m2: f32) -> f32 {
-    let square = off_m * off_m / variance_m2;
-    INVERSE_SQRT_TAU / float::sqrtf(variance_m2) * libm::expf(-0.5 * square)
 }
 
 /// Odds that a reading is the wall's: the normal density of its innovation against the uniform one of what else may stand in

@@ -13,6 +13,7 @@
 
 use core::f32::consts::PI;
 
+use crate::filter::density::density;
 use crate::geometry::angle::sin_cos;
 use crate::rig::{Mount, RangeModel, RangeSensor};
 use crate::sample::RangeInput;
@@ -234,7 +235,7 @@ impl Surface {
     /// What its change over this stretch says, where that has this variance, m^2, beside that of a surface that may stand anyhow to a beam with this
     /// tangent, or is, as likely, anything that the sensor can read. What moves by itself is explained as well as by the better of both ways.
     fn judge(&mut self, variance_m2: f32, tangent: f32, span_m: f32) -> Says {
-        let fits = [1.0, -1.0].map(|way| 1.0 + span_m * self.density(way, variance_m2, tangent));
+        let fits = [1.0, -1.0].map(|way| 1.0 + span_m * self.driven(way, variance_m2, tangent));
         let best = fits[0].max(fits[1]);
         let at_rest = 1.0 - if self.is_wall() { MOVING_WALLS } else { MOVING };
         let (mut likelihoods, mut doubts) = ([0.0; 2], [0.0; 2]);
@@ -257,7 +258,7 @@ impl Surface {
     }
 
     /// Density of its change over this stretch, 1/m, if the robot drives forwards (1) or backwards (-1).
-    fn density(&self, way: f32, variance_m2: f32, tangent: f32) -> f32 {
+    fn driven(&self, way: f32, variance_m2: f32, tangent: f32) -> f32 {
         let (faces_m, across_m) = (way * self.forwards_m, tangent * self.forwards_m);
         let part = |&(tangent, sigma): &(f32, f32)| {
             let part_m = sigma * across_m;
@@ -314,11 +315,4 @@ impl Surface {
             most_m: (motion.longest_m * share).abs(),
         })
     }
-}
-
-/// Normal density at so far from the mean.
-fn density(off_m: f32, variance_m2: f32) -> f32 {
-    const INVERSE_SQRT_TAU: f32 = 0.398_942_3; // 1 / sqrt(2 pi)
-    let square = off_m * off_m / variance_m2;
-    INVERSE_SQRT_TAU / float::sqrtf(variance_m2) * libm::expf(-0.5 * square)
 }
