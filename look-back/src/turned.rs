@@ -39,14 +39,16 @@ const STRAY: u32 = 20;
 /// comes once in an hour, 900 m, as the filter has it.
 const JOLTED: f32 = 0.07;
 
-/// How often a wing begins there that stands askew as a whole. One home in fifty is taken to have one. One robot in five saw nothing there of
-/// where it came from, in 24 simulated wings, and walls in view become others two or three times in a home.
-const WING: f32 = 0.0016;
+/// Share of homes that are taken to have a wing that stands askew as a whole.
+const WINGS: f32 = 0.02;
 
-/// What the look back before found longer is no piece of furniture but a wall of the building, metres, and stands askew as often as homes have a
-/// wing that does.
+/// How often such a wing begins there. One robot in five saw nothing there of where it came from, in 24 simulated wings, and walls in view become others two or
+/// three times in a home.
+const WING: f32 = WINGS * (0.2 / 2.5);
+
+/// What the look back before found longer is no piece of furniture but a wall of the building, metres. It stands askew as often as homes have a wing
+/// that does.
 const LONG_M: f32 = 3.0;
-const LONG_ASKEW: f32 = 0.02;
 
 /// Multiply-adds of a look at one wall, for each group of the diary.
 const COST: u32 = 5;
@@ -127,7 +129,7 @@ impl<const W: usize> Sides<W> {
     /// Whether a wall was seen since, rather than before; none where it has too few hits.
     fn is_since(&self, wall: usize) -> Option<bool> {
         let [before, since] = *self.0.get(wall)?;
-        (before + since >= FEWEST).then_some(since > before)
+        (before + since >= FEWEST).then(|| self.is_mostly_since(wall))
     }
 
     /// Whether most of its hits are since; not of a wall without hits, which is older than the diary.
@@ -208,8 +210,10 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
                 askew *= if alike.push(one).is_ok() { others / ON_GRID } else { 1.0 };
             }
         }
-        let is_long = alike.iter().any(|one| one.is_long);
-        askew *= if is_long { ON_GRID * LONG_ASKEW } else { 1.0 };
+        if alike.iter().any(|one| one.is_long) {
+            // That one stands askew one time in fifty, in place of one in ten.
+            askew *= ON_GRID * WINGS;
+        }
         let from = self.last_seen_before(to, &sides)?;
         // A direction askew is any within a quarter turn.
         Some(Turn { from, to, by_rad: -off_rad, odds: jolted / (FRAC_2_PI * (WING + askew)) })

@@ -4,6 +4,7 @@ use slam_core::{Displaced, Increment, Pose, Standing};
 
 use super::drive::DRIVE;
 use super::random::Random;
+use crate::wall::Wall;
 use crate::{Diary, Hit, LookBack, Progress, border_len, packed_len};
 
 const W: usize = 16;
@@ -190,4 +191,18 @@ fn two_walls_tell_a_turn_where_one_is_longer_than_furniture() {
         }
         assert_eq!(world.diary.turned.is_new, is_told, "{length_m} m");
     }
+}
+
+#[test]
+fn a_turn_leaves_a_wall_that_is_older_than_the_diary_where_it_is() {
+    let mut world = World::new(Standing::Off);
+    // Its hits are forgotten.
+    let older = Wall { rho_m: 2.0, beta_rad: 0.0, is_placed: true, ..Wall::NEW };
+    *world.diary.walls.last_mut().unwrap() = Some(older);
+    world.kick(-0.26);
+    world.drive(100, &ROOM, 8);
+    world.look_back();
+    assert!(world.diary.turned.is_new);
+    let left = world.diary.walls.last().unwrap().expect("it is kept");
+    assert_eq!((left.rho_m, left.beta_rad), (2.0, 0.0));
 }
