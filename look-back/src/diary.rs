@@ -12,23 +12,11 @@ use crate::group::Group;
 use crate::keyframe::Keyframe;
 use crate::names::{NAMES, Name};
 use crate::rows::Odometry;
-use crate::thin;
 use crate::turned::Turned;
 use crate::wall::Wall;
 
 /// Hits of one sensor that no wall explains and that are so near to each other are on one thing, metres.
 const ONE_THING_M: f32 = 0.5;
-
-/// Of so many groups one may be on no wall where there is no room for more.
-const MOST_LOOSE: usize = 4;
-
-/// One in so many is forgotten at once, so that a full diary need not look through all of them at every step; those of fewer
-/// hits than this.
-const AT_ONCE: usize = 32;
-const MOST_COUNTED: usize = 32;
-
-/// Multiply-adds that making room takes for each keyframe and group.
-const LOOK_COST: u32 = 4;
 
 /// A wall that fewer hits met is noise, and makes room.
 pub(crate) const FEWEST: u32 = 10;
@@ -73,7 +61,7 @@ pub struct Diary<const K: usize, const G: usize, const W: usize> {
     /// In the order of their keyframes.
     pub(crate) groups: Vec<Group, G>,
     /// So many at their end are the next keyframe's, and in the last one's frame until that begins.
-    ahead: u16,
+    pub(crate) ahead: u16,
     /// The robot is past the middle of the way to that.
     is_ahead: bool,
     pub(crate) walls: [Option<Wall>; W],
@@ -163,16 +151,6 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         if let Some(last) = self.keyframes.last() {
             self.filter = last.pose;
         }
-    }
-
-    /// Makes two keyframes one, forgets the smallest groups on no wall, or a wall that too few hits met, where there is no room for
-    /// so many more: the multiply-adds that takes; none where there is room.
-    pub(crate) fn make_some_room(&mut self, keyframes: usize, groups: usize, walls: usize) -> Option<u32> {
-        let cost = LOOK_COST * (self.keyframes.len() + self.groups.len()) as u32;
-        let is_made = (self.keyframes.len() + keyframes > K && self.thin())
-            || (self.groups.len() + groups > G && (self.drop_fewest() || self.thin()))
-            || (self.walls.iter().filter(|wall| wall.is_none()).count() < walls && self.drop_least_wall().is_some());
-        is_made.then_some(cost)
     }
 
     /// The robot moved by so much, as the odometry sensed it.
@@ -280,59 +258,6 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     /// Forgets what is to be seen from the next keyframe.
     pub(crate) fn drop_ahead(&mut self) {
         self.groups.truncate(self.groups.len().saturating_sub(core::mem::take(&mut self.ahead).into()));
-    }
-
-    /// Forgets the groups on no wall that have the fewest hits, some at once; false where those on no wall are few.
-    fn drop_fewest(&mut self) -> bool {
-        let mut of_hits = [0_usize; MOST_COUNTED];
-        for group in self.groups.iter().filter(|group| group.wall().is_none()) {
-            if let Some(count) = of_hits.get_mut(usize::from(group.hits).min(MOST_COUNTED - 1)) {
-                *count += 1;
-            }
-        }
-        if of_hits.iter().sum::<usize>() <= G / MOST_LOOSE {
-            return false;
-        }
-        let mut few = 0;
-        let enough = of_hits.iter().position(|count| {
-            few += count;
-            few >= G / AT_ONCE
-        });
-        let (most, before) = (enough.unwrap_or(MOST_COUNTED), self.groups.len());
-        for group in self.groups.iter_mut().filter(|group| group.wall().is_none() && usize::from(group.hits) <= most) {
-            group.hits = 0;
-        }
-        self.drop_empty();
-        self.revision = self.revision.wrapping_add(1);
-        self.groups.len() < before
-    }
-
-    /// Forgets groups of no hits.
-    fn drop_empty(&mut self) {
-        let mut groups = self.groups.iter();
-        for key in &mut self.keyframes {
-            let own = groups.by_ref().take(key.groups.into());
-            key.groups = own.filter(|group| group.hits > 0).count() as u16;
-        }
-        self.ahead = groups.filter(|group| group.hits > 0).count() as u16;
-        self.groups.retain(|group| group.hits > 0);
-    }
-
-    /// Makes two keyframes one; false where there are not enough.
-    fn thin(&mut self) -> bool {
-        let is_done = thin::thin(
-            &mut self.keyframes,
-            &mut self.groups,
-            &self.gains,
-            (&self.calibration, &self.odometry),
-            &self.walls,
-            self.placed,
-        );
-        if is_done {
-            self.revision = self.revision.wrapping_add(1);
-            self.losses.thinned = self.losses.thinned.saturating_add(1);
-        }
-        is_done
     }
 
     /// What was seen from the first so many keyframes.

@@ -53,6 +53,7 @@ mod power;
 mod present;
 mod record;
 mod redundancy;
+mod room;
 mod rows;
 mod solve;
 mod survey;
