@@ -62,17 +62,22 @@ impl<const P: usize> Packed<P> {
         }
     }
 
-    /// Takes factor y y^T off the first `rows` rows.
-    pub fn subtract_scaled(&mut self, y: &[f32], factor: f32, rows: usize) {
-        let (others, _) = y.as_chunks::<4>();
-        for (row, head) in self.rows_mut(rows).zip(y) {
-            let scaled = factor * head;
-            let (fours, rest) = row.as_chunks_mut::<4>();
-            let done = 4 * fours.len();
-            for (entries, others) in fours.iter_mut().zip(others) {
-                entries.iter_mut().zip(others).for_each(|(entry, other)| *entry -= scaled * other);
-            }
-            rest.iter_mut().zip(y.iter().skip(done)).for_each(|(entry, other)| *entry -= scaled * other);
+    /// Adds row `i` of the whole symmetric matrix, scaled, to the first `rows` entries of `y`.
+    pub fn add_scaled_row(&self, i: usize, scale: f32, y: &mut [f32], rows: usize) {
+        let row = self.entries.get(packed_len(i)..packed_len(i + 1)).unwrap_or(&[]);
+        let (up_to_it, below) =
+            y.get_mut(..rows).unwrap_or_default().split_at_mut_checked(row.len()).unwrap_or_default();
+        up_to_it.iter_mut().zip(row).for_each(|(sum, entry)| *sum += scale * entry);
+        // Below the diagonal it is a column.
+        for (sum, j) in below.iter_mut().zip(i + 1..) {
+            *sum += scale * self.get(j, i);
+        }
+    }
+
+    /// Takes two products factor y y^T off the first `rows` rows, both at once: fetching and storing entries is half of the work.
+    pub fn subtract_scaled(&mut self, [y, z]: [&[f32]; 2], [by_y, by_z]: [f32; 2], rows: usize) {
+        for ((row, y_here), z_here) in self.rows_mut(rows).zip(y).zip(z) {
+            subtract_scaled(row, [by_y * y_here, by_z * z_here], [y, z]);
         }
     }
 
@@ -177,6 +182,19 @@ impl<const P: usize> Packed<P> {
             before.iter_mut().zip(factors).for_each(|(other, factor)| *other -= factor * *value);
         }
     }
+}
+
+/// Takes as many of these, scaled, off a row.
+fn subtract_scaled(row: &mut [f32], [by_y, by_z]: [f32; 2], [y, z]: [&[f32]; 2]) {
+    let (fours, rest) = row.as_chunks_mut::<4>();
+    let done = 4 * fours.len();
+    for ((entries, y), z) in fours.iter_mut().zip(y.as_chunks::<4>().0).zip(z.as_chunks::<4>().0) {
+        for ((entry, y), z) in entries.iter_mut().zip(y).zip(z) {
+            *entry -= by_y * y + by_z * z;
+        }
+    }
+    let others = y.iter().zip(z).skip(done);
+    rest.iter_mut().zip(others).for_each(|(entry, (y, z))| *entry -= by_y * y + by_z * z);
 }
 
 /// In four sums, which the processor can have under way at once, and which lose less.

@@ -38,28 +38,37 @@ impl<const B: usize, const P: usize> System<B, P> {
         [0, 1, 2].map(|i| self.right.get_mut(LAST_POSE + i).map_or(0.0, core::mem::take))
     }
 
-    /// Takes in one more residual of the last pose and of the border, whose covariance is known: one update of a Kalman
-    /// filter. One that is off by more than `gate` variances is not taken.
-    pub fn update(&mut self, row: &Row, gate: f32) {
-        // Hits on one point do not say how the wall is turned.
-        if row.weight <= 0.0 {
-            return;
+    /// Takes in two more residuals of the last pose and of the border, whose covariance is known: two updates of a Kalman filter, one
+    /// after the other. One that is off by more than `gate` variances is not taken.
+    pub fn update(&mut self, rows: &[Row; 2], gate: f32) {
+        let [first, second] = rows;
+        let [mut column, mut other] = [[0.0; B]; 2];
+        self.add_columns(first, &mut column);
+        self.add_columns(second, &mut other);
+        let mut innovation = self.innovation(second);
+        let taken = Taken::of(first, &mut column, self.innovation(first), gate);
+        // The second is seen once the first is known.
+        let shared = sum(second, &column) * taken.factor;
+        innovation -= shared * taken.innovation;
+        other.iter_mut().zip(&column).for_each(|(entry, known)| *entry -= shared * known);
+        let then = Taken::of(second, &mut other, innovation, gate);
+        if taken.factor + then.factor > 0.0 {
+            self.matrix.subtract_scaled([&column, &other], [taken.factor, then.factor], self.len());
         }
-        let pose = [0, 1, 2].map(|i| (LAST_POSE + i, row.here[i]));
-        let all = || pose.into_iter().chain(row.border).filter(|(_, value)| *value != 0.0);
-        let innovation = -row.residual - all().map(|(place, value)| value * self.increment(place)).sum::<f32>();
-        let mut column = [0.0; B];
-        for (j, entry) in column.iter_mut().enumerate().take(self.len()) {
-            *entry = all().map(|(place, value)| value * self.covariance(place, j)).sum();
+        let [by_column, by_other] = [taken, then].map(|taken| taken.factor * taken.innovation);
+        for ((own, entry), other) in self.right.iter_mut().zip(column).zip(other) {
+            *own += by_column * entry + by_other * other;
         }
-        let known: f32 = all().map(|(place, value)| value * column.get(place).copied().unwrap_or(0.0)).sum();
-        let inverse = 1.0 / (known + 1.0 / row.weight);
-        // Also false for what is no number.
-        if !(row.weight > 0.0 && inverse > 0.0 && innovation * innovation * inverse <= gate) {
-            return;
-        }
-        self.matrix.subtract_scaled(&column, inverse, self.len());
-        self.right.iter_mut().zip(column).for_each(|(own, entry)| *own += innovation * inverse * entry);
+    }
+
+    /// What a residual is by the increments told so far, with its sign.
+    fn innovation(&self, row: &Row) -> f32 {
+        -row.residual - entries(row).map(|(place, value)| value * self.increment(place)).sum::<f32>()
+    }
+
+    /// Adds the covariance of a residual with all unknowns.
+    fn add_columns(&self, row: &Row, column: &mut [f32; B]) {
+        entries(row).for_each(|(place, value)| self.matrix.add_scaled_row(place, value, column, self.len()));
     }
 
     /// The last pose goes on: its three unknowns become sums of themselves and of other unknowns, by these derivatives, with
@@ -67,10 +76,8 @@ impl<const B: usize, const P: usize> System<B, P> {
     pub fn move_on(&mut self, by: &[[(usize, f32); 3]; 3], noise: [f32; 3]) {
         let mut rows = [[0.0; B]; 3];
         for ((i, row), by) in rows.iter_mut().enumerate().zip(by) {
-            for (j, entry) in row.iter_mut().enumerate().take(self.len()) {
-                let others: f32 = by.iter().map(|(k, value)| value * self.covariance(*k, j)).sum();
-                *entry = self.covariance(LAST_POSE + i, j) + others;
-            }
+            by.iter().for_each(|(k, value)| self.matrix.add_scaled_row(*k, *value, row, self.len()));
+            self.matrix.add_scaled_row(LAST_POSE + i, 1.0, row, self.len());
         }
         for (i, row) in rows.iter().enumerate() {
             for (j, value) in row.iter().enumerate().take(self.len()) {
@@ -85,5 +92,36 @@ impl<const B: usize, const P: usize> System<B, P> {
                 self.matrix.set(LAST_POSE + i, LAST_POSE + j, entry(LAST_POSE + j) + others + own);
             }
         }
+    }
+}
+
+/// The derivatives of a residual by the last pose and the border.
+fn entries(row: &Row) -> impl Iterator<Item = (usize, f32)> {
+    let pose = [0, 1, 2].map(|i| (LAST_POSE + i, row.here[i]));
+    pose.into_iter().chain(row.border).filter(|(_, value)| *value != 0.0)
+}
+
+/// Their sum over a column.
+fn sum(row: &Row, column: &[f32]) -> f32 {
+    entries(row).map(|(place, value)| value * column.get(place).copied().unwrap_or(0.0)).sum()
+}
+
+/// A residual that is taken, and one over the variance of its innovation; of one that is not, all is nought.
+struct Taken {
+    factor: f32,
+    innovation: f32,
+}
+
+impl Taken {
+    /// Whose covariance with all unknowns is this column.
+    fn of(row: &Row, column: &mut [f32], innovation: f32, gate: f32) -> Self {
+        // Hits on one point do not say how the wall is turned.
+        let factor = if row.weight > 0.0 { 1.0 / (sum(row, column) + 1.0 / row.weight) } else { 0.0 };
+        // Also false for what is no number.
+        if factor > 0.0 && innovation * innovation * factor <= gate {
+            return Self { factor, innovation };
+        }
+        column.fill(0.0);
+        Self { factor: 0.0, innovation: 0.0 }
     }
 }

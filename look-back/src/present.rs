@@ -106,14 +106,10 @@ impl Present {
     ) {
         let wall = group.wall().and_then(|wall| Some((diary.walls.get(wall)?.as_ref()?, solver.place(wall)?)));
         let Some((wall, place)) = wall else { return };
-        for i in 0..2 {
-            let rows = rows::of_group(group, &diary.gains, &self.pose, &Frame::of(&self.pose), wall, place);
-            if let Some(row) = rows.get(i) {
-                solver.system.update(row, GATE);
-            }
-            let [x, y, theta] = solver.system.take_pose();
-            self.pose = Pose::new(self.pose.x_m + x, self.pose.y_m + y, self.pose.theta_rad + theta);
-        }
+        let rows = rows::of_group(group, &diary.gains, &self.pose, &Frame::of(&self.pose), wall, place);
+        solver.system.update(&rows, GATE);
+        let [x, y, theta] = solver.system.take_pose();
+        self.pose = Pose::new(self.pose.x_m + x, self.pose.y_m + y, self.pose.theta_rad + theta);
     }
 
     fn travel<const K: usize, const G: usize, const W: usize, const B: usize, const P: usize>(

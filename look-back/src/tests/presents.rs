@@ -76,27 +76,31 @@ fn the_factor_s_inverse_motions_and_updates_are_those_of_a_dense_filter() {
             system.move_on(&by, noise);
             dense = &f * dense * f.transpose() + q;
             compare(&system, &dense, "motion");
-            let row = Row {
+            let rows = [2.0, 0.5].map(|weight| Row {
                 residual: value(),
-                weight: 2.0,
+                weight,
                 here: [value(), value(), value()],
                 next: [0.0; 3],
                 border: [(WALLS + 2, value()), (WALLS + 3, value()), (DISTANCE, value())],
-            };
-            system.update(&row, f32::INFINITY);
-            let mut h: DVector<f64> = DVector::zeros(B);
-            (0..3).for_each(|i| h[LAST_POSE + i] = f64::from(row.here[i]));
-            row.border.iter().for_each(|(j, value)| h[*j] += f64::from(*value));
-            let column = &dense * &h;
-            let variance = h.dot(&column) + 0.5;
-            mean += &column * ((-f64::from(row.residual) - h.dot(&mean)) / variance);
-            dense -= &column * column.transpose() / variance;
+            });
+            system.update(&rows, f32::INFINITY);
+            for row in rows {
+                let mut h: DVector<f64> = DVector::zeros(B);
+                (0..3).for_each(|i| h[LAST_POSE + i] = f64::from(row.here[i]));
+                row.border.iter().for_each(|(j, value)| h[*j] += f64::from(*value));
+                let column = &dense * &h;
+                let variance = h.dot(&column) + 1.0 / f64::from(row.weight);
+                mean += &column * ((-f64::from(row.residual) - h.dot(&mean)) / variance);
+                dense -= &column * column.transpose() / variance;
+            }
             compare(&system, &dense, "update");
             (0..B).for_each(|i| assert!((f64::from(system.increment(i)) - mean[i]).abs() < 1e-3, "{i}"));
         }
         let far = Row { residual: 1e3, weight: 1.0, here: [1.0, 0.0, 0.0], next: [0.0; 3], border: [(0, 0.0); 3] };
-        system.update(&far, 25.0);
-        compare(&system, &dense, "what is far off is not taken");
+        let unknown = Row { residual: f32::NAN, ..far };
+        system.update(&[far, unknown], 25.0);
+        compare(&system, &dense, "what is far off or no number is not taken");
+        assert!((0..B).all(|i| (f64::from(system.increment(i)) - mean[i]).abs() < 1e-3));
     }
 }
 
