@@ -175,8 +175,9 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
             }
             Phase::MakingRoom => {
                 let times = 1 + usize::from(self.is_fast);
-                let made =
-                    self.diary.make_some_room(times * K / FREE_KEYFRAMES, G / FREE_GROUPS, times * W / FREE_WALLS);
+                let made = self.diary.follow_age().or_else(|| {
+                    self.diary.make_some_room(times * K / FREE_KEYFRAMES, G / FREE_GROUPS, times * W / FREE_WALLS)
+                });
                 if made.is_none() {
                     self.look_back.begin(&self.diary);
                     self.phase = Phase::LookingBack;
@@ -241,6 +242,7 @@ impl<const K: usize, const G: usize, const W: usize, const B: usize, const P: us
         let gains = if slam.config().sensing.calibrate_gains { Gains::of_rig(slam.rig()) } else { Gains::KNOWN };
         self.diary.begin(&slam.rig().drive, gains, slam.filter_pose());
         self.diary.begin_in(slam, &slam.filter_pose());
+        self.diary.begin_at_age(slam);
     }
 
     /// What follows when a look back has ended.

@@ -89,6 +89,9 @@ pub struct Diary<const K: usize, const G: usize, const W: usize> {
     /// Changes with whatever a look back that has begun may not survive.
     pub(crate) revision: u32,
     pub(crate) losses: Losses,
+    /// How old readings are by the filter, seconds, and of which sensors, a bit each.
+    pub(crate) age_s: f32,
+    pub(crate) late: u16,
 }
 
 impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
@@ -114,6 +117,8 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         placed: 0,
         revision: 0,
         losses: Losses { thinned: 0, hits: 0, walls: 0 },
+        age_s: 0.0,
+        late: 0,
     };
 
     /// A diary of a drive that begins at this pose of the filter, of a robot whose sensors' gains are known.
@@ -144,6 +149,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         self.placed = 0;
         self.revision = self.revision.wrapping_add(1);
         self.losses = Losses::default();
+        (self.age_s, self.late) = (0.0, 0);
     }
 
     /// The filter's pose is the diary's from now on: what the diary found was taken over.
@@ -178,7 +184,8 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         }
         let Some(last) = self.keyframes.last() else { return };
         let pose = last.pose.compose(&relative(&self.filter, filter));
-        let next = Keyframe { groups: self.ahead, ..Keyframe::at(last.serial.wrapping_add(1), pose) };
+        let mut next = Keyframe { groups: self.ahead, ..Keyframe::at(last.serial.wrapping_add(1), pose) };
+        next.set_age(self.age_s);
         if self.keyframes.push(next).is_ok() {
             let ahead = usize::from(core::mem::take(&mut self.ahead));
             let (before, there) = (self.groups.len().saturating_sub(ahead), Frame::of(&self.robot.pose().inverse()));

@@ -13,6 +13,9 @@ const SPACING_RAD: f32 = 0.2;
 /// Unit of [`Keyframe::swing`], metres.
 const SWING_M: f32 = 1e-4;
 
+/// Unit of a keyframe's age of readings, seconds.
+const AGE_S: f32 = 2e-5;
+
 /// Marks a motion that the odometry did not sense, for the robot was kicked, or held while its wheels turned: what follows is how well it is
 /// known, 1-sigma, seven bits of [`UNSENSED_M`] and seven of [`UNSENSED_RAD`], with a bit between them for a jolt.
 const UNSENSED: u16 = 0x8000;
@@ -43,17 +46,53 @@ pub struct Keyframe {
     /// 1-sigma of where the motion ends by the errors of headings on the way, tenths of a millimetre. Two bytes, for which there
     /// was room; or, marked, how well a motion is known that the odometry did not sense.
     pub swing: u16,
+    /// Time that the motion took, milliseconds; saturates, and is then not known.
+    pub time_ms: u16,
+    /// How old the readings were taken for whose hits are seen from it, in [`AGE_S`].
+    pub age: i16,
 }
 
 impl Keyframe {
     /// Where a drive begins, or goes on.
     pub fn at(serial: u32, pose: Pose) -> Self {
-        Self { serial, pose, motion: Pose::ORIGIN, path_m: 0.0, turning_rad: 0.0, groups: 0, swing: 0 }
+        Self {
+            serial,
+            pose,
+            motion: Pose::ORIGIN,
+            path_m: 0.0,
+            turning_rad: 0.0,
+            groups: 0,
+            swing: 0,
+            time_ms: 0,
+            age: 0,
+        }
     }
 
     /// Whether the robot is past so much of the way to the next one.
     pub fn is_past(&self, share: f32) -> bool {
         self.path_m >= share * SPACING_M || self.turning_rad >= share * SPACING_RAD
+    }
+
+    /// So much time passed on the way to the next one.
+    pub fn pass(&mut self, time_s: f32) {
+        // Casts to integers saturate.
+        self.time_ms = self.time_ms.saturating_add((1e3 * time_s + 0.5) as u16);
+    }
+
+    /// The motion to the next one, where the odometry sensed it, and the time that it took, seconds.
+    pub fn sensed(&self) -> Option<(Pose, f32)> {
+        let is_sensed = self.swing & UNSENSED == 0 || self.is_jolted();
+        (is_sensed && self.time_ms < u16::MAX).then(|| (self.motion, 1e-3 * f32::from(self.time_ms)))
+    }
+
+    /// How old the readings were taken for whose hits are seen from it, seconds.
+    pub fn age_s(&self) -> f32 {
+        AGE_S * f32::from(self.age)
+    }
+
+    /// Its hits are where readings of that age have them.
+    pub fn set_age(&mut self, age_s: f32) {
+        self.age = libm::roundf(age_s / AGE_S) as i16;
     }
 
     /// The map as a whole is seen from the next one.
@@ -148,6 +187,7 @@ impl Keyframe {
             motion: Pose { x_m, y_m, theta_rad: self.motion.theta_rad + next.motion.theta_rad },
             path_m: self.path_m + next.path_m,
             turning_rad: self.turning_rad + next.turning_rad,
+            time_ms: self.time_ms.saturating_add(next.time_ms),
             swing: if is_sensed {
                 ((float::sqrtf(swing_m2) / SWING_M) as u16).min(UNSENSED - 1)
             } else {

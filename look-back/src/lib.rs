@@ -35,6 +35,7 @@
 #[cfg(test)]
 extern crate std;
 
+mod ages;
 mod back_end;
 mod chance;
 pub mod diary;
@@ -75,7 +76,7 @@ pub use wall::Wall;
 /// Keyframes of a robot's diary.
 pub const ROBOT_KEYFRAMES: usize = 256;
 /// Groups of a robot's diary.
-pub const ROBOT_GROUPS: usize = 1024;
+pub const ROBOT_GROUPS: usize = 1016;
 /// Walls of a robot's diary.
 pub const ROBOT_WALLS: usize = 64;
 /// Unknowns of its border.

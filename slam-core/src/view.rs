@@ -235,9 +235,21 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.frozen.sensors()
     }
 
-    /// How late the readings that come in metres are, and its 1-sigma, seconds; none where it is not estimated.
+    /// How old readings are, and its 1-sigma, seconds, those of the [late sensors](Self::late_sensors); none where it is not estimated.
     pub fn latency(&self) -> Option<(f32, f32)> {
         self.latency.state.map(|i| (self.ekf.mean(i), self.sigma(i)))
+    }
+
+    /// The range sensors whose readings' age is [`Slam::latency`], a bit each, in the rig's order: those that report metres, or the
+    /// analogue ones where there are none.
+    pub fn late_sensors(&self) -> u16 {
+        let late = self.rig.sensors.iter().enumerate().filter(|(_, sensor)| self.latency.of(&sensor.model).is_some());
+        late.fold(0, |bits, (i, _)| bits | 1 << i)
+    }
+
+    /// Time between two samples, as a rule, seconds; nought where the age of readings is not estimated.
+    pub fn period_s(&self) -> f32 {
+        self.latency.typical_dt_s
     }
 
     /// What speaks for the robot being elsewhere than its pose says.

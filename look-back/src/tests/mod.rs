@@ -1,3 +1,4 @@
+mod ages;
 mod drive;
 mod drives;
 mod groups;
