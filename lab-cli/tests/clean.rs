@@ -92,6 +92,27 @@ fn a_robot_that_begins_in_its_kept_map_finds_itself_sweeps_and_comes_back() {
     assert!(floor["swept"].as_f64().unwrap() > 0.96 && floor["home_m"].as_f64().unwrap() < 0.2, "{floor}");
 }
 
+/// With sensors that report metres a floor job takes over what look backs find, and the drive's own rig file says so.
+#[test]
+fn a_floor_job_of_a_robot_that_reports_metres_replays_to_the_same_bits() {
+    let place = Place::new();
+    let job =
+        ["run", "--job", "clean", "--plan", "room", "--rig", "time-of-flight", "--minutes", "2", "--out", "swept"];
+    place.lab().args(job).assert().success();
+    assert!(place.get("swept/rig.toml").starts_with("hand_overs = true\n"));
+    let taken = place.summary("swept")["hand_overs"].as_array().expect("a list").len();
+    assert!(taken > 0, "none was taken over");
+    let replay = ["replay", "swept/log.csv", "--rig", "swept/rig.toml", "--out", "again"];
+    place.lab().args(replay).assert().success();
+    assert_eq!(place.get("swept/estimate.csv"), place.get("again/estimate.csv"));
+    let without = [&replay[..3], &["swept/rig.toml", "--hand-overs", "false", "--out", "without"]].concat();
+    place.lab().args(without).assert().success();
+    assert_ne!(place.get("swept/estimate.csv"), place.get("without/estimate.csv"));
+    let explore = ["run", "--plan", "room", "--rig", "time-of-flight", "--minutes", "0.2", "--out", "explored"];
+    place.lab().args(explore).assert().success();
+    assert!(!place.get("explored/rig.toml").contains("hand_overs"));
+}
+
 #[test]
 fn after_a_power_cut_it_goes_on_with_the_floor_that_was_left() {
     let place = Place::new();

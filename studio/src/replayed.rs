@@ -63,7 +63,7 @@ impl Replayed {
         let log_file = Path::new(&files.log.0);
         let rows = log::of_bytes(log_file, files.log.1, &mut robot)?;
         let truth = files.truth.map(|(name, content)| truth::of_bytes(Path::new(&name), content)).transpose()?;
-        let config = by_default(&robot.rig);
+        let config = by_default(&robot);
         let mut session =
             Session::new(&robot, config, files.log.0.clone()).map_err(|error| rig_error(rig_file, &error))?;
         let begins_in_map = files.map.is_some();

@@ -6,7 +6,7 @@ use hal_sim::floor::CELL_M;
 use hal_sim::{Plan, Pose2, SimOptions, plan_file};
 use lab::input::log::writer;
 use lab::input::rig_file::{Robot, rig_error};
-use lab::input::settings::by_default;
+use lab::input::settings::{by_default, for_a_floor};
 use lab::recording::{Recording, health};
 use lab::run::{Drive, Job, MapId, Session};
 use lab::show::report::growing::Growing;
@@ -61,13 +61,13 @@ impl Simulated {
     /// What is wrong with plan or rig, where, and what would be right.
     pub fn new(scene: &Scene) -> Result<Self, String> {
         let plan = plan_of(&scene.plan)?;
-        let (robot, rig_toml) = robot_of(&scene.rig)?;
-        let begin = match scene.job {
-            Job::Explore => Drive::new,
-            Job::Clean => Drive::cleaning,
+        let robot = robot_of(&scene.rig)?;
+        let (begin, (robot, rig_toml)): (fn(_, _, _, _) -> _, _) = match scene.job {
+            Job::Explore => (Drive::new, robot),
+            Job::Clean => (Drive::cleaning, for_a_floor(robot)),
         };
         let drive = begin(&plan, &robot, SimOptions::default(), scene.seed).map_err(|error| error.to_string())?;
-        let config = by_default(&robot.rig);
+        let config = by_default(&robot);
         let session = Session::new(&robot, config, plan.name.clone())
             .map_err(|error| rig_error(Path::new("rig"), &error).to_string())?;
         let log = writer::header(&robot) + "\n";
@@ -200,7 +200,7 @@ impl Simulated {
     /// # Errors
     /// What is wrong with the map; the robot drives on then.
     pub fn begin_in(&mut self, map: Vec<u8>) -> Result<(), String> {
-        let mut session = Session::new(&self.robot, by_default(&self.robot.rig), self.plan.name.clone())
+        let mut session = Session::new(&self.robot, by_default(&self.robot), self.plan.name.clone())
             .map_err(|error| rig_error(Path::new("rig"), &error).to_string())?;
         session.begin_in(map)?;
         (self.session, self.growing, self.back) = (session, Growing::default(), LookingBack::default());

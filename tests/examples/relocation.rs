@@ -145,7 +145,7 @@ fn main() {
 /// A home, and the map that a robot made of it in ten minutes.
 fn home(plan: Plan, sensors: usize) -> Home {
     let rig = rig(sensors);
-    let robot = Robot { names: vec![String::new(); rig.sensors.len()], rig };
+    let robot = Robot { names: vec![String::new(); rig.sensors.len()], rig, hand_overs: None };
     let mut session = Session::new(&robot, Config::for_rig(&robot.rig), "").expect("a rig that can be");
     let mut drive = Drive::new(&plan, &robot, SimOptions::default(), 1).expect("the robot fits");
     let (mut pairs, mut map) = (Vec::new(), (0, 0));

@@ -31,7 +31,7 @@ The path's error is RMSE after the best alignment; a NEES of 3 is ideal. Walls m
 const SWEEPING: &str = "
 ## Sweeping the floor
 
-The same robots clean the floor of the same homes, with what the workbench does by default: hand-overs with analogue sensors. A robot is home
+The same robots clean the floor of the same homes, with hand-overs, as on the robot. A robot is home
 where it says that it is done and is within 20 cm of its start. A hole is floor that was missed in one piece; overlap is the path over the least
 that the floor asks for. Means, with the worst in brackets.
 

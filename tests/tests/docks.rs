@@ -14,7 +14,7 @@ const HOMES: std::ops::RangeInclusive<u64> = 501..=506;
 /// When a robot that begins its job in this map knows its place, seconds, and how far off it is then, metres, by the plan that the map is of.
 fn find(plan: &Plan, mapped: &Plan, map: &[u8]) -> Option<(f64, f64)> {
     let (robot, _) = built_in_robot().expect("the built-in robot");
-    let mut session = Session::new(&robot, by_default(&robot.rig), "dock").expect("a rig");
+    let mut session = Session::new(&robot, by_default(&robot), "dock").expect("a rig");
     session.begin_in(map.to_vec()).expect("a map of its own");
     let mut drive = Drive::cleaning(plan, &robot, SimOptions::default(), 2).expect("it fits");
     for _ in 0..25 * 300 {

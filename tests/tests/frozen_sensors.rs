@@ -150,7 +150,7 @@ fn no_sensor_of_a_robot_that_sweeps_is_found_frozen() {
     let (robot, _) = built_in_robot().expect("the built-in robot");
     for home in [608, 611, 612, 618] {
         let plan = random_home(home);
-        let mut session = Session::new(&robot, by_default(&robot.rig), "floor").expect("a rig");
+        let mut session = Session::new(&robot, by_default(&robot), "floor").expect("a rig");
         let mut drive = Drive::cleaning(&plan, &robot, SimOptions::default(), 1).expect("it fits");
         while !drive.is_over() && drive.step(&mut session).t_s < 1800.0 {}
         let counters = session.slam().counters();

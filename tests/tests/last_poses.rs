@@ -21,7 +21,7 @@ struct Cut {
 }
 
 fn begin(robot: &Robot) -> Session {
-    Session::new(robot, by_default(&robot.rig), "power").expect("a rig")
+    Session::new(robot, by_default(robot), "power").expect("a rig")
 }
 
 /// Cuts the power of a robot that sweeps a second time, in this map of the first, after four minutes; of one that stands where that is asked for.

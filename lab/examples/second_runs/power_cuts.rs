@@ -81,7 +81,7 @@ pub fn section(page: &mut String, homes: RangeInclusive<u64>) {
 
 /// Drives the second run and cuts its power as it drives, and again as it stands.
 fn second_run(plan: &Plan, robot: &Robot, map: Vec<u8>) -> [Cut; 2] {
-    let mut session = Session::new(robot, by_default(&robot.rig), plan.name.clone()).expect("a rig");
+    let mut session = Session::new(robot, by_default(robot), plan.name.clone()).expect("a rig");
     session.begin_in(map).expect("a map of its own");
     let mut drive = Drive::cleaning(plan, robot, SimOptions::default(), 2).expect("it fits");
     [CUT_S, CUT_S + STANDS_S].map(|cut_s| {
@@ -96,7 +96,7 @@ fn second_run(plan: &Plan, robot: &Robot, map: Vec<u8>) -> [Cut; 2] {
 
 /// The robot begins here after the cut, expecting itself where it was or anywhere; none where it has no room.
 fn search(plan: &Plan, robot: &Robot, cut: &Cut, at: Pose2, expects: bool) -> Option<Search> {
-    let mut session = Session::new(robot, by_default(&robot.rig), plan.name.clone()).expect("a rig");
+    let mut session = Session::new(robot, by_default(robot), plan.name.clone()).expect("a rig");
     session.begin_in(cut.map.clone()).expect("a map of its own");
     if let Some(pose) = cut.pose.filter(|_| expects) {
         session.recall(cut.id, &pose);

@@ -29,7 +29,7 @@ pub fn built_in(kind: BuiltIn) -> Result<(Robot, String), FileError> {
 
 fn named(name_of_rig: &str, rig: Rig<MAX_SENSORS>) -> Result<(Robot, String), FileError> {
     let names = rig.sensors.iter().map(|sensor| name(sensor).to_owned()).collect();
-    let text = Robot { rig, names }.to_toml();
+    let text = Robot { rig, names, hand_overs: None }.to_toml();
     // A replay reads this text: the run must use the same values.
     Ok((Robot::parse(Path::new(name_of_rig), &text)?, text))
 }

@@ -27,6 +27,8 @@ pub struct Robot {
     pub rig: Rig<MAX_SENSORS>,
     /// The sensors' names.
     pub names: Vec<String>,
+    /// Whether it takes over what look backs find, where the file says so.
+    pub hand_overs: Option<bool>,
 }
 
 impl Robot {
@@ -69,7 +71,7 @@ impl Robot {
             let is = toml.given(&place).map_or(String::new(), |given| format!("is {given}; it "));
             toml.error(&place, format!("{is}must be {allowed}"))
         })?;
-        Ok(Self { rig, names })
+        Ok(Self { rig, names, hand_overs: keys.hand_overs })
     }
 
     /// The rig file's text for this robot. Angles are rounded to 0.0001 degrees: who needs a replay with the same bits
@@ -77,6 +79,9 @@ impl Robot {
     pub fn to_toml(&self) -> String {
         let mut text = String::new();
         // Writing to a String cannot fail.
+        if let Some(hand_overs) = self.hand_overs {
+            let _ = writeln!(text, "hand_overs = {hand_overs}\n");
+        }
         let _ = write_drive(&mut text, &self.rig.drive);
         if let Some(adc) = self.rig.adc {
             let _ = writeln!(text, "\n[adc]\nbits = {}\nvref_v = {:?}", adc.bits, adc.vref_v);

@@ -2,9 +2,10 @@
 
 use clap::{Args, ValueEnum};
 use serde::Deserialize;
-use slam_core::{Clustering, Config, Linearisation, RangeModel, RangeSensor, Rig, WallPolicy};
+use slam_core::{Clustering, Config, Linearisation, RangeModel, RangeSensor, WallPolicy};
 
 use crate::input::part::{self, Part};
+use crate::input::rig_file::Robot;
 
 /// Settings of the estimator, for comparison; the defaults are the ones to use.
 #[derive(Clone, Debug, Args)]
@@ -123,27 +124,37 @@ pub enum Settings {
 
 impl Settings {
     /// The settings for a rig.
-    pub fn config<const S: usize>(&self, rig: &Rig<S>) -> Config {
+    pub fn config(&self, robot: &Robot) -> Config {
         match self {
             Self::Exactly(config) => *config,
-            Self::ForRig(variant) => variant.config(rig),
+            Self::ForRig(variant) => variant.config(robot),
         }
     }
 }
 
 /// What the workbench does with a robot unless it is told otherwise. With analogue sensors what look backs find is taken over, as on the
-/// robot; with sensors that report metres it is asked for, for on logs of real rooms some live paths are worse with it
-/// (docs/results/hand-overs.md), and there is the look back over the whole log.
-pub fn by_default<const S: usize>(rig: &Rig<S>) -> Config {
-    let config = Config::for_rig(rig);
+/// robot; with sensors that report metres it is asked for, in the rig file or for a floor job, for on logs of real rooms some live paths are
+/// worse with it (docs/results/hand-overs.md), and there is the look back over the whole log.
+pub fn by_default(robot: &Robot) -> Config {
+    let config = Config::for_rig(&robot.rig);
     let reports_metres = |sensor: &RangeSensor| matches!(sensor.model, RangeModel::Metric { .. });
-    if rig.sensors.iter().any(reports_metres) { config } else { config.with_hand_overs() }
+    let is_wanted = robot.hand_overs.unwrap_or_else(|| !robot.rig.sensors.iter().any(reports_metres));
+    if is_wanted { config.with_hand_overs() } else { config }
+}
+
+/// A robot that sweeps a floor takes over what look backs find, as on the robot, unless its rig file says otherwise: a job takes half an
+/// hour, and comes home by the map (docs/results/robots.md). With it its rig file's text, which says so to who replays the drive.
+pub fn for_a_floor((robot, rig_toml): (Robot, String)) -> (Robot, String) {
+    if robot.hand_overs.is_some() || by_default(&robot).hand_overs {
+        return (robot, rig_toml);
+    }
+    (Robot { hand_overs: Some(true), ..robot }, format!("hand_overs = true\n\n{rig_toml}"))
 }
 
 impl VariantArgs {
     /// The settings for a rig.
-    fn config<const S: usize>(&self, rig: &Rig<S>) -> Config {
-        let base = by_default(rig);
+    fn config(&self, robot: &Robot) -> Config {
+        let base = by_default(robot);
         let calibrate = !self.no_calibration;
         let mut config = base;
         config.walls.policy = self.walls.map_or(base.walls.policy, Walls::policy);

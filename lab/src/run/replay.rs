@@ -60,7 +60,7 @@ impl Replay {
         let mut robot = Robot::parse(&self.rig, &rig_toml)?;
         let mut rows = log::open(&self.log, &mut robot)?;
         let truth = truth_of(&self.log, self.truth.as_deref())?;
-        let config = self.settings.config(&robot.rig);
+        let config = self.settings.config(&robot);
         let mut session = Session::new(&robot, config, title_of(&self.log)).map_err(|e| rig_error(&self.rig, &e))?;
         begin_in(&mut session, self.map.as_deref())?;
         let mut folder = Folder::prepare(&self.out, &renewed(&NAMES, &self.out, self.map.as_deref()))?;

@@ -14,7 +14,7 @@ use super::map_file::MapId;
 use super::session::Session;
 use crate::evaluate::smoother;
 use crate::input::rig_file::rig_error;
-use crate::input::settings::Settings;
+use crate::input::settings::{Settings, for_a_floor};
 use crate::input::{self, log::writer};
 use crate::recording::{Job, Recording};
 use crate::show::output::folder::Folder;
@@ -69,13 +69,17 @@ impl Run {
             Some(rig) => input::robot(rig)?,
             None => input::built_in_robot()?,
         };
+        let (robot, rig_toml) = match self.job {
+            Job::Explore => (robot, rig_toml),
+            Job::Clean => for_a_floor((robot, rig_toml)),
+        };
         let rig_name = self.rig.clone().unwrap_or_else(|| PathBuf::from("built-in rig"));
         let drive = match self.job {
             Job::Explore => Drive::new(&plan, &robot, options, self.seed),
             Job::Clean => Drive::cleaning(&plan, &robot, options, self.seed),
         };
         let mut drive = drive.map_err(|error| self.simulation_error(&rig_name, &error))?;
-        let config = self.settings.config(&robot.rig);
+        let config = self.settings.config(&robot);
         let mut session =
             Session::new(&robot, config, plan.name.clone()).map_err(|error| rig_error(&rig_name, &error))?;
         let begun_in = begin_in(&mut session, self.map.as_deref())?;

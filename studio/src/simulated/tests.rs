@@ -14,7 +14,7 @@ fn a_drive_in_pieces_is_the_drive_of_the_program() {
     let (robot, _) = robot_of("").unwrap();
     let plan = plan_file::load("room").unwrap();
     let mut drive = Drive::new(&plan, &robot, SimOptions::default(), 1).unwrap();
-    let mut session = Session::new(&robot, by_default(&robot.rig), "room").unwrap();
+    let mut session = Session::new(&robot, by_default(&robot), "room").unwrap();
     while session.recording().steps.len() < pieces.recording().steps.len() {
         drive.step(&mut session);
     }

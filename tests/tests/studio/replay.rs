@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use hal_sim::default_rig;
+use lab::input::built_in_robot;
 use lab::input::settings::{Settings, by_default};
 use lab::run::{Replay, Run};
 use serde_json::json;
@@ -12,7 +12,7 @@ use super::{assert_sound, open, picture, scratch};
 /// A short simulated run's folder.
 fn a_run(name: &str) -> PathBuf {
     let out = scratch(name).join("run");
-    let config = by_default(&default_rig());
+    let config = by_default(&built_in_robot().expect("the built-in robot").0);
     let run = Run {
         plan: "flat".into(),
         job: lab::run::Job::Explore,
@@ -41,7 +41,7 @@ fn a_log_replays_to_the_bits_of_the_program_and_a_bad_one_is_named() {
         out: out.clone(),
         truth: None,
         map: None,
-        settings: Settings::Exactly(by_default(&default_rig())),
+        settings: Settings::Exactly(by_default(&built_in_robot().expect("the built-in robot").0)),
         trace: false,
     };
     replay.run(|_| {}).expect("it replays");

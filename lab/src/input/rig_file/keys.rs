@@ -6,6 +6,7 @@ use serde::Deserialize;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "a table")]
 pub(super) struct File {
+    pub hand_overs: Option<bool>,
     pub wheels: Option<Wheels>,
     pub odometry: Option<Odometry>,
     pub adc: Option<Converter>,
