@@ -4,7 +4,6 @@ use slam_core::{DriveModel, Increment, Pose};
 
 use crate::diary::{Diary, Hit};
 use crate::frame::Frame;
-use crate::keyframe::Keyframe;
 
 const DRIVE: DriveModel = DriveModel::Odometry {
     scale_sigma: 0.0,
