@@ -32,15 +32,16 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         self.keyframes.iter_mut().for_each(|key| key.set_age(self.age_s));
     }
 
-    /// Takes in how old readings are by the filter, and that a sample's time has passed.
+    /// Takes in how old readings are by the filter, and that so much time has passed, seconds.
     pub(crate) fn pass<const S: usize, const WALLS: usize, const O: usize, const ROWS: usize>(
         &mut self,
         slam: &Slam<S, WALLS, O, ROWS>,
+        time_s: f32,
     ) {
         let Some((age_s, _)) = slam.latency() else { return };
         self.age_s = age_s;
         if let Some(last) = self.keyframes.last_mut() {
-            last.pass(slam.period_s());
+            last.pass(time_s);
         }
     }
 

@@ -28,7 +28,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     ) {
         let moved = slam.last_motion();
         self.travel(&Increment { forward_m: moved.x_m, left_m: moved.y_m, turn_rad: moved.theta_rad });
-        self.pass(slam);
+        self.pass(slam, report.dt_s);
         if waits || self.is_due() {
             self.begin_keyframe(&slam.filter_pose());
         }

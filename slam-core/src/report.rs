@@ -139,6 +139,8 @@ pub struct ReadingReport {
 /// What one step did.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepReport<const S: usize> {
+    /// Time since the sample before, seconds; nought for the first.
+    pub dt_s: f32,
     /// The readings, in the rig's order.
     pub readings: [ReadingReport; S],
     /// Walls born in this step.
@@ -167,6 +169,7 @@ pub struct Changes {
 impl<const S: usize> StepReport<S> {
     /// A step that did nothing.
     pub const NOTHING: Self = Self {
+        dt_s: 0.0,
         readings: [ReadingReport { outcome: Outcome::Missing, range_m: None, hit_m: None }; S],
         births: 0,
         merges: 0,

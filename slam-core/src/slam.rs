@@ -228,6 +228,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             self.drive.last_motion = Pose::ORIGIN;
             return report;
         };
+        report.dt_s = tick.dt_s;
         self.predict(&sample.motion, tick);
         self.turn_round(&sample.ranges);
         let predicted = Direction::of(&self.ekf);

@@ -247,11 +247,6 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         late.fold(0, |bits, (i, _)| bits | 1 << i)
     }
 
-    /// Time between two samples, as a rule, seconds; nought where the age of readings is not estimated.
-    pub fn period_s(&self) -> f32 {
-        self.latency.typical_dt_s
-    }
-
     /// What speaks for the robot being elsewhere than its pose says.
     pub fn elsewhere(&self) -> Elsewhere {
         self.monitor.elsewhere()

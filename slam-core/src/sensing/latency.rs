@@ -45,7 +45,7 @@ pub struct Latency {
     /// Motion over the time that a reading may be late.
     pace: MeanMotion,
     /// Time between two samples, as a rule, seconds.
-    pub typical_dt_s: f32,
+    typical_dt_s: f32,
 }
 
 impl Latency {
