@@ -34,7 +34,8 @@ fn good_files_are_read() {
 
 #[test]
 fn a_written_rig_reads_back_as_the_same_robot() {
-    for text in [WHEELED_RIG, SHARP_RIG, ODOMETRY_RIG] {
+    let handing_over = format!("hand_overs = true\n{ODOMETRY_RIG}");
+    for text in [WHEELED_RIG, SHARP_RIG, ODOMETRY_RIG, &handing_over] {
         let robot = Robot::parse(Path::new("rig.toml"), text).expect("good");
         assert_eq!(Robot::parse(Path::new("again.toml"), &robot.to_toml()).expect("good"), robot);
     }
@@ -124,7 +125,7 @@ fn analogue_sensors_need_a_converter_and_possible_values() {
 fn unknown_keys_and_wrong_shapes_are_errors() {
     let cases = [
         ("track_m = 0.2", "track_m = 0.2\ntrack_cm = 20", "rig.toml:3: wheels.track_cm: is not known here"),
-        ("[wheels]", "[wheel]", "rig.toml:1: wheel: is not known here; known are wheels, odometry, adc"),
+        ("[wheels]", "[wheel]", "rig.toml:1: wheel: is not known here; known are hand_overs, wheels, odometry, adc"),
         ("name = \"front\"", "name = \"left\"", "range_sensor[1].name: is \"left\" again"),
         ("name = \"front\"", "name = \"\"", "range_sensor[1].name: is \"\"; it must be a text"),
         ("name = \"front\"", "name = 7", "range_sensor[1].name: is 7; it must be a text"),
