@@ -10,7 +10,7 @@ use slam_core::{Pose, Slam};
 use crate::diary::Diary;
 use crate::frame::Frame;
 use crate::group::Group;
-use crate::keyframe::Keyframe;
+use crate::keyframe::{Keyframe, OLDEST_S};
 
 /// Hits stay where they are for an age that changed by less, seconds: a milliradian at a radian a second.
 const CHANGED_S: f32 = 1e-3;
@@ -27,7 +27,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         &mut self,
         slam: &Slam<S, WALLS, O, ROWS>,
     ) {
-        self.age_s = slam.latency().map_or(0.0, |(age_s, _)| age_s);
+        self.age_s = slam.latency().map_or(0.0, |(age_s, _)| age_s.clamp(-OLDEST_S, OLDEST_S));
         self.late = slam.late_sensors();
         self.keyframes.iter_mut().for_each(|key| key.set_age(self.age_s));
     }
@@ -39,7 +39,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         time_s: f32,
     ) {
         let Some((age_s, _)) = slam.latency() else { return };
-        self.age_s = age_s;
+        self.age_s = age_s.clamp(-OLDEST_S, OLDEST_S);
         if let Some(last) = self.keyframes.last_mut() {
             last.pass(time_s);
         }

@@ -16,6 +16,9 @@ const SWING_M: f32 = 1e-4;
 /// Unit of a keyframe's age of readings, seconds.
 const AGE_S: f32 = 2e-5;
 
+/// No reading is older than a keyframe can hold, seconds.
+pub(crate) const OLDEST_S: f32 = AGE_S * i16::MAX as f32;
+
 /// Marks a motion that the odometry did not sense, for the robot was kicked, or held while its wheels turned: what follows is how well it is
 /// known, 1-sigma, seven bits of [`UNSENSED_M`] and seven of [`UNSENSED_RAD`], with a bit between them for a jolt.
 const UNSENSED: u16 = 0x8000;

@@ -75,7 +75,7 @@ pub use wall::Wall;
 
 /// Keyframes of a robot's diary.
 pub const ROBOT_KEYFRAMES: usize = 256;
-/// Groups of a robot's diary.
+/// Groups of a robot's diary: as many as its RAM has room for beside all else.
 pub const ROBOT_GROUPS: usize = 1016;
 /// Walls of a robot's diary.
 pub const ROBOT_WALLS: usize = 64;

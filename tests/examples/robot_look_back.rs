@@ -21,7 +21,7 @@ const HEAD: &str = "\
 
 Printed by `cargo run --release --package tests --example robot_look_back -- FOLDER...` for folders of
 [real logs](real-logs.md). *Live* is the filter; *workbench* is its look back, with all of the log and no bounds on
-memory; *robot's size* is the crate `look-back` with 256 keyframes, 1,024 groups of hits and 64 walls in f32, looking back
+memory; *robot's size* is the crate `look-back` with 256 keyframes, 1,016 groups of hits and 64 walls in f32, looking back
 after every 64 new keyframes and at the end. [How it works](../explanation/look-back.md).
 ";
 

@@ -4,6 +4,7 @@ use slam_core::{DriveModel, Increment, Pose};
 
 use crate::diary::{Diary, Hit};
 use crate::frame::Frame;
+use crate::keyframe::OLDEST_S;
 
 const DRIVE: DriveModel = DriveModel::Odometry {
     scale_sigma: 0.0,
@@ -88,6 +89,17 @@ fn hits_follow_what_is_learned_of_the_age_of_readings() {
             as_taken > 0.005 && moved < 0.4 * as_taken && at_best < 1e-5,
             "{as_taken} m, moved {moved}, at best {at_best}"
         );
+    }
+}
+
+/// An age that no reading has does not keep a look back from ever beginning.
+#[test]
+fn hits_do_not_move_for_ever() {
+    for age_s in [OLDEST_S, -OLDEST_S, f32::NAN] {
+        let mut diary = written(0.0, 0.0);
+        diary.age_s = age_s;
+        let times = (0..64).take_while(|_| diary.follow_age().is_some()).count();
+        assert!(times < 4, "{age_s} s: {times}");
     }
 }
 
