@@ -23,8 +23,8 @@ pub struct VariantArgs {
     /// At which estimates the models are differentiated.
     #[arg(long, value_enum, default_value_t = Jacobians::First)]
     jacobians: Jacobians,
-    /// Whether the estimator takes over what is found by looking back while the robot drives, as on a robot [default: true with
-    /// analogue sensors, false where one reports metres].
+    /// Whether the estimator takes over what is found by looking back while the robot drives, as on a robot [default: as the rig
+    /// file says, else true with analogue sensors and in floor jobs].
     #[arg(long, value_name = "BOOL")]
     hand_overs: Option<bool>,
     /// Take the rig file's gains, scales and track for exact.
