@@ -184,7 +184,7 @@ impl<const P: usize> Packed<P> {
     }
 }
 
-/// Takes as many of these, scaled, off a row.
+/// Takes both, scaled, off a row that is no longer than they are.
 fn subtract_scaled(row: &mut [f32], [by_y, by_z]: [f32; 2], [y, z]: [&[f32]; 2]) {
     let (fours, rest) = row.as_chunks_mut::<4>();
     let done = 4 * fours.len();

@@ -235,7 +235,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.frozen.sensors()
     }
 
-    /// How old readings are, and its 1-sigma, seconds, those of the [late sensors](Self::late_sensors); none where it is not estimated.
+    /// How old the readings of the [late sensors](Self::late_sensors) are, and its 1-sigma, seconds; none where it is not estimated.
     pub fn latency(&self) -> Option<(f32, f32)> {
         self.latency.state.map(|i| (self.ekf.mean(i), self.sigma(i)))
     }

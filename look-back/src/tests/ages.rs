@@ -1,18 +1,11 @@
 //! Hits of readings that were older than they were taken for.
 
-use slam_core::{DriveModel, Increment, Pose};
+use slam_core::{Increment, Pose};
 
+use super::drive::DRIVE;
 use crate::diary::{Diary, Hit};
 use crate::frame::Frame;
 use crate::keyframe::OLDEST_S;
-
-const DRIVE: DriveModel = DriveModel::Odometry {
-    scale_sigma: 0.0,
-    noise_m2_per_m: 1e-6,
-    noise_rad2_per_m: 1e-6,
-    noise_rad2_per_rad: 1e-6,
-    veer_sigma: 0.0,
-};
 
 const STEP_S: f32 = 0.04;
 
@@ -21,11 +14,11 @@ const WALL_M: f32 = 2.0;
 
 /// The wall that a beam from there meets, and where.
 fn meets([x, y]: [f32; 2], [along_x, along_y]: [f32; 2]) -> (u16, [f32; 2]) {
-    let walls = [(x, along_x), (y, along_y)]
-        .map(|(at, along)| if along > 0.0 { WALL_M - at } else { WALL_M + at } / along.abs());
-    let axis = usize::from(walls[1] < walls[0]);
+    let range_m = |at: f32, along: f32| (WALL_M - along.signum() * at) / along.abs();
+    let ranges_m = [range_m(x, along_x), range_m(y, along_y)];
+    let axis = usize::from(ranges_m[1] < ranges_m[0]);
     let is_far = [along_x, along_y][axis] > 0.0;
-    (2 * axis as u16 + u16::from(is_far), [x + walls[axis] * along_x, y + walls[axis] * along_y])
+    (2 * axis as u16 + u16::from(is_far), [x + ranges_m[axis] * along_x, y + ranges_m[axis] * along_y])
 }
 
 /// What a robot with four sensors writes down on a round of turns and ways in a square room: its readings are so old, and taken
@@ -39,7 +32,7 @@ fn written(truly_s: f32, taken_s: f32) -> Diary<64, 256, 8> {
         let (speed, rate) = if step % 50 < 30 { (0.0, 1.0) } else { (0.3, 0.2) };
         let after = |time_s: f32| {
             let turn_rad = rate * time_s;
-            let [s, c] = [0.5 * turn_rad].map(|half| [half.sin(), half.cos()])[0];
+            let (s, c) = (0.5 * turn_rad).sin_cos();
             Pose::new(speed * time_s * c, speed * time_s * s, turn_rad)
         };
         let moved = after(STEP_S);
