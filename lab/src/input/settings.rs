@@ -130,6 +130,11 @@ impl Settings {
             Self::ForRig(variant) => variant.config(robot),
         }
     }
+
+    /// Whether hand-overs are left to the rig file and the job.
+    pub fn leaves_hand_overs(&self) -> bool {
+        matches!(self, Self::ForRig(VariantArgs { hand_overs: None, .. }))
+    }
 }
 
 /// What the workbench does with a robot unless it is told otherwise. With analogue sensors what look backs find is taken over, as on the
@@ -142,13 +147,19 @@ pub fn by_default(robot: &Robot) -> Config {
     if is_wanted { config.with_hand_overs() } else { config }
 }
 
-/// A robot that sweeps a floor takes over what look backs find, as on the robot, unless its rig file says otherwise: a job takes half an
-/// hour, and comes home by the map (docs/results/robots.md). With it its rig file's text, which says so to who replays the drive.
+/// The same for a floor job. What look backs find is taken over, as on the robot, unless the rig file says otherwise: a job takes a quarter of
+/// an hour, and comes home by the map (docs/results/robots.md).
+pub fn on_a_floor(robot: &Robot) -> Config {
+    Config { hand_overs: robot.hand_overs.unwrap_or(true), ..by_default(robot) }
+}
+
+/// A robot for a floor job, and its rig file's text, which says what it takes over to who replays the drive.
 pub fn for_a_floor((robot, rig_toml): (Robot, String)) -> (Robot, String) {
-    if robot.hand_overs.is_some() || by_default(&robot).hand_overs {
+    let hand_overs = on_a_floor(&robot).hand_overs;
+    if hand_overs == by_default(&robot).hand_overs {
         return (robot, rig_toml);
     }
-    (Robot { hand_overs: Some(true), ..robot }, format!("hand_overs = true\n\n{rig_toml}"))
+    (Robot { hand_overs: Some(hand_overs), ..robot }, format!("hand_overs = {hand_overs}\n\n{rig_toml}"))
 }
 
 impl VariantArgs {

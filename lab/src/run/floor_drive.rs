@@ -8,7 +8,7 @@ use super::drive::Drive;
 use super::session::Session;
 use crate::input::built_in_robot;
 use crate::input::rig_file::Robot;
-use crate::input::settings::{by_default, for_a_floor};
+use crate::input::settings::on_a_floor;
 use crate::recording::Step;
 
 /// A job that takes longer than this is ended, minutes.
@@ -68,7 +68,7 @@ pub fn clean_by(
     map: Option<Vec<u8>>,
     mut meddle: impl FnMut(&mut Drive, &Step),
 ) -> Result<FloorDrive, String> {
-    let config = by_default(&for_a_floor((robot.clone(), String::new())).0);
+    let config = on_a_floor(robot);
     let mut session = Session::new(robot, config, plan.name.clone()).map_err(|error| format!("{error:?}"))?;
     if let Some(map) = map {
         session.begin_in(map)?;

@@ -70,8 +70,8 @@ impl Run {
             None => input::built_in_robot()?,
         };
         let (robot, rig_toml) = match self.job {
-            Job::Explore => (robot, rig_toml),
-            Job::Clean => for_a_floor((robot, rig_toml)),
+            Job::Clean if self.settings.leaves_hand_overs() => for_a_floor((robot, rig_toml)),
+            Job::Clean | Job::Explore => (robot, rig_toml),
         };
         let rig_name = self.rig.clone().unwrap_or_else(|| PathBuf::from("built-in rig"));
         let drive = match self.job {
