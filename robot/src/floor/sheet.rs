@@ -168,10 +168,14 @@ impl Sheet {
         self.swept.left_in(cell) > 0 && has_room(cell) && self.left_around(cell, has_room) >= WORTHWHILE
     }
 
+    /// The same of such floor that borders on what was not seen.
+    pub(super) fn leads_on(&self, cell: Cell) -> bool {
+        self.is_open_left(cell) && around(cell).any(|cell| !self.picture.is_known(cell))
+    }
+
     /// Quarters not swept in this cell and those around it that are such floor.
     fn left_around(&self, cell: Cell, is_floor: impl Fn(Cell) -> bool) -> u32 {
-        let cells = (-1..=1).flat_map(|row| (-1..=1).map(move |col| cell.offset(col, row)));
-        cells.filter(|cell| is_floor(*cell)).map(|cell| self.swept.left_in(cell)).sum()
+        around(cell).filter(|cell| is_floor(*cell)).map(|cell| self.swept.left_in(cell)).sum()
     }
 
     fn left_in_band(&self, axis: Axis, along: i16, across: i16) -> i16 {
@@ -272,4 +276,9 @@ impl Sheet {
             is_passable(&self.picture, self.picture.cell_at(x_m, y_m))
         })
     }
+}
+
+/// A cell and those beside it.
+fn around(cell: Cell) -> impl Iterator<Item = Cell> {
+    (-1..=1).flat_map(move |row| (-1..=1).map(move |col| cell.offset(col, row)))
 }

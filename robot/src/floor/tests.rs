@@ -32,6 +32,43 @@ fn floor_swept_before_the_grid_was_known_counts_once() {
     assert!(swept > 0);
 }
 
+/// A robot in a swept room of 15 by 15 cells that has a door of one cell, beyond which some floor was seen and, where it ends, there are walls or
+/// nothing was seen: where it plans to go.
+fn plan_in_a_room(ends_at_walls: bool) -> Option<Target> {
+    let mut job: FloorJob<8> = FloorJob::new(FloorConfig::default(), &crate::rig::default_rig());
+    let middle = job.sheet.picture.cell_at(0.0, 0.0);
+    for (cols, rows) in (-8..=14).flat_map(|cols| (-8_i16..=8).map(move |rows| (cols, rows))) {
+        let cell = middle.offset(cols, rows);
+        let is_wall = cols.min(rows) == -8 || rows == 8 || (cols == 8 && rows != 0);
+        if is_wall || (ends_at_walls && cols > 8 && (cols == 14 || rows.abs() == 3)) {
+            job.sheet.picture.block(cell);
+        } else if cols <= 8 || (cols < 14 && rows.abs() < 3) {
+            job.sheet.picture.see_free(cell);
+            job.sheet.swept.set(cell, cols <= 8);
+        }
+    }
+    // Until the floor that is left was counted.
+    (0..400).for_each(|step| job.tally.step(&job.sheet, FloorState::Planning, step));
+    assert!(!job.is_much_left(), "{:?}", job.progress());
+    job.plan(Aim::Floor, 0);
+    for step in 0..1000 {
+        match job.phase {
+            Phase::Plan { aim, escape, begun } => job.search(aim, escape, begun, &Pose::ORIGIN, step),
+            Phase::Trace { target, .. } => return Some(target),
+            _ => break,
+        };
+    }
+    None
+}
+
+#[test]
+fn a_door_that_looks_too_narrow_is_gone_through_where_nobody_knows_what_is_beyond() {
+    let Some(Target::Open(cell)) = plan_in_a_room(false) else { panic!("the room beyond is left out") };
+    let job: FloorJob<8> = FloorJob::new(FloorConfig::default(), &crate::rig::default_rig());
+    assert!(cell.col > job.sheet.picture.cell_at(0.0, 0.0).col + 8, "{cell:?}");
+    assert!(matches!(plan_in_a_room(true), None | Some(Target::Place(_))), "a niche is not worth it");
+}
+
 #[test]
 fn where_nothing_leads_on_it_goes_back_the_way_that_it_came() {
     let mut job: FloorJob<8> = FloorJob::new(FloorConfig::default(), &crate::rig::default_rig());

@@ -22,7 +22,7 @@ const POCKET_M: f32 = 2.0;
 const MAX_POCKETS: u8 = 12;
 /// As far from where it is as the picture reaches, in cells.
 const ANYWHERE: i16 = CELLS as i16;
-/// For so much floor (m^2) a way through narrow places is looked for, and so often.
+/// For so much floor (m^2) a way through narrow places is looked for, and this often at most one that was found is tried.
 const SQUEEZE_M2: f32 = 0.5;
 const MAX_SQUEEZES: u8 = 12;
 /// A way home is looked for so often.
@@ -86,15 +86,15 @@ impl<const S: usize> FloorJob<S> {
                 if self.target.replace(target) != Some(target) {
                     (self.gained, self.blocked) = (0, 0);
                 }
+                self.squeezes += u8::from(escape == ANYWHERE);
                 self.route.clear();
                 self.begin(Phase::Trace { target, aim }, now_us);
             }
             Slice::Nothing if escape < 5 => self.begin(Phase::Plan { aim, escape: 5, begun: false }, now_us),
-            Slice::Nothing if escape < ANYWHERE && self.may_squeeze(aim) => {
-                self.squeezes += 1;
-                self.begin(Phase::Plan { aim, escape: ANYWHERE, begun: false }, now_us);
-            }
-            Slice::Nothing => self.find_nothing(aim, now_us),
+            Slice::Nothing => match self.squeeze_to(aim, escape) {
+                Some(aim) => self.begin(Phase::Plan { aim, escape: ANYWHERE, begun: false }, now_us),
+                None => self.find_nothing(aim, now_us),
+            },
         }
         (0.0, 0.0)
     }
@@ -139,9 +139,17 @@ impl<const S: usize> FloorJob<S> {
         self.credit_m = POCKET_M;
     }
 
-    /// Whether to look for a way through places that seem too narrow: a door may look so, by bumps and by cells that its frame shares.
-    fn may_squeeze(&self, aim: Aim) -> bool {
-        (aim != Aim::Floor || self.is_much_left()) && self.squeezes < MAX_SQUEEZES
+    /// What a way through places that seem too narrow is worth being looked for, where a search for this found none: a door may look so, by bumps
+    /// and by cells that its frame or somebody in it shares.
+    fn squeeze_to(&self, aim: Aim, escape: i16) -> Option<Aim> {
+        let is_first = escape < ANYWHERE;
+        match aim {
+            _ if self.squeezes >= MAX_SQUEEZES => None,
+            Aim::Floor if is_first && self.is_much_left() => Some(aim),
+            // Little was seen of it: there may be a room.
+            Aim::Floor => (self.wave.reached >= POCKET).then_some(Aim::Beyond),
+            Aim::Beyond | Aim::Place(_) => is_first.then_some(aim),
+        }
     }
 
     /// Whether the way home that was found opened after it had been barred, with much floor left.
@@ -160,7 +168,7 @@ impl<const S: usize> FloorJob<S> {
         self.is_much_left() && BRUSH_M * self.path_m < 2.0 * (swept_m2 + left_m2)
     }
 
-    fn is_much_left(&self) -> bool {
+    pub(super) fn is_much_left(&self) -> bool {
         self.progress().left_m2 > SQUEEZE_M2
     }
 
@@ -175,7 +183,7 @@ impl<const S: usize> FloorJob<S> {
         if self.areas.may_dare() {
             self.areas.dares = true;
             self.go_about(now_us);
-        } else if aim != Aim::Floor {
+        } else if matches!(aim, Aim::Place(_)) {
             self.return_again(now_us);
         } else if self.wave.reached < POCKET && self.pockets < MAX_POCKETS {
             // It came into a pocket along its walls, and so it gets out.

@@ -32,6 +32,8 @@ const LONGEST: usize = 512;
 pub(super) enum Aim {
     /// Floor that was not swept.
     Floor,
+    /// Such floor that borders on what was not seen: nobody knows how much there is.
+    Beyond,
     /// A place, in cells.
     Place(Cell),
 }
@@ -192,6 +194,7 @@ impl Wave {
 
 fn target_at(sheet: &Sheet, cell: Cell, aim: Aim) -> Option<Target> {
     match aim {
+        Aim::Beyond => sheet.leads_on(cell).then_some(Target::Open(cell)),
         Aim::Place(place) => (cell.moves_to(place) <= 1).then_some(Target::Place(cell)),
         Aim::Floor => {
             let edge =
