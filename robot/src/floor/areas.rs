@@ -119,7 +119,7 @@ impl<const S: usize> FloorJob<S> {
     /// Takes in where the robot is among the areas, and draws them into the next cells of the picture.
     pub(super) fn mind_areas(&mut self, pose: &Pose, bounds: &Bounds) {
         let all = bounds.areas(AreaKind::Clean).enumerate().fold(0, |all, (index, _)| all | bit(index));
-        self.areas.is_elsewhere = all != 0 && areas_at(bounds, [pose.x_m, pose.y_m]) == 0;
+        self.areas.is_elsewhere = !bounds.is_to_clean([pose.x_m, pose.y_m]);
         if bounds.is_empty() || self.is_over() {
             return;
         }
@@ -153,7 +153,7 @@ impl<const S: usize> FloorJob<S> {
             }
             let is_towards = beyond.iter().any(|beyond| cell.moves_to(*beyond) <= TOWARDS);
             // What an edge of an area goes through is to be cleaned, too.
-            let is_to_clean = !self.areas.is_any || quarters_m.iter().any(|at_m| areas_at(bounds, *at_m) != 0);
+            let is_to_clean = quarters_m.iter().any(|at_m| bounds.is_to_clean(*at_m));
             let is_left = self.sheet.swept.left_in(cell) > 0;
             if is_towards || is_to_clean && self.sheet.swept.is_left_out(cell) {
                 self.sheet.swept.set(cell, false);
