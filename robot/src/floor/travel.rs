@@ -22,9 +22,13 @@ const POCKET_M: f32 = 2.0;
 const MAX_POCKETS: u8 = 12;
 /// As far from where it is as the picture reaches, in cells.
 const ANYWHERE: i16 = CELLS as i16;
-/// For so much floor (m^2) a way through narrow places is looked for, and this often at most one that was found is tried.
+/// For so much floor (m^2) a way through narrow places is looked for, or for such a share of all, of which as much lies about in scraps, and this
+/// often at most one that was found is tried.
 const SQUEEZE_M2: f32 = 0.5;
+const SQUEEZE_SHARE: f32 = 0.02;
 const MAX_SQUEEZES: u8 = 12;
+/// The same where little was seen of what is behind: each takes ten seconds, in which half a square metre is swept elsewhere.
+const FEW_SQUEEZES: u8 = 3;
 /// A way home is looked for so often.
 const MAX_RETURNS: u8 = 12;
 /// After so many it is what was seen that bars the way.
@@ -142,13 +146,14 @@ impl<const S: usize> FloorJob<S> {
     /// What a way through places that seem too narrow is worth being looked for, where a search for this found none: a door may look so, by bumps
     /// and by cells that its frame or somebody in it shares.
     fn squeeze_to(&self, aim: Aim, escape: i16) -> Option<Aim> {
-        let is_first = escape < ANYWHERE;
+        let (is_first, is_new) = (escape < ANYWHERE, self.squeezes < FEW_SQUEEZES);
         match aim {
             _ if self.squeezes >= MAX_SQUEEZES => None,
             Aim::Floor if is_first && self.is_much_left() => Some(aim),
             // Little was seen of it: there may be a room.
-            Aim::Floor => (self.wave.reached >= POCKET).then_some(Aim::Beyond),
-            Aim::Beyond | Aim::Place(_) => is_first.then_some(aim),
+            Aim::Floor => (is_new && self.wave.reached >= POCKET).then_some(Aim::Beyond),
+            Aim::Beyond => (is_new && is_first).then_some(aim),
+            Aim::Place(_) => is_first.then_some(aim),
         }
     }
 
@@ -169,7 +174,8 @@ impl<const S: usize> FloorJob<S> {
     }
 
     pub(super) fn is_much_left(&self) -> bool {
-        self.progress().left_m2 > SQUEEZE_M2
+        let FloorProgress { swept_m2, left_m2, .. } = self.progress();
+        left_m2 > SQUEEZE_M2.max(SQUEEZE_SHARE * (swept_m2 + left_m2))
     }
 
     /// Takes the way to the target from the search: a step of its own, since it may be long.
