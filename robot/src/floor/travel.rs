@@ -157,9 +157,9 @@ impl<const S: usize> FloorJob<S> {
         }
     }
 
-    /// Whether the way home that was found opened after it had been barred, with much floor left.
+    /// Whether the way home that was found opened after it had been barred: nobody knows how much floor was barred with it. It is swept once.
     fn leads_to_what_was_left(&self) -> bool {
-        self.errand == Errand::Finish(Way::Barred) && !self.areas.dares && self.is_worth_more()
+        self.errand == Errand::Finish(Way::Barred) && !self.areas.dares
     }
 
     fn sweep_again(&mut self, now_us: u64) {
