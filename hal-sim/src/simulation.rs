@@ -83,14 +83,14 @@ impl Simulation {
             return Err(SimError::NeedsAdc(index));
         }
         let world = World::new(plan);
-        let clearance_m = |pose: &Pose2| world.clearance_m([pose.x_m, pose.y_m]);
+        let blocked_m = |pose: &Pose2| world.blocked_m([pose.x_m, pose.y_m], options.body_radius_m);
         let start = options.start.unwrap_or(plan.start);
-        if clearance_m(&start) < options.body_radius_m {
-            return Err(SimError::StartBlocked(clearance_m(&start), options.body_radius_m));
+        if let Some(clearance_m) = blocked_m(&start) {
+            return Err(SimError::StartBlocked(clearance_m, options.body_radius_m));
         }
         for (i, to) in plan.mishaps.kidnaps.iter().enumerate().filter_map(|(i, kidnap)| Some((i, kidnap.to?))) {
-            if clearance_m(&to) < options.body_radius_m {
-                return Err(SimError::PlaceBlocked(i, clearance_m(&to), options.body_radius_m));
+            if let Some(clearance_m) = blocked_m(&to) {
+                return Err(SimError::PlaceBlocked(i, clearance_m, options.body_radius_m));
             }
         }
         let sensors: Vec<_> =

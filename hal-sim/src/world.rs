@@ -40,6 +40,9 @@ pub struct World {
     ahead_s: Vec<f64>,
 }
 
+/// A body that something pushed out of a wall touches it to this, metres.
+const ROUNDING_M: f64 = 1e-9;
+
 /// A body is pressed into something where it is so deep in it, metres, and by whoever is this near to it.
 const WEDGED_M: f64 = 0.002;
 const TOUCH_M: f64 = 0.02;
@@ -203,6 +206,12 @@ impl World {
             offer(point_m[0] - self.centre_x[i], point_m[1] - self.centre_y[i], self.radius[i]);
         }
         best
+    }
+
+    /// How far from the nearest thing a round body would be that does not fit here, metres; none where it fits, be it that it touches something.
+    pub fn blocked_m(&self, centre_m: [f64; 2], radius_m: f64) -> Option<f64> {
+        let clearance_m = self.clearance_m(centre_m);
+        (clearance_m < radius_m - ROUNDING_M).then_some(clearance_m)
     }
 
     /// Distance from a point to the nearest thing, metres.
