@@ -4,7 +4,7 @@ use slam_core::Pose;
 
 use super::swept::{CELLS, Quarter, Swept};
 use crate::pilot::memory::{Cell, Memory};
-use crate::pilot::search::is_passable;
+use crate::pilot::search::{borders_on_unknown, is_passable};
 
 /// Edge of a quarter of a cell, metres: three of them, side by side, are a lane, which the brush overlaps by 8 mm on either side.
 pub(super) const QUARTER_M: f32 = 0.078;
@@ -170,7 +170,7 @@ impl Sheet {
 
     /// The same of such floor that borders on what was not seen.
     pub(super) fn leads_on(&self, cell: Cell) -> bool {
-        self.is_open_left(cell) && around(cell).any(|cell| !self.picture.is_known(cell))
+        self.is_open_left(cell) && borders_on_unknown(&self.picture, cell)
     }
 
     /// Quarters not swept in this cell and those around it that are such floor.

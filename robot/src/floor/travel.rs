@@ -22,12 +22,12 @@ const POCKET_M: f32 = 2.0;
 const MAX_POCKETS: u8 = 12;
 /// As far from where it is as the picture reaches, in cells.
 const ANYWHERE: i16 = CELLS as i16;
-/// For so much floor (m^2) a way through narrow places is looked for, or for such a share of all, of which as much lies about in scraps, and this
-/// often at most one that was found is tried.
+/// A way through narrow places is looked for where more floor is left than this, m^2, and more than this share of all: so much lies about in scraps.
+/// So many of them are tried at most.
 const SQUEEZE_M2: f32 = 0.5;
 const SQUEEZE_SHARE: f32 = 0.02;
 const MAX_SQUEEZES: u8 = 12;
-/// The same where little was seen of what is behind: each takes ten seconds, in which half a square metre is swept elsewhere.
+/// So many where little was seen of what is behind: each takes ten seconds, in which half a square metre is swept elsewhere.
 const FEW_SQUEEZES: u8 = 3;
 /// A way home is looked for so often.
 const MAX_RETURNS: u8 = 12;
@@ -143,16 +143,17 @@ impl<const S: usize> FloorJob<S> {
         self.credit_m = POCKET_M;
     }
 
-    /// What a way through places that seem too narrow is worth being looked for, where a search for this found none: a door may look so, by bumps
-    /// and by cells that its frame or somebody in it shares.
+    /// What to look for next through places that seem too narrow, after a search for this found nothing: a door may seem so, by bumps and by cells
+    /// that its frame or somebody in it shares.
     fn squeeze_to(&self, aim: Aim, escape: i16) -> Option<Aim> {
-        let (is_first, is_new) = (escape < ANYWHERE, self.squeezes < FEW_SQUEEZES);
+        let is_first = escape < ANYWHERE;
+        let tries_little = self.squeezes < FEW_SQUEEZES;
         match aim {
             _ if self.squeezes >= MAX_SQUEEZES => None,
             Aim::Floor if is_first && self.is_much_left() => Some(aim),
             // Little was seen of it: there may be a room.
-            Aim::Floor => (is_new && self.wave.reached >= POCKET).then_some(Aim::Beyond),
-            Aim::Beyond => (is_new && is_first).then_some(aim),
+            Aim::Floor => (tries_little && self.wave.reached >= POCKET).then_some(Aim::Beyond),
+            Aim::Beyond => (tries_little && is_first).then_some(aim),
             Aim::Place(_) => is_first.then_some(aim),
         }
     }

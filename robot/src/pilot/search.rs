@@ -54,7 +54,8 @@ fn is_beside_wall<const N: usize>(memory: &Memory<N>, cell: Cell) -> bool {
     memory.obstacle_within(cell, 3)
 }
 
-fn borders_on_unknown<const N: usize>(memory: &Memory<N>, cell: Cell) -> bool {
+/// Whether nothing is known of a cell beside this one.
+pub(crate) fn borders_on_unknown<const N: usize>(memory: &Memory<N>, cell: Cell) -> bool {
     let unknown = |&index: &usize| {
         let (cols, rows) = NEIGHBOURS[index];
         let neighbour = cell.offset(cols, rows);
