@@ -12,7 +12,7 @@ pub fn figures() -> Result {
     let drive = Drive::measure()?;
     let (counts, compiler) = timing::measure()?;
     let mut page = String::from(
-        "# On the robot's processor\n\nWritten by `cargo xtask figures`. All of it is from the emulated STM32F405; nothing \
+        "# On the robot's processor\n\nWritten by `cargo xtask pages on-target`. All of it is from the emulated STM32F405; nothing \
          was measured on silicon yet.\n",
     );
     // Writing to a String cannot fail.

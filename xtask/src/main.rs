@@ -6,10 +6,10 @@ mod apt;
 #[cfg(test)]
 mod documents;
 mod elf;
-mod experiments;
 mod fail_safe;
 mod figures;
 mod hil;
+mod pages;
 mod panic_check;
 mod qemu;
 mod real_logs;
@@ -38,8 +38,7 @@ cargo xtask timing --update  write the counts into docs/results/timing.csv
 cargo xtask studio           build the studio, a page for browsers, and print its folder last
 cargo xtask studio --serve   build it and serve it on this machine
 cargo xtask studio --measure build it and measure frames and speed in a browser
-cargo xtask figures          write docs/results/on-target.md: size, timing and the drive in the loop
-cargo xtask experiments      run the experiments and write their pages and figures under docs/results/experiments/";
+cargo xtask pages PAGE...    write pages of docs/results/ anew, and into its made.csv of which commit they are";
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
@@ -51,8 +50,7 @@ fn main() -> ExitCode {
         ["late"] => hil::timed("3"),
         ["late", minutes] => hil::timed(minutes),
         ["panic-check"] => panic_check::panic_check(),
-        ["figures"] => figures::figures(),
-        ["experiments"] => experiments::experiments(),
+        ["pages", names @ ..] => pages::pages(names),
         ["flash"] => size::flash(),
         ["size"] => size::size(),
         ["studio"] => studio::studio(),
@@ -61,7 +59,7 @@ fn main() -> ExitCode {
         ["timing"] => timing::timing(false),
         ["timing", "--update"] => timing::timing(true),
         [] | ["help" | "--help" | "-h"] => {
-            println!("{HELP}\n\nsteps: {}", test::step_names());
+            println!("{HELP}\n\nsteps: {}\npages: {}", test::step_names(), pages::names());
             Ok(())
         }
         other => Err(format!("cargo xtask {}: no such command\n{HELP}", other.join(" "))),

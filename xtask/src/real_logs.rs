@@ -4,10 +4,10 @@ use crate::run::{ACROSS, Result, cargo, root, run};
 use std::path::PathBuf;
 
 /// Names the folder of the logs.
-const VARIABLE: &str = "SLAM_DATA";
+pub const VARIABLE: &str = "SLAM_DATA";
 
 /// The folder of the logs: what the variable names, or `shared/data` beside the repository, where the tests look, too.
-fn folder() -> PathBuf {
+pub fn folder() -> PathBuf {
     std::env::var_os(VARIABLE).map_or_else(|| root().join("../shared/data"), PathBuf::from)
 }
 
