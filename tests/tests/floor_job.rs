@@ -3,8 +3,8 @@
 use std::thread;
 
 use hal_sim::mishap::{Hold, Kick, Kidnap};
-use hal_sim::plan::Battery;
-use hal_sim::random_home::{random_home, with_dock};
+use hal_sim::plan::{Battery, Plan};
+use hal_sim::random_home::{random_home, shut_door, with_dock};
 use hal_sim::{ClosedLoop, Estimate, Pose2, SimOptions, Simulation, default_rig, nominal_ranges, plan_file};
 use lab::input::built_in_robot;
 use lab::run::{FloorDrive, clean, clean_with};
@@ -86,6 +86,25 @@ const TWO_ROOMS: &str = "[start]\nx_m = 1.0\ny_m = 1.0\n\
     [[outline]]\npoints_m = [[0.0, 0.0], [6.0, 0.0], [6.0, 3.0], [0.0, 3.0]]\n\
     [[box]]\nmin_m = [3.4, 0.0]\nmax_m = [3.5, 0.6]\n[[box]]\nmin_m = [3.4, 1.4]\nmax_m = [3.5, 3.0]\n\
     [[door]]\nfrom_m = [3.45, 0.6]\nto_m = [3.45, 1.4]\ncloses_at_s = 20\n";
+
+#[test]
+fn a_room_that_was_shut_off_is_swept_when_its_door_opens_after_the_robot_is_home() {
+    // Homes and moments in which the robot saw into the room before its door was shut, and was done with the rest before it opened.
+    for (home, closes_at_s) in [(59, 365.0), (64, 239.0), (72, 326.0)] {
+        let job = |opens_at_s: f64| {
+            let doors = vec![shut_door(home, closes_at_s, opens_at_s).expect("it has a door")];
+            clean(&Plan { doors, ..random_home(home) }, SimOptions::default(), home).expect("the robot fits")
+        };
+        let drive = job(closes_at_s + 300.0);
+        assert_eq!(drive.progress.state, FloorState::Done, "home {home}");
+        assert!(drive.score.swept >= 0.95, "home {home}: {} of the floor", drive.score.swept);
+        assert!(drive.score.home_m <= 0.2, "home {home}: {} m from where it started", drive.score.home_m);
+        // Where the door stays shut it looks once, and is done.
+        let drive = job(f64::INFINITY);
+        assert_eq!(drive.progress.state, FloorState::Done, "home {home}");
+        assert!((15.0..30.0).contains(&drive.minutes), "home {home}: {} minutes", drive.minutes);
+    }
+}
 
 #[test]
 fn a_robot_that_was_shut_in_sweeps_the_rest_when_the_door_opens() {

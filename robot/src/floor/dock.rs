@@ -189,7 +189,7 @@ impl<const S: usize> FloorJob<S> {
     fn arrive_in_dock(&mut self, now_us: u64) {
         self.rounds = 0;
         match self.errand {
-            Errand::Finish(_) => self.begin(Phase::Over { is_home: true }, now_us),
+            Errand::Finish(_) => self.come_home(now_us),
             Errand::Sweep { .. } | Errand::Recharge => self.begin(Phase::Charge, now_us),
         }
     }
@@ -199,7 +199,7 @@ impl<const S: usize> FloorJob<S> {
         if !condition.is_charging {
             self.begin(Phase::Dock { stage: Stage::Pressing, tries: 0 }, now_us);
         } else if self.battery_v.is_nan() || self.battery_v > self.config.full_v {
-            self.errand = Errand::Sweep { again: false };
+            self.errand = Errand::FIRST;
             // What barred its ways before may be gone.
             self.retries = 0;
             self.begin(Phase::Undock, now_us);
@@ -229,7 +229,7 @@ impl<const S: usize> FloorJob<S> {
         }
         // A mean over two seconds: motors that start pull the voltage down.
         self.battery_v += 0.02 * (battery_v - self.battery_v);
-        let is_driving = !matches!(self.phase, Phase::Over { .. } | Phase::Charge | Phase::Paused);
+        let is_driving = !matches!(self.phase, Phase::Over { .. } | Phase::Charge | Phase::Wait { .. } | Phase::Paused);
         let is_docking = matches!(self.phase, Phase::Dock { stage: Stage::Approaching | Stage::Pressing, .. });
         if is_driving && !is_docking && !condition.is_charging && self.is_empty() {
             self.errand = Errand::Recharge;

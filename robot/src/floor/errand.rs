@@ -13,8 +13,8 @@ use crate::traits::WheelSpeeds;
 /// What the job is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Errand {
-    /// To sweep the floor, and whether it was on its way home for good before.
-    Sweep { again: bool },
+    /// To sweep the floor, and then to go home by such a way.
+    Sweep { then: Way },
     /// To go home with floor left to sweep, since the battery is nearly empty.
     Recharge,
     /// To go home for good.
@@ -22,8 +22,11 @@ pub(super) enum Errand {
 }
 
 impl Errand {
+    /// To sweep the floor, as a job begins.
+    pub(super) const FIRST: Self = Self::Sweep { then: Way::Open };
+
     pub(super) fn is_to_sweep(self) -> bool {
-        matches!(self, Errand::Sweep { .. })
+        matches!(self, Self::Sweep { .. })
     }
 }
 
@@ -35,11 +38,17 @@ pub(super) enum Way {
     Barred,
     /// It was barred before, and floor that was left was swept since: that is done once.
     SweptAgain,
+    /// It was home before and waited there for what barred the way to floor that is left: that is done once, too.
+    Waited,
 }
 
 /// A pose that moved by more than this, or turned by more, between two steps has jumped: metres and radians.
 const JUMP_M: f32 = 0.1;
 const JUMP_RAD: f32 = 0.17;
+
+/// Where much floor is left behind something that bars the way, the robot waits at home for so long, microseconds, and looks once more: doors are
+/// shut for minutes.
+const WAIT_US: u64 = 600_000_000;
 
 impl<const S: usize> FloorJob<S> {
     /// Where home is, in the map frame; none before the first step.
@@ -69,10 +78,12 @@ impl<const S: usize> FloorJob<S> {
         }
     }
 
-    /// Goes on after a pause.
+    /// Goes on after a pause, and waits no longer.
     pub fn resume(&mut self) {
-        if self.phase == Phase::Paused {
-            self.phase = Phase::Plan { aim: self.aim(), escape: 5, begun: false };
+        match &mut self.phase {
+            Phase::Paused => self.phase = Phase::Plan { aim: self.aim(), escape: 5, begun: false },
+            Phase::Wait { is_told } => *is_told = true,
+            _ => {}
         }
     }
 
@@ -92,6 +103,26 @@ impl<const S: usize> FloorJob<S> {
     /// The same from a place that may be narrow for so many cells.
     pub(super) fn go_about_from(&mut self, escape: i16, now_us: u64) {
         self.begin(Phase::Plan { aim: self.aim(), escape, begun: false }, now_us);
+    }
+
+    /// Back home for good: over, unless much floor is left that no way led to.
+    pub(super) fn come_home(&mut self, now_us: u64) {
+        let waits = self.errand != Errand::Finish(Way::Waited) && self.is_worth_more();
+        self.begin(if waits { Phase::Wait { is_told: false } } else { Phase::Over { is_home: true } }, now_us);
+    }
+
+    /// Stands at home; then what barred the way may be gone.
+    pub(super) fn wait(&mut self, is_told: bool, now_us: u64) -> (f32, f32) {
+        if is_told || now_us.saturating_sub(self.since_us) > WAIT_US {
+            self.errand = Errand::Sweep { then: Way::Waited };
+            self.doubt_what_bars();
+            if self.has_dock {
+                self.begin(Phase::Undock, now_us);
+            } else {
+                self.go_about(now_us);
+            }
+        }
+        (0.0, 0.0)
     }
 
     /// Whether the pose can be used; takes note of a lift.

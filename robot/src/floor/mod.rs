@@ -144,7 +144,7 @@ impl<const S: usize> FloorJob<S> {
         last: None,
         home: None,
         has_dock: false,
-        errand: Errand::Sweep { again: false },
+        errand: Errand::FIRST,
         astray: Astray::NEW,
         battery_v: f32::NAN,
         traction: Traction::new(),
@@ -229,6 +229,7 @@ impl<const S: usize> FloorJob<S> {
             Phase::Dock { stage: Stage::Approaching, .. } => FloorState::Approaching,
             Phase::Dock { stage: Stage::Pressing, .. } => FloorState::Pressing,
             Phase::Charge => FloorState::Charging,
+            Phase::Wait { .. } => FloorState::Waiting,
             Phase::Paused => FloorState::Paused,
             Phase::Lost => FloorState::Lost,
             Phase::Held => FloorState::Held,
@@ -383,6 +384,7 @@ impl<const S: usize> FloorJob<S> {
             Phase::Dock { stage, tries } => self.dock_step(stage, tries, senses, pose),
             Phase::Undock => self.undock(now_us),
             Phase::Charge => self.charge(&senses.condition, now_us),
+            Phase::Wait { is_told } => self.wait(is_told, now_us),
         }
     }
 }

@@ -35,6 +35,8 @@ pub(super) enum Phase {
     Undock,
     /// In the dock.
     Charge,
+    /// At home, waiting for what barred the way to be gone, or until it is told that it is.
+    Wait { is_told: bool },
     /// Standing on request.
     Paused,
     /// Off the floor, or carried and not located yet.

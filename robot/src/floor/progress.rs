@@ -51,11 +51,13 @@ pub enum FloorState {
     Away,
     /// Done and back, but for an area to clean that it did not come to.
     Unreached,
+    /// Back, and waiting for what barred the way to floor that is left.
+    Waiting,
 }
 
 impl FloorState {
     /// Every one, in the order of [`FloorProgress::seconds_in`].
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::Edge,
         Self::Lane,
         Self::Transit,
@@ -76,6 +78,7 @@ impl FloorState {
         Self::Done,
         Self::Away,
         Self::Unreached,
+        Self::Waiting,
     ];
 
     /// What it is called.
@@ -101,6 +104,7 @@ impl FloorState {
             Self::Done => "done",
             Self::Away => "away",
             Self::Unreached => "area not reached",
+            Self::Waiting => "waiting",
         }
     }
 }
@@ -130,6 +134,10 @@ impl FloorProgress {
 /// Cells of the picture that are counted in one step.
 const COUNTED: usize = 20;
 
+/// Much floor is left where so many squares of two by two cells lie in it, not swept at all: a third of a square metre in one piece has as many.
+/// What lies about in scraps, beside furniture, has six at most, in sixty random homes.
+const MUCH: u8 = 8;
+
 /// Counts floor and time, a little each step.
 #[derive(Clone, Debug)]
 pub(super) struct Tally {
@@ -138,12 +146,16 @@ pub(super) struct Tally {
     /// Quarters left as of the last whole count, and in this one so far.
     left: u16,
     counted: u16,
+    /// Squares of two by two cells in what is left, likewise, and whether a cell and the one below it may be half of one.
+    squares: u8,
+    counted_squares: u8,
+    is_half: bool,
     /// The cell counted next, row by row.
     next: u16,
-    /// Time in each state, seconds; microseconds of a second begun; when it was counted last.
+    /// Time in each state, seconds; microseconds of a second begun; when it was counted last, before the first step the end of all time.
     seconds_in: [u16; FloorState::ALL.len()],
     begun_us: u32,
-    last_us: Option<u64>,
+    last_us: u64,
 }
 
 /// A gap between two steps counts as at most this long, microseconds.
@@ -152,7 +164,18 @@ const LONGEST_US: u64 = 1_000_000;
 impl Tally {
     pub(super) const fn new() -> Self {
         let seconds_in = [0; FloorState::ALL.len()];
-        Self { swept: 0, left: 0, counted: 0, next: 0, seconds_in, begun_us: 0, last_us: None }
+        Self {
+            swept: 0,
+            left: 0,
+            counted: 0,
+            squares: 0,
+            counted_squares: 0,
+            is_half: false,
+            next: 0,
+            seconds_in,
+            begun_us: 0,
+            last_us: u64::MAX,
+        }
     }
 
     pub(super) fn add(&mut self, new_quarters: u16) {
@@ -189,16 +212,22 @@ impl Tally {
         for _ in 0..COUNTED {
             let cell = Cell { col: self.next as i16 % CELLS as i16, row: self.next as i16 / CELLS as i16 };
             let left = sheet.swept.left_in(cell) as u16;
-            if left > 0 && is_passable(&sheet.picture, cell) {
+            let is_floor = left > 0 && is_passable(&sheet.picture, cell);
+            if is_floor {
                 self.counted = self.counted.saturating_add(left);
             }
+            let is_whole = |cell: Cell| sheet.swept.left_in(cell) == 4 && sheet.picture.is_free(cell);
+            let is_half = is_floor && is_whole(cell) && is_whole(cell.offset(0, -1));
+            let is_square = core::mem::replace(&mut self.is_half, is_half) && is_half && cell.col > 0;
+            self.counted_squares = self.counted_squares.saturating_add(u8::from(is_square));
             self.next += 1;
             if usize::from(self.next) == CELLS * CELLS {
-                (self.left, self.counted, self.next) = (self.counted, 0, 0);
+                (self.left, self.squares) = (self.counted, self.counted_squares);
+                (self.counted, self.counted_squares, self.next) = (0, 0, 0);
             }
         }
-        let passed_us = now_us.saturating_sub(self.last_us.unwrap_or(now_us)).min(LONGEST_US);
-        self.last_us = Some(now_us);
+        let passed_us = now_us.saturating_sub(self.last_us).min(LONGEST_US);
+        self.last_us = now_us;
         self.begun_us += passed_us as u32;
         while self.begun_us >= 1_000_000 {
             self.begun_us -= 1_000_000;
@@ -206,6 +235,11 @@ impl Tally {
                 *seconds = seconds.saturating_add(1);
             }
         }
+    }
+
+    /// Whether much floor is left that is no scraps.
+    pub(super) fn is_much_left(&self) -> bool {
+        self.squares >= MUCH
     }
 
     pub(super) fn progress(&self, state: FloorState) -> FloorProgress {
@@ -230,6 +264,27 @@ mod tests {
             assert_eq!(state as usize, index);
             assert!(FloorState::ALL.iter().filter(|other| other.name() == state.name()).count() == 1);
         }
+    }
+
+    /// Whether much is left where these cells were seen and not swept.
+    fn is_much(cells: impl Iterator<Item = (i16, i16)>) -> bool {
+        let (mut tally, mut sheet) = (Tally::new(), Sheet::new());
+        cells.for_each(|(col, row)| sheet.picture.see_free(Cell { col, row }));
+        let steps = (CELLS * CELLS / COUNTED) as u64;
+        (0..steps).for_each(|step| tally.step(&sheet, FloorState::Planning, step));
+        tally.is_much_left()
+    }
+
+    #[test]
+    fn a_piece_of_floor_is_much_and_as_much_of_it_in_scraps_is_not() {
+        let block = |cols: i16, rows: i16| (0..cols).flat_map(move |col| (0..rows).map(move |row| (col, row)));
+        assert!(is_much(block(4, 4).map(|(col, row)| (30 + col, 50 + row))));
+        assert!(is_much(block(9, 2).map(|(col, row)| (30 + col, row))), "at the edge of the picture");
+        assert!(!is_much(block(40, 1)), "a strip that the brush is too wide for");
+        assert!(!is_much(block(8, 8).map(|(col, row)| (2 * col, 2 * row))), "single cells");
+        // One cell at the end of a row and one where the next begins are not beside one another.
+        let ends = (0..16).map(|row| (CELLS as i16 - 1, row)).chain((0..16).map(|row| (0, row)));
+        assert!(!is_much(ends));
     }
 
     #[test]

@@ -23,7 +23,7 @@ use crate::pilot::memory::Cell;
 use crate::traits::LastingMemory;
 
 const STATES: usize = FloorState::ALL.len();
-const HEADS: InTurn = InTurn::new(*b"FLJ\x04", 48 + 2 * STATES);
+const HEADS: InTurn = InTurn::new(*b"FLJ\x05", 48 + 2 * STATES);
 const SERIAL: usize = 2;
 const ROW: usize = SERIAL + CELLS / 2;
 
@@ -210,7 +210,7 @@ impl<const S: usize> FloorJob<S> {
         }
         let [errand, has_dock, retries, _] = word();
         self.errand = match errand {
-            0 => Errand::Sweep { again: false },
+            0 => Errand::FIRST,
             1 => Errand::Recharge,
             2 => Errand::Finish(Way::Open),
             _ => return Err(FloorRecordError::Value),

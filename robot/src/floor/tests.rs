@@ -32,24 +32,28 @@ fn floor_swept_before_the_grid_was_known_counts_once() {
     assert!(swept > 0);
 }
 
+/// Counts the floor that is left.
+fn count(job: &mut FloorJob<8>) {
+    (0..400).for_each(|step| job.tally.step(&job.sheet, FloorState::Planning, step));
+}
+
 /// A robot in a swept room of 15 by 15 cells that has a door of one cell, beyond which some floor was seen and, where it ends, there are walls or
 /// nothing was seen: where it plans to go.
 fn plan_in_a_room(ends_at_walls: bool) -> Option<Target> {
     let mut job: FloorJob<8> = FloorJob::new(FloorConfig::default(), &crate::rig::default_rig());
     let middle = job.sheet.picture.cell_at(0.0, 0.0);
-    for (cols, rows) in (-8..=14).flat_map(|cols| (-8_i16..=8).map(move |rows| (cols, rows))) {
+    for (cols, rows) in (-8..=12).flat_map(|cols| (-8_i16..=8).map(move |rows| (cols, rows))) {
         let cell = middle.offset(cols, rows);
         let is_wall = cols.min(rows) == -8 || rows == 8 || (cols == 8 && rows != 0);
-        if is_wall || (ends_at_walls && cols > 8 && (cols == 14 || rows.abs() == 3)) {
+        if is_wall || (ends_at_walls && cols > 8 && (cols == 12 || rows.abs() == 2)) {
             job.sheet.picture.block(cell);
-        } else if cols <= 8 || (cols < 14 && rows.abs() < 3) {
+        } else if cols <= 8 || (cols < 12 && rows.abs() < 2) {
             job.sheet.picture.see_free(cell);
             job.sheet.swept.set(cell, cols <= 8);
         }
     }
-    // Until the floor that is left was counted.
-    (0..400).for_each(|step| job.tally.step(&job.sheet, FloorState::Planning, step));
-    assert!(!job.is_much_left(), "{:?}", job.progress());
+    count(&mut job);
+    assert!(!job.tally.is_much_left(), "{:?}", job.progress());
     job.plan(Aim::Floor, 0);
     for step in 0..1000 {
         match job.phase {
@@ -67,6 +71,57 @@ fn a_door_that_looks_too_narrow_is_gone_through_where_nobody_knows_what_is_beyon
     let job: FloorJob<8> = FloorJob::new(FloorConfig::default(), &crate::rig::default_rig());
     assert!(cell.col > job.sheet.picture.cell_at(0.0, 0.0).col + 8, "{cell:?}");
     assert!(matches!(plan_in_a_room(true), None | Some(Target::Place(_))), "a niche is not worth it");
+}
+
+/// A robot that stands at home with a room of 60 cells left behind a wall: the job, about to go home for good.
+fn home_before_a_room_shut_off() -> FloorJob<8> {
+    let mut job: FloorJob<8> = FloorJob::new(FloorConfig::default(), &crate::rig::default_rig());
+    let middle = job.sheet.picture.cell_at(0.0, 0.0);
+    for (cols, rows) in (-8..=18).flat_map(|cols| (-8_i16..=8).map(move |rows| (cols, rows))) {
+        let cell = middle.offset(cols, rows);
+        if [-8, 8, 18].contains(&cols) || rows.abs() == 8 {
+            job.sheet.picture.block(cell);
+        } else {
+            job.sheet.picture.see_free(cell);
+            job.sheet.swept.set(cell, cols < 8);
+        }
+    }
+    (job.home, job.errand) = (Some(Pose::ORIGIN), Errand::Finish(errand::Way::Open));
+    job.tally.take_up(900, [0; FloorState::ALL.len()]);
+    count(&mut job);
+    job
+}
+
+/// So many seconds of a job whose robot stands: what it is doing then.
+fn stand(job: &mut FloorJob<8>, seconds: core::ops::Range<u64>) -> FloorState {
+    for step in seconds.start * 25..seconds.end * 25 {
+        let (contacts, condition) = (Contacts::default(), Condition::default());
+        let (time_us, pose) = (40_000 * step, Pose::ORIGIN);
+        job.step(&Senses { time_us, pose, ranges_m: [None; 8], contacts, condition });
+    }
+    job.state()
+}
+
+#[test]
+fn with_a_room_left_behind_a_door_it_waits_at_home_and_looks_once_more() {
+    let mut job = home_before_a_room_shut_off();
+    assert_eq!(stand(&mut job, 0..60), FloorState::Waiting);
+    assert_eq!(stand(&mut job, 60..590), FloorState::Waiting);
+    let end_s = (590..640).find(|second| stand(&mut job, *second..second + 1) != FloorState::Waiting).unwrap();
+    assert_eq!(job.errand, Errand::Sweep { then: errand::Way::Waited });
+    // Once: home again it is over.
+    job.errand = Errand::Finish(errand::Way::Waited);
+    job.go_about(1_000_000 * end_s);
+    assert_eq!(stand(&mut job, end_s + 1..700), FloorState::Done);
+}
+
+#[test]
+fn one_that_waits_goes_on_at_once_when_it_is_told_to() {
+    let mut job = home_before_a_room_shut_off();
+    stand(&mut job, 0..60);
+    job.resume();
+    stand(&mut job, 60..61);
+    assert!(job.errand.is_to_sweep(), "{:?}", job.errand);
 }
 
 #[test]

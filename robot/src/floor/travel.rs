@@ -22,10 +22,7 @@ const POCKET_M: f32 = 2.0;
 const MAX_POCKETS: u8 = 12;
 /// As far from where it is as the picture reaches, in cells.
 const ANYWHERE: i16 = CELLS as i16;
-/// A way through narrow places is looked for where more floor is left than this, m^2, and more than this share of all: so much lies about in scraps.
-/// So many of them are tried at most.
-const SQUEEZE_M2: f32 = 0.5;
-const SQUEEZE_SHARE: f32 = 0.02;
+/// A way through narrow places is looked for where much floor is left; so many of them are tried at most.
 const MAX_SQUEEZES: u8 = 12;
 /// So many where little was seen of what is behind: each takes ten seconds, in which half a square metre is swept elsewhere.
 const FEW_SQUEEZES: u8 = 3;
@@ -150,7 +147,7 @@ impl<const S: usize> FloorJob<S> {
         let tries_little = self.squeezes < FEW_SQUEEZES;
         match aim {
             _ if self.squeezes >= MAX_SQUEEZES => None,
-            Aim::Floor if is_first && self.is_much_left() => Some(aim),
+            Aim::Floor if is_first && self.tally.is_much_left() => Some(aim),
             // Little was seen of it: there may be a room.
             Aim::Floor => (tries_little && self.wave.reached >= POCKET).then_some(Aim::Beyond),
             Aim::Beyond => (tries_little && is_first).then_some(aim),
@@ -164,19 +161,21 @@ impl<const S: usize> FloorJob<S> {
     }
 
     fn sweep_again(&mut self, now_us: u64) {
-        self.errand = Errand::Sweep { again: true };
+        self.errand = Errand::Sweep { then: Way::SweptAgain };
         self.go_about(now_us);
     }
 
-    /// Whether much is left, and it drove less than it would take to sweep all that it has seen twice: it is to come home in the end, too.
-    fn is_worth_more(&self) -> bool {
-        let FloorProgress { swept_m2, left_m2, .. } = self.progress();
-        self.is_much_left() && BRUSH_M * self.path_m < 2.0 * (swept_m2 + left_m2)
+    /// What bars the way may be gone, or have been seen from elsewhere than the robot believed.
+    pub(super) fn doubt_what_bars(&mut self) {
+        self.retries = 2;
+        self.squeezes = 0;
+        self.sheet.picture.doubt_obstacles();
     }
 
-    pub(super) fn is_much_left(&self) -> bool {
+    /// Whether much is left, and it drove less than it would take to sweep all that it has seen twice: it is to come home in the end, too.
+    pub(super) fn is_worth_more(&self) -> bool {
         let FloorProgress { swept_m2, left_m2, .. } = self.progress();
-        left_m2 > SQUEEZE_M2.max(SQUEEZE_SHARE * (swept_m2 + left_m2))
+        self.tally.is_much_left() && BRUSH_M * self.path_m < 2.0 * (swept_m2 + left_m2)
     }
 
     /// Takes the way to the target from the search: a step of its own, since it may be long.
@@ -196,7 +195,9 @@ impl<const S: usize> FloorJob<S> {
             // It came into a pocket along its walls, and so it gets out.
             self.pockets += 1;
             self.begin_along_walls(now_us);
-        } else if self.retries == 0 && (self.is_much_left() || !self.given_up.is_empty() || self.areas.missed != 0) {
+        } else if self.retries == 0
+            && (self.tally.is_much_left() || !self.given_up.is_empty() || self.areas.missed != 0)
+        {
             self.retries = 1;
             self.sheet.picture.forget_visits();
             while let Some(place) = self.given_up.pop() {
@@ -205,14 +206,11 @@ impl<const S: usize> FloorJob<S> {
             }
             self.plan(Aim::Floor, now_us);
         } else if self.retries == 1 && self.is_worth_more() {
-            // What bars the way may have been seen from elsewhere than the robot believed.
-            self.retries = 2;
-            self.squeezes = 0;
-            self.sheet.picture.doubt_obstacles();
+            self.doubt_what_bars();
             self.plan(Aim::Floor, now_us);
         } else {
-            let is_again = self.errand == Errand::Sweep { again: true };
-            self.errand = Errand::Finish(if is_again { Way::SweptAgain } else { Way::Open });
+            let then = if let Errand::Sweep { then } = self.errand { then } else { Way::Open };
+            self.errand = Errand::Finish(then);
             self.gained = 0;
             self.areas.turn_home();
             self.go_about(now_us);
@@ -295,7 +293,7 @@ impl<const S: usize> FloorJob<S> {
     pub(super) fn go_home(&mut self, pose: &Pose, now_us: u64) -> (f32, f32) {
         let [x_m, y_m] = self.home_m();
         if slam_core::pose::length(x_m - pose.x_m, y_m - pose.y_m) < HOME_M {
-            self.begin(Phase::Over { is_home: true }, now_us);
+            self.come_home(now_us);
         }
         self.towards([x_m, y_m], pose, now_us)
     }
