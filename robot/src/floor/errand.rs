@@ -107,7 +107,7 @@ impl<const S: usize> FloorJob<S> {
 
     /// Back home for good: over, unless much floor is left that no way led to.
     pub(super) fn come_home(&mut self, now_us: u64) {
-        let waits = self.errand != Errand::Finish(Way::Waited) && self.is_worth_more();
+        let waits = self.errand != Errand::Finish(Way::Waited) && self.tally.is_room_left() && self.is_path_left();
         self.begin(if waits { Phase::Wait { is_told: false } } else { Phase::Over { is_home: true } }, now_us);
     }
 

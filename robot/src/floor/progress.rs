@@ -134,9 +134,10 @@ impl FloorProgress {
 /// Cells of the picture that are counted in one step.
 const COUNTED: usize = 20;
 
-/// Much floor is left where so many squares of two by two cells lie in it, not swept at all: a third of a square metre in one piece has as many.
+/// A room is left where so many squares of two by two cells lie in what is left, not swept at all: a third of a square metre in one piece has as
+/// many.
 /// What lies about in scraps, beside furniture, has six at most, in sixty random homes.
-const MUCH: u8 = 8;
+const ROOM: u8 = 8;
 
 /// Counts floor and time, a little each step.
 #[derive(Clone, Debug)]
@@ -237,9 +238,9 @@ impl Tally {
         }
     }
 
-    /// Whether much floor is left that is no scraps.
-    pub(super) fn is_much_left(&self) -> bool {
-        self.squares >= MUCH
+    /// Whether floor is left in one piece, or a few, and not in scraps.
+    pub(super) fn is_room_left(&self) -> bool {
+        self.squares >= ROOM
     }
 
     pub(super) fn progress(&self, state: FloorState) -> FloorProgress {
@@ -272,7 +273,7 @@ mod tests {
         cells.for_each(|(col, row)| sheet.picture.see_free(Cell { col, row }));
         let steps = (CELLS * CELLS / COUNTED) as u64;
         (0..steps).for_each(|step| tally.step(&sheet, FloorState::Planning, step));
-        tally.is_much_left()
+        tally.is_room_left()
     }
 
     #[test]

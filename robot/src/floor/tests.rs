@@ -53,7 +53,7 @@ fn plan_in_a_room(ends_at_walls: bool) -> Option<Target> {
         }
     }
     count(&mut job);
-    assert!(!job.tally.is_much_left(), "{:?}", job.progress());
+    assert!(!job.tally.is_room_left(), "{:?}", job.progress());
     job.plan(Aim::Floor, 0);
     for step in 0..1000 {
         match job.phase {

@@ -22,6 +22,8 @@ const POCKET_M: f32 = 2.0;
 const MAX_POCKETS: u8 = 12;
 /// As far from where it is as the picture reaches, in cells.
 const ANYWHERE: i16 = CELLS as i16;
+/// A job that has swept less than this of the floor that it has seen is not done: that is what is aimed at.
+const SWEPT_SHARE: f32 = 0.96;
 /// A way through narrow places is looked for where much floor is left; so many of them are tried at most.
 const MAX_SQUEEZES: u8 = 12;
 /// So many where little was seen of what is behind: each takes ten seconds, in which half a square metre is swept elsewhere.
@@ -147,7 +149,7 @@ impl<const S: usize> FloorJob<S> {
         let tries_little = self.squeezes < FEW_SQUEEZES;
         match aim {
             _ if self.squeezes >= MAX_SQUEEZES => None,
-            Aim::Floor if is_first && self.tally.is_much_left() => Some(aim),
+            Aim::Floor if is_first && self.is_much_left() => Some(aim),
             // Little was seen of it: there may be a room.
             Aim::Floor => (tries_little && self.wave.reached >= POCKET).then_some(Aim::Beyond),
             Aim::Beyond => (tries_little && is_first).then_some(aim),
@@ -172,10 +174,15 @@ impl<const S: usize> FloorJob<S> {
         self.sheet.picture.doubt_obstacles();
     }
 
-    /// Whether much is left, and it drove less than it would take to sweep all that it has seen twice: it is to come home in the end, too.
-    pub(super) fn is_worth_more(&self) -> bool {
+    /// Whether much is left: a room, or so much in scraps that it is not what lies about beside furniture.
+    fn is_much_left(&self) -> bool {
+        self.tally.is_room_left() || self.progress().share() < SWEPT_SHARE
+    }
+
+    /// Whether it drove less than it would take to sweep all that it has seen twice: it is to come home in the end, too.
+    pub(super) fn is_path_left(&self) -> bool {
         let FloorProgress { swept_m2, left_m2, .. } = self.progress();
-        self.tally.is_much_left() && BRUSH_M * self.path_m < 2.0 * (swept_m2 + left_m2)
+        BRUSH_M * self.path_m < 2.0 * (swept_m2 + left_m2)
     }
 
     /// Takes the way to the target from the search: a step of its own, since it may be long.
@@ -195,9 +202,7 @@ impl<const S: usize> FloorJob<S> {
             // It came into a pocket along its walls, and so it gets out.
             self.pockets += 1;
             self.begin_along_walls(now_us);
-        } else if self.retries == 0
-            && (self.tally.is_much_left() || !self.given_up.is_empty() || self.areas.missed != 0)
-        {
+        } else if self.retries == 0 && (self.is_much_left() || !self.given_up.is_empty() || self.areas.missed != 0) {
             self.retries = 1;
             self.sheet.picture.forget_visits();
             while let Some(place) = self.given_up.pop() {
@@ -205,7 +210,7 @@ impl<const S: usize> FloorJob<S> {
                 self.sheet.swept.set(self.sheet.picture.cell_at(x_m, y_m), false);
             }
             self.plan(Aim::Floor, now_us);
-        } else if self.retries == 1 && self.is_worth_more() {
+        } else if self.retries == 1 && self.is_much_left() && self.is_path_left() {
             self.doubt_what_bars();
             self.plan(Aim::Floor, now_us);
         } else {
