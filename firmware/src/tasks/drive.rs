@@ -128,7 +128,7 @@ pub async fn drive(
             Mode::Spinning { duty, .. } => duty,
         };
         mode = age(mode);
-        let is_to_stand = mode == Mode::Stopped || is_charging(job);
+        let is_to_stand = mode == Mode::Stopped || is_at_home(job);
         shared.stands.store(is_to_stand && duty == Duty::default(), Ordering::Relaxed);
         match motors.set_duty(duty) {
             Ok(()) => tell_guard(touch, shared),
@@ -167,9 +167,9 @@ fn go_on(job: &mut Job, kept: Option<u32>, memory: &impl LastingMemory) {
     }
 }
 
-/// Whether the robot stands in its dock, where there is time to save the map.
-fn is_charging(job: &Job) -> bool {
-    job.floor().is_some_and(|floor| floor.state == FloorState::Charging)
+/// Whether the robot stands at home with floor left to sweep, where there is time to save the map.
+fn is_at_home(job: &Job) -> bool {
+    job.floor().is_some_and(|floor| matches!(floor.state, FloorState::Charging | FloorState::Waiting))
 }
 
 /// Tells what became of the floor: not in the step in which the estimator has much to tell.

@@ -73,6 +73,10 @@ impl<const S: usize> FloorJob<S> {
 
     /// Stops on request: the robot stands until [`FloorJob::resume`].
     pub fn pause(&mut self) {
+        if matches!(self.phase, Phase::Wait { .. }) {
+            // Who has it go on later does not want it to wait then.
+            self.look_once_more();
+        }
         if !self.is_over() {
             self.phase = Phase::Paused;
         }
@@ -114,8 +118,7 @@ impl<const S: usize> FloorJob<S> {
     /// Stands at home; then what barred the way may be gone.
     pub(super) fn wait(&mut self, is_told: bool, now_us: u64) -> (f32, f32) {
         if is_told || now_us.saturating_sub(self.since_us) > WAIT_US {
-            self.errand = Errand::Sweep { then: Way::Waited };
-            self.doubt_what_bars();
+            self.look_once_more();
             if self.has_dock {
                 self.begin(Phase::Undock, now_us);
             } else {
@@ -123,6 +126,11 @@ impl<const S: usize> FloorJob<S> {
             }
         }
         (0.0, 0.0)
+    }
+
+    fn look_once_more(&mut self) {
+        self.errand = Errand::Sweep { then: Way::Waited };
+        self.doubt_what_bars();
     }
 
     /// Whether the pose can be used; takes note of a lift.
