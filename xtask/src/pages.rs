@@ -1,6 +1,6 @@
 //! Writes the pages of `docs/results/` anew, and into `docs/results/made.csv` of which commit each is.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
 use std::{fs, io};
@@ -14,39 +14,39 @@ const HEAD: &str = "page,commit,minutes\n";
 
 /// What makes a page.
 enum Source {
-    /// An example of a package writes it, with these arguments.
-    Writes(&'static str, &'static [&'static str]),
+    /// An example of a package, by its name, writes it, with these arguments.
+    Writes(&'static str, &'static str, &'static [&'static str]),
     /// An example of `tests` prints it.
-    Prints(&'static [&'static str]),
+    Prints(&'static str, &'static [&'static str]),
     /// The same, told which logs of real robots to look into.
-    PrintsLogs(&'static [&'static str]),
+    PrintsLogs(&'static str, &'static [&'static str]),
     /// The experiment of its name, with those of its figures that are kept.
     Experiment,
     /// This program measures it.
     Target,
 }
 
-/// A page's name, the example that makes it, and how. The last two take hours.
-const ALL: [(&str, &str, Source); 19] = [
-    ("summary", "results", Source::Writes("tests", &[])),
-    ("real-logs", "real_logs", Source::Writes("tests", &[])),
-    ("robots", "robots", Source::Prints(&[])),
-    ("look-back", "robot_look_back", Source::PrintsLogs(&LOGS)),
-    ("hand-overs", "hand_overs", Source::PrintsLogs(&LOGS)),
-    ("relocation", "relocation", Source::Prints(&["60"])),
-    ("kept-pairs", "kept_pairs", Source::Prints(&[])),
-    ("mishaps", "mishaps", Source::Writes("tests", &["docs/results/mishaps.md"])),
-    ("long-drives", "long_drives", Source::Writes("tests", &["docs/results/long-drives.md"])),
-    ("floor", "floor_jobs", Source::Writes("lab", &[])),
-    ("floor-again", "second_runs", Source::Writes("lab", &[])),
-    ("clean-areas", "clean_areas", Source::Writes("lab", &[])),
-    ("experiments/plans", "", Source::Experiment),
-    ("experiments/breaking", "", Source::Experiment),
-    ("experiments/ablations", "", Source::Experiment),
-    ("experiments/disturbed", "", Source::Experiment),
-    ("on-target", "", Source::Target),
-    ("hostile-steps", "hostile_steps", Source::Writes("tests", &["100000000", "0", "docs/results/hostile-steps.md"])),
-    ("relatives", "relatives", Source::Writes("tests", &[])),
+/// Each page, and what makes it. The last two take hours.
+const ALL: [(&str, Source); 19] = [
+    ("summary", Source::Writes("tests", "results", &[])),
+    ("real-logs", Source::Writes("tests", "real_logs", &[])),
+    ("robots", Source::Prints("robots", &[])),
+    ("look-back", Source::PrintsLogs("robot_look_back", &LOGS)),
+    ("hand-overs", Source::PrintsLogs("hand_overs", &LOGS)),
+    ("relocation", Source::Prints("relocation", &["60"])),
+    ("kept-pairs", Source::Prints("kept_pairs", &[])),
+    ("mishaps", Source::Writes("tests", "mishaps", &["docs/results/mishaps.md"])),
+    ("long-drives", Source::Writes("tests", "long_drives", &["docs/results/long-drives.md"])),
+    ("floor", Source::Writes("lab", "floor_jobs", &[])),
+    ("floor-again", Source::Writes("lab", "second_runs", &[])),
+    ("clean-areas", Source::Writes("lab", "clean_areas", &[])),
+    ("experiments/plans", Source::Experiment),
+    ("experiments/breaking", Source::Experiment),
+    ("experiments/ablations", Source::Experiment),
+    ("experiments/disturbed", Source::Experiment),
+    ("on-target", Source::Target),
+    ("hostile-steps", Source::Writes("tests", "hostile_steps", &["100000000", "0", "docs/results/hostile-steps.md"])),
+    ("relatives", Source::Writes("tests", "relatives", &[])),
 ];
 
 /// Folders of logs that the pages of look backs show.
@@ -67,30 +67,37 @@ pub fn pages(names: &[&str]) -> Result {
         page.ok_or_else(|| format!("cargo xtask pages {name}: no such page; there are {}", self::names()))
     };
     let asked = names.iter().map(find).collect::<Result<Vec<_>>>()?;
-    asked.into_iter().try_for_each(|(name, example, source)| {
+    asked.into_iter().try_for_each(|(name, source)| {
         let begun = Instant::now();
-        write(name, example, source)?;
+        write(name, source)?;
         note(name, begun.elapsed())
     })
 }
 
-fn write(name: &str, example: &str, source: &Source) -> Result {
+fn write(name: &str, source: &Source) -> Result {
     let page = root().join(PAGES).join(name).with_extension("md");
-    let print = |arguments: &[PathBuf]| {
-        let mut command = cargo(&["run", "--release", "--package", "tests", "--example", example, "--"]);
-        let text = output(command.args(arguments).env(real_logs::VARIABLE, real_logs::folder()))?;
-        fs::write(&page, text).map_err(|error| format!("{}: {error}", page.display()))
-    };
     match source {
-        Source::Writes(package, arguments) => {
-            let mut command = cargo(&["run", "--release", "--package", package, "--example", example, "--"]);
-            run(command.args(*arguments).env(real_logs::VARIABLE, real_logs::folder()))
+        Source::Writes(package, name, arguments) => run(example(package, name).args(*arguments)),
+        Source::Prints(name, arguments) => print(example("tests", name).args(*arguments), &page),
+        Source::PrintsLogs(name, logs) => {
+            let folder = real_logs::folder();
+            print(example("tests", name).args(logs.iter().map(|log| folder.join(log))), &page)
         }
-        Source::Prints(arguments) => print(&arguments.iter().map(PathBuf::from).collect::<Vec<_>>()),
-        Source::PrintsLogs(logs) => print(&logs.iter().map(|log| real_logs::folder().join(log)).collect::<Vec<_>>()),
         Source::Experiment => write_experiment(name, &page),
         Source::Target => figures::figures(),
     }
+}
+
+/// Runs an example that knows where the logs of real robots are, before its arguments.
+fn example(package: &str, name: &str) -> Command {
+    let mut command = cargo(&["run", "--release", "--package", package, "--example", name, "--"]);
+    command.env(real_logs::VARIABLE, real_logs::folder());
+    command
+}
+
+/// Writes what a command prints into a page.
+fn print(command: &mut Command, page: &Path) -> Result {
+    fs::write(page, output(command)?).map_err(|error| format!("{}: {error}", page.display()))
 }
 
 /// Runs the experiment and keeps its table, and those of its figures that are kept.
@@ -129,7 +136,7 @@ fn note(name: &str, took: Duration) -> Result {
     if !git(&["status", "--porcelain", "--", ".", ":!docs"])?.is_empty() {
         commit.push('+');
     }
-    let made = fs::read_to_string(&file).unwrap_or_else(|_| HEAD.into());
+    let made = fs::read_to_string(&file).map_err(|error| format!("{MADE}: {error}"))?;
     let text = with_row(&made, name, &commit, took.as_secs().div_ceil(60));
     fs::write(&file, text).map_err(|error| format!("{MADE}: {error}"))
 }
