@@ -117,12 +117,32 @@ pub fn somebody(plan: &Plan, seed: u64, gives_way: bool) -> Option<Person> {
     None
 }
 
+/// A place where somebody sets the robot down, and its heading there: the body has room, and as much floor can be reached from there as from
+/// the start. None where there is none.
+pub fn elsewhere(plan: &Plan, rng: &mut Rng) -> Option<Pose2> {
+    let world = World::new(plan);
+    let reached_m2 = floor_m2(plan, plan.start);
+    (0..DRAWS).find_map(|_| {
+        let place = free_place(&plan.rooms, rng, &world, &SimOptions::default())?;
+        reaches_as_much(floor_m2(plan, place), reached_m2).then_some(place)
+    })
+}
+
+/// The floor that a robot can sweep from a start, m^2.
+fn floor_m2(plan: &Plan, start: Pose2) -> f64 {
+    FloorRaster::new(plan, BODY_RADIUS_M, start).score().floor_m2
+}
+
+/// Whether that is the same floor: next to the wall of a dock a little less can be reached.
+fn reaches_as_much(floor_m2: f64, than_m2: f64) -> bool {
+    (floor_m2 / than_m2 - 1.0).abs() < 0.05
+}
+
 /// A home whose robot starts in a dock at a wall, drawn from a seed: along it and for a metre behind the robot the floor is free, and as much
 /// can be reached from there as from the start of before. None where no wall has such a place.
 pub fn with_dock(plan: &Plan, seed: u64) -> Option<Plan> {
     let (mut rng, world) = (Rng::stream(seed, "dock", 0), World::new(plan));
-    let floor_m2 = |start| FloorRaster::new(plan, BODY_RADIUS_M, start).score().floor_m2;
-    let reached_m2 = floor_m2(plan.start);
+    let reached_m2 = floor_m2(plan, plan.start);
     (0..10_000).find_map(|_| {
         let face = plan.faces.get(rng.uniform(0.0, plan.faces.len() as f64) as usize)?;
         let along_m = [0, 1].map(|axis| face.to_m[axis] - face.from_m[axis]);
@@ -138,7 +158,7 @@ pub fn with_dock(plan: &Plan, seed: u64) -> Option<Plan> {
         let clear_m = |pose: Pose2| world.clearance_m([pose.x_m, pose.y_m]);
         let is_free = clear_m(start) > BODY_RADIUS_M
             && (4..=10).all(|tenths| clear_m(from_wall(0.1 * f64::from(tenths))) > BODY_RADIUS_M + BESIDE_DOCK_M);
-        (is_free && (floor_m2(from_wall(0.6)) / reached_m2 - 1.0).abs() < 0.05).then(|| Plan {
+        (is_free && reaches_as_much(floor_m2(plan, from_wall(0.6)), reached_m2)).then(|| Plan {
             start,
             has_dock: true,
             ..plan.clone()
@@ -324,6 +344,20 @@ mod tests {
                 plan.rooms.iter().map(|room| (room.max_m[0] - room.min_m[0]) * (room.max_m[1] - room.min_m[1])).sum();
             assert!(floor_m2 > 0.5 * rooms_m2, "{seed}: {floor_m2} of {rooms_m2} m2");
         }
+    }
+
+    #[test]
+    fn a_robot_is_set_down_on_the_floor_that_it_swept() {
+        // Behind furniture there is a place that nothing leads to.
+        let plan = random_home(48);
+        let (mut rng, world) = (Rng::stream(48, "places", 0), World::new(&plan));
+        let from_m2 = |place: Option<Pose2>| floor_m2(&plan, place.expect("there is room"));
+        let least = |from_m2: &mut dyn FnMut() -> f64| (0..16).map(|_| from_m2()).fold(f64::INFINITY, f64::min);
+        let anywhere_m2 = least(&mut || from_m2(free_place(&plan.rooms, &mut rng, &world, &SimOptions::default())));
+        let elsewhere_m2 = least(&mut || from_m2(elsewhere(&plan, &mut rng)));
+        let reached_m2 = floor_m2(&plan, plan.start);
+        assert!(anywhere_m2 < 0.1 * reached_m2, "{anywhere_m2} of {reached_m2} m2");
+        assert!(elsewhere_m2 > 0.95 * reached_m2, "{elsewhere_m2} of {reached_m2} m2");
     }
 
     #[test]

@@ -7,9 +7,9 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-use hal_sim::mishap::{Hold, Kick};
+use hal_sim::mishap::{Hold, Kick, Kidnap};
 use hal_sim::plan::{Battery, Door, Person, Plan};
-use hal_sim::random_home::{shut_door, somebody, with_dock};
+use hal_sim::random_home::{elsewhere, shut_door, somebody, with_dock};
 use hal_sim::rng::Rng;
 use hal_sim::{Pose2, SimOptions, plan_file};
 use lab::run::{FloorDrive, clean, clean_with};
@@ -105,6 +105,7 @@ enum Mishap {
     KickFromDock,
     Push,
     Lift,
+    Carry,
     Battery,
     Held,
     Jammed,
@@ -126,7 +127,7 @@ impl Mishap {
         Self::Jammed,
     ];
 
-    const IN_RANDOM_HOMES: [Self; 8] = [
+    const IN_RANDOM_HOMES: [Self; 9] = [
         Self::None,
         Self::GivesWay,
         Self::Pushes,
@@ -134,6 +135,7 @@ impl Mishap {
         Self::Kick,
         Self::KickFromDock,
         Self::Push,
+        Self::Carry,
         Self::Held,
     ];
 
@@ -149,6 +151,7 @@ impl Mishap {
             Self::KickFromDock => "such a kick, and a battery for 20 minutes, half full, and a dock",
             Self::Push => "pushed aside once, by 50 cm",
             Self::Lift => "lifted for 5 s, put back 3 cm and 3 degrees off",
+            Self::Carry => "carried to another place",
             Self::Battery => "the battery lasts 10 minutes, a dock charges it in 5",
             Self::Held => "held for 20 s, wheels turning",
             Self::Jammed => "held for 20 s, wheels held, too",
@@ -197,6 +200,10 @@ impl Mishap {
             Self::KickFromDock => {
                 plan.mishaps.kicks.push(kick(at_s));
                 plan.battery = Some(Battery { charge: 0.5, lasts_min: 20.0, charges_min: 5.0 });
+            }
+            Self::Carry => {
+                let to = elsewhere(&plan, &mut Rng::stream(seed, "carried", 0));
+                plan.mishaps.kidnaps.push(Kidnap { at_s, carried_s: 5.0, to });
             }
             Self::Push => plan.mishaps.kicks.push(Kick { at_s, slide_m: 0.5, turn_rad: 0.0 }),
             Self::Battery => {

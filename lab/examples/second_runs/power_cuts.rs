@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 use std::ops::RangeInclusive;
 
+use hal_sim::random_home::elsewhere;
 use hal_sim::rng::Rng;
-use hal_sim::world::World;
-use hal_sim::{Plan, Pose2, SimOptions, mishap, plan_file};
+use hal_sim::{Plan, Pose2, SimOptions, plan_file};
 use lab::input::built_in_robot;
 use lab::input::rig_file::Robot;
 use lab::input::settings::by_default;
@@ -63,8 +63,7 @@ pub fn section(page: &mut String, homes: RangeInclusive<u64>) {
         let [driving, standing] = second_run(&plan, &robot, map);
         let rolled = driving.at.compose(&Pose2::new(ROLLS_M, 0.0, 0.0));
         let mut rng = Rng::stream(home, "carried while off", 0);
-        let place = |_| mishap::free_place(&plan.rooms, &mut rng, &World::new(&plan), &SimOptions::default());
-        let carried = (0..PLACES).filter_map(place).map(|place| (2, &standing, place));
+        let carried = (0..PLACES).filter_map(|_| elsewhere(&plan, &mut rng)).map(|place| (2, &standing, place));
         let runs = [(0, &standing, standing.at), (1, &driving, rolled)].into_iter().chain(carried);
         for (kind, cut, at) in runs {
             for (way, of_kind) in searches[kind].iter_mut().enumerate() {
