@@ -157,13 +157,19 @@ impl<const S: usize> Frozen<S> {
         let Some(kept) = self.kept.get(sensor.index) else { return false };
         let (bit, first) = (1 << (sensor.index & 15), kept.first);
         let was_frozen = self.frozen & bit != 0;
-        match view.range(sensor.limits, input) {
+        let limits = sensor.limits;
+        let range = view.range(limits, input);
+        let seen = range.filter(|(range_m, _)| (limits.min_m..=limits.max_m).contains(range_m));
+        let end_m = limits.max_m..(1.0 + LOOK_RAD) * limits.max_m;
+        match seen {
             _ if input == RangeInput::Missing => {}
             Some(_) if !was_frozen && view.repeats(sensor) => self.say(sensor.index, MOST),
-            Some(range) if !is_near(sensor.limits, range.0) => self.weigh(sensor, range, view),
-            range => {
+            Some(range) if !is_near(limits, range.0) => self.weigh(sensor, range, view),
+            // At the end of its reach an output that stays is out of it now and then, by its noise.
+            None if first > 0 && range.is_some_and(|range| end_m.contains(&range.0) && !is_another(range, first)) => {}
+            seen => {
                 // What was well within its reach has gone.
-                let has_gone = range.is_none() && f32::from(first) * (1.0 + LOOK_RAD) < PER_M * sensor.limits.max_m;
+                let has_gone = seen.is_none() && f32::from(first) * (1.0 + LOOK_RAD) < PER_M * limits.max_m;
                 self.stayed &= !bit;
                 if first > 0 {
                     self.change(sensor.index, has_gone, false);
@@ -228,10 +234,9 @@ impl<const S: usize> Frozen<S> {
             self.begin(sensor.index, range_m, view);
         }
         let Some(kept) = self.kept.get(sensor.index).copied() else { return };
-        let off_m = range_m - f32::from(kept.first) * (1.0 / PER_M);
+        let off_m = off_m(range_m, kept.first);
         let variance_m2 = 2.0 * noise_m2;
-        let beyond_m = off_m.abs() - SWING_M;
-        if beyond_m > 0.0 && beyond_m * beyond_m > CHANGED * CHANGED * variance_m2 {
+        if is_another((range_m, noise_m2), kept.first) {
             self.change(sensor.index, true, view.fits);
             self.begin(sensor.index, range_m, view);
             return;
@@ -273,28 +278,38 @@ fn is_near(limits: &RangeSensor, range_m: f32) -> bool {
     matches!(limits.model, RangeModel::Sharp { .. }) && range_m < NEAR * limits.min_m
 }
 
+/// How far a range is from the one that is to stay, metres.
+fn off_m(range_m: f32, first: u16) -> f32 {
+    range_m - f32::from(first) * (1.0 / PER_M)
+}
+
+/// Whether a range, metres, of this variance, m^2, is another one than that which is to stay.
+fn is_another((range_m, noise_m2): (f32, f32), first: u16) -> bool {
+    let beyond_m = off_m(range_m, first).abs() - SWING_M;
+    beyond_m > 0.0 && beyond_m * beyond_m > CHANGED * CHANGED * 2.0 * noise_m2
+}
+
 impl Changes {
     const NONE: Self = Self { changed: 0, fitted: 0 };
 }
 
 impl<const S: usize> View<'_, S> {
-    /// The range that an output says, metres, and its variance, m^2; none where the sensor sees nothing within its limits.
+    /// The range that an output says, within the sensor's limits or not, metres, and its variance, m^2; none where it says none.
     fn range(&self, limits: &RangeSensor, input: RangeInput) -> Option<(f32, f32)> {
-        let (range_m, noise_m2) = match (input, &limits.model, &self.rig.adc) {
+        match (input, &limits.model, &self.rig.adc) {
             (RangeInput::Counts(counts), &RangeModel::Sharp { scale_m, exponent, noise_v }, Some(adc))
                 if counts > 0 =>
             {
                 let volts = adc.volts(counts);
                 let range_m = scale_m * float::powf(volts, exponent);
                 let sigma_m = exponent * range_m / volts * noise_v;
-                (range_m, self.noise * sigma_m * sigma_m)
+                Some((range_m, self.noise * sigma_m * sigma_m))
             }
             (RangeInput::Metres(range_m), &RangeModel::Metric { noise_m, noise_rel }, _) => {
-                (range_m, noise_m * noise_m + noise_rel * noise_rel * range_m * range_m)
+                Some((range_m, noise_m * noise_m + noise_rel * noise_rel * range_m * range_m))
             }
-            _ => return None,
-        };
-        (limits.min_m..=limits.max_m).contains(&range_m).then_some((range_m, noise_m2))
+            _ => None,
+        }
     }
 
     /// Whether an analogue sensor's output repeats as that of a live one does not: the difference of two outputs that do, but for a
