@@ -174,7 +174,8 @@ impl Mishap {
         self.befalling(plan, 300.0, seed)
     }
 
-    /// In the random home of this number, at a moment between one minute and seven; none where nobody has room to walk, or there is no door or dock.
+    /// In the random home of this number, at a moment between one minute and seven; none where nobody has room to walk, or there is no
+    /// door, dock or other place.
     fn at_random(self, home: u64) -> Option<FloorDrive> {
         let mut plan = plan_file::load(&format!("random-{home}")).expect("a random home");
         if matches!(self, Self::GivesWay | Self::Pushes) {
@@ -187,23 +188,23 @@ impl Mishap {
         if matches!(self, Self::ShutDoor) {
             plan.doors.push(shut_door(home, at_s, at_s + SHUT_S)?);
         }
+        if matches!(self, Self::Carry) {
+            let to = elsewhere(&plan, &mut Rng::stream(home, "carried", 0))?;
+            plan.mishaps.kidnaps.push(Kidnap { at_s, carried_s: 5.0, to: Some(to) });
+        }
         Some(self.befalling(plan, at_s, home))
     }
 
     fn befalling(self, mut plan: Plan, at_s: f64, seed: u64) -> FloorDrive {
         let mut options = SimOptions::default();
         match self {
-            Self::None | Self::ShutDoor | Self::Lift | Self::GivesWay | Self::Pushes => {}
+            Self::None | Self::ShutDoor | Self::Carry | Self::Lift | Self::GivesWay | Self::Pushes => {}
             Self::Door => plan.doors.push(Door { closes_at_s: at_s, opens_at_s: f64::INFINITY, ..KITCHEN_DOOR }),
             Self::Slips => (options.drive.slips_per_m, options.drive.slip_m) = (0.5, 0.02),
             Self::Kick => plan.mishaps.kicks.push(kick(at_s)),
             Self::KickFromDock => {
                 plan.mishaps.kicks.push(kick(at_s));
                 plan.battery = Some(Battery { charge: 0.5, lasts_min: 20.0, charges_min: 5.0 });
-            }
-            Self::Carry => {
-                let to = elsewhere(&plan, &mut Rng::stream(seed, "carried", 0));
-                plan.mishaps.kidnaps.push(Kidnap { at_s, carried_s: 5.0, to });
             }
             Self::Push => plan.mishaps.kicks.push(Kick { at_s, slide_m: 0.5, turn_rad: 0.0 }),
             Self::Battery => {
@@ -240,7 +241,7 @@ fn print_mishap(what: &str, home: &str) {
     let mishap = Mishap::IN_RANDOM_HOMES.into_iter().find(|mishap| mishap.name().contains(what));
     let mishap = mishap.unwrap_or_else(|| panic!("no {what:?} in {:?}", Mishap::IN_RANDOM_HOMES.map(Mishap::name)));
     let Some(job) = mishap.at_random(home.parse().expect("a random home's number")) else {
-        return println!("{home}: nobody has room to walk, or it has no door or dock");
+        return println!("{home}: nobody has room to walk, or it has no door, dock or other place");
     };
     println!(
         "{home}: {:?}, {:.1} % swept, overlap {:.2}, {:.1} min, home {:.2} m, off {:.2} m, gave up {}, {}",
