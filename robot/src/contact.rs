@@ -40,6 +40,32 @@ impl Contacts {
     }
 }
 
+/// Whether something is touched on end, whatever the robot does about it: a bumper that is jammed, a cliff sensor under dust.
+///
+/// From what it runs into a robot gets away: it backs off, turns, and at last goes back the way that it came. In forty random homes nothing that
+/// stood on the floor was touched for three seconds on end, and somebody who pushed the robot about for six at most.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Insistence {
+    steps: u16,
+}
+
+/// So many steps on end, 10 s, are too many.
+const INSISTS: u16 = 250;
+
+impl Insistence {
+    pub(crate) const NONE: Self = Self { steps: 0 };
+
+    /// A step in which the robot tried to get away from something that it touched, or not.
+    pub(crate) fn step(&mut self, is_touched: bool) {
+        self.steps = if is_touched { self.steps.saturating_add(1) } else { 0 };
+    }
+
+    /// Whether it is no use.
+    pub(crate) fn is_for_good(self) -> bool {
+        self.steps > INSISTS
+    }
+}
+
 /// Bumper switches, cliff sensor and wheel-drop switches on digital inputs with pull-up resistors: a switch that is not
 /// pressed, a sensor that sees the floor and a wheel that carries hold their input low. An input is high when touched, and
 /// just so when its cable is cut.

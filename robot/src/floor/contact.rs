@@ -179,9 +179,14 @@ impl<const S: usize> FloorJob<S> {
         (0.0, 0.8 * sign)
     }
 
-    pub(super) fn back(&mut self, pose: &Pose, now_us: u64) -> (f32, f32) {
-        if self.is_blocked_behind(pose, now_us) || now_us.saturating_sub(self.since_us) > BACK_US {
-            if self.strikes > 1 {
+    /// Backs off. What is touched after it came that far is nothing that stands on the floor.
+    pub(super) fn back(&mut self, senses: &Senses<S>, pose: &Pose) -> (f32, f32) {
+        let now_us = senses.time_us;
+        let is_off = now_us.saturating_sub(self.since_us) > BACK_US;
+        if is_off || self.is_blocked_behind(pose, now_us) {
+            if is_off && self.insistence.is_for_good() {
+                self.begin(Phase::Touched { by: senses.contacts }, now_us);
+            } else if self.strikes > 1 {
                 self.phase = Phase::Turn { sign: self.turn_sign.into() };
                 self.since_us = now_us;
             } else {
@@ -244,6 +249,15 @@ impl<const S: usize> FloorJob<S> {
         if now_us.saturating_sub(self.since_us) > HELD_US {
             self.holds = 0;
             self.go_about(now_us);
+        }
+        (0.0, 0.0)
+    }
+
+    /// Somebody frees the bumper, or wipes the cliff sensor. What it told of before was nothing.
+    pub(super) fn stay_touched(&mut self, by: Contacts, senses: &Senses<S>) -> (f32, f32) {
+        if by.struck_since(senses.contacts) {
+            self.doubt_what_it_saw();
+            self.go_about(senses.time_us);
         }
         (0.0, 0.0)
     }

@@ -139,9 +139,8 @@ impl<const S: usize> FloorJob<S> {
         match self.phase {
             Phase::Over { .. } | Phase::Paused => {}
             Phase::Lost if is_located => {
-                // What stands where is seen anew; what was swept is known. Before it knew that it was lost it saw things where they are not.
-                self.near.clear();
-                self.sheet.picture.doubt_obstacles();
+                // Before it knew that it was lost it saw things where they are not.
+                self.doubt_what_it_saw();
                 self.last = None;
                 self.go_about(senses.time_us);
             }
@@ -158,9 +157,15 @@ impl<const S: usize> FloorJob<S> {
         is_located
     }
 
+    /// What stands where is seen anew; what was swept is known.
+    pub(super) fn doubt_what_it_saw(&mut self) {
+        self.near.clear();
+        self.sheet.picture.doubt_obstacles();
+    }
+
     /// Off the floor the robot stands; on it, it goes along walls until it is located, after a lap along others.
     pub(super) fn find_oneself(&mut self, senses: &Senses<S>) -> WheelSpeeds {
-        if senses.contacts.lifted || self.phase != Phase::Lost {
+        if senses.contacts.lifted || self.phase != Phase::Lost || self.insistence.is_for_good() {
             return WheelSpeeds::STOP;
         }
         let pose = senses.pose;

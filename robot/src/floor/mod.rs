@@ -30,6 +30,7 @@ mod wave;
 use slam_core::angle::wrap;
 use slam_core::{Pose, Rig};
 
+use crate::contact::Insistence;
 use crate::pilot::beam::{Beam, Passed, draw_beam};
 use crate::pilot::{PilotConfig, Senses};
 use crate::traits::WheelSpeeds;
@@ -109,6 +110,7 @@ pub struct FloorJob<const S: usize> {
     /// Where the bumper was first pressed of late, metres, and how often since near there.
     struck_m: [f32; 2],
     strikes: u8,
+    insistence: Insistence,
     /// To which side it turns away next: 1 counter-clockwise, -1 clockwise.
     turn_sign: i8,
     given_up: heapless::Vec<Place, GIVEN_UP>,
@@ -160,6 +162,7 @@ impl<const S: usize> FloorJob<S> {
         moved: ([0.0; 2], 0),
         struck_m: [f32::INFINITY; 2],
         strikes: 0,
+        insistence: Insistence::NONE,
         turn_sign: 1,
         given_up: heapless::Vec::new(),
         retries: 0,
@@ -233,6 +236,7 @@ impl<const S: usize> FloorJob<S> {
             Phase::Paused => FloorState::Paused,
             Phase::Lost => FloorState::Lost,
             Phase::Held => FloorState::Held,
+            Phase::Touched { .. } => FloorState::Touched,
             Phase::Over { is_home } if self.is_flat(is_home) => FloorState::Flat,
             Phase::Over { is_home: true } if self.areas.missed != 0 => FloorState::Unreached,
             Phase::Over { is_home: true } => FloorState::Done,
@@ -258,6 +262,7 @@ impl<const S: usize> FloorJob<S> {
             return WheelSpeeds::STOP;
         }
         self.watch_battery(&senses.condition, senses.time_us);
+        self.insistence.step(senses.contacts.any() && self.phase.gets_away());
         if !self.is_located(senses) {
             return self.find_oneself(senses);
         }
@@ -370,7 +375,8 @@ impl<const S: usize> FloorJob<S> {
         match self.phase {
             Phase::Over { .. } | Phase::Paused | Phase::Lost => (0.0, 0.0),
             Phase::Held => self.stay_held(now_us),
-            Phase::Back => self.back(pose, now_us),
+            Phase::Touched { by } => self.stay_touched(by, senses),
+            Phase::Back => self.back(senses, pose),
             Phase::Turn { sign } => self.turn_away(sign, now_us),
             Phase::Retreat { left_m } => self.retreat(left_m, pose, now_us),
             Phase::Seek { to_m } => self.seek(to_m, pose, now_us),

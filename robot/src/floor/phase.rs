@@ -3,6 +3,7 @@
 use super::dock::Stage;
 use super::lanes::Lane;
 use super::wave::{Aim, Target};
+use crate::contact::Contacts;
 
 /// What the job is at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +44,8 @@ pub(super) enum Phase {
     Lost,
     /// Held: standing for a while.
     Held,
+    /// This is touched wherever it goes: standing until some of it is not.
+    Touched { by: Contacts },
     /// Over: back where it started, or not.
     Over { is_home: bool },
 }
@@ -63,5 +66,10 @@ impl Phase {
                 | Self::Home
                 | Self::Dock { stage: Stage::Staging, .. }
         )
+    }
+
+    /// Whether it gets away from what it touches.
+    pub(super) fn gets_away(&self) -> bool {
+        self.is_sweeping() || matches!(self, Self::Back | Self::Turn { .. } | Self::Retreat { .. } | Self::Lost)
     }
 }

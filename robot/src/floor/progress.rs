@@ -53,11 +53,13 @@ pub enum FloorState {
     Unreached,
     /// Back, and waiting for what barred the way to floor that is left.
     Waiting,
+    /// Standing: its bumper or its cliff sensor tells of something wherever it backs off to.
+    Touched,
 }
 
 impl FloorState {
     /// Every one, in the order of [`FloorProgress::seconds_in`].
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 22] = [
         Self::Edge,
         Self::Lane,
         Self::Transit,
@@ -79,6 +81,7 @@ impl FloorState {
         Self::Away,
         Self::Unreached,
         Self::Waiting,
+        Self::Touched,
     ];
 
     /// What it is called.
@@ -105,6 +108,7 @@ impl FloorState {
             Self::Away => "away",
             Self::Unreached => "area not reached",
             Self::Waiting => "waiting",
+            Self::Touched => "touched",
         }
     }
 }

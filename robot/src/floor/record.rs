@@ -23,7 +23,7 @@ use crate::pilot::memory::Cell;
 use crate::traits::LastingMemory;
 
 const STATES: usize = FloorState::ALL.len();
-const HEADS: InTurn = InTurn::new(*b"FLJ\x05", 48 + 2 * STATES);
+const HEADS: InTurn = InTurn::new(*b"FLJ\x06", 48 + 2 * STATES);
 const SERIAL: usize = 2;
 const ROW: usize = SERIAL + CELLS / 2;
 

@@ -208,6 +208,38 @@ fn a_dock_is_found_where_its_place_in_the_map_is_off() {
 }
 
 #[test]
+fn a_bumper_that_is_jammed_stops_it_until_it_is_freed() {
+    let mut job: FloorJob<8> = FloorJob::new(FloorConfig::default(), &crate::rig::default_rig());
+    let mut at = Pose::ORIGIN;
+    let mut drive = |seconds: core::ops::Range<u64>, contacts: Contacts| {
+        let mut path_m = 0.0;
+        for step in 25 * seconds.start..25 * seconds.end {
+            let condition = Condition::default();
+            let ranges_m = [Some(1.0); 8];
+            let speeds = job.step(&Senses { time_us: 40_000 * step, pose: at, ranges_m, contacts, condition });
+            let WheelSpeeds { left_mps, right_mps } = contacts.guard(speeds);
+            let [forward_m, turn_rad] = [0.02 * (left_mps + right_mps), 0.04 * (right_mps - left_mps) / 0.235];
+            at = at.compose(&Pose::new(forward_m, 0.0, turn_rad));
+            path_m += forward_m.abs();
+        }
+        (job.state(), path_m)
+    };
+    let jammed = Contacts { bump_left: true, ..Contacts::default() };
+    let begun = drive(0..2, Contacts::default());
+    assert!(begun.1 > 0.3, "{begun:?}");
+    let tried = drive(2..10, jammed);
+    assert!(tried.0 != FloorState::Touched && tried.1 > 0.2, "{tried:?}");
+    assert_eq!(drive(10..16, jammed).0, FloorState::Touched);
+    assert_eq!(drive(16..600, jammed), (FloorState::Touched, 0.0));
+    // Another half that is pressed, and let go, changes nothing.
+    let both = Contacts { bump_right: true, ..jammed };
+    assert_eq!(drive(600..602, both), (FloorState::Touched, 0.0));
+    assert_eq!(drive(602..604, jammed), (FloorState::Touched, 0.0));
+    let freed = drive(604..610, Contacts::default());
+    assert!(freed.0 != FloorState::Touched && freed.1 > 0.3, "{freed:?}");
+}
+
+#[test]
 fn whatever_it_is_told_the_speeds_are_finite_and_limited() {
     let config = FloorConfig::default();
     let mut job: FloorJob<8> = FloorJob::new(config, &crate::rig::default_rig());

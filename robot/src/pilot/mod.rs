@@ -20,7 +20,7 @@ pub(crate) mod steer;
 use slam_core::{Pose, Rig};
 
 use crate::condition::Condition;
-use crate::contact::Contacts;
+use crate::contact::{Contacts, Insistence};
 use crate::traits::WheelSpeeds;
 use beam::{Beam, Passed, draw_beam};
 pub use config::PilotConfig;
@@ -60,7 +60,8 @@ pub enum Activity {
     BackingOff,
     /// Turning away after backing off.
     TurningAway,
-    /// Standing: it cannot get away from where it is. It tries again once a minute.
+    /// Standing: it cannot get away from where it is, and tries again once a minute; or its bumper or its cliff sensor tells of something
+    /// wherever it backs off to.
     Stuck,
 }
 
@@ -110,6 +111,7 @@ pub struct Pilot<const S: usize, const N: usize = 80> {
     turn_sign: f32,
     patience: Patience,
     confinement: Confinement,
+    insistence: Insistence,
     steps: u8,
     /// When the robot was last told to move.
     moving_us: u64,
@@ -132,6 +134,7 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
         turn_sign: 1.0,
         patience: Patience::new(),
         confinement: Confinement::NONE,
+        insistence: Insistence::NONE,
         steps: 0,
         moving_us: 0,
         rounds: 0,
@@ -217,11 +220,14 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
         if is_stopped && !matches!(self.activity, Activity::BackingOff | Activity::Stuck) {
             self.touch(senses);
         }
+        self.insistence.step(senses.contacts.any());
         let elapsed_us = senses.time_us.saturating_sub(self.since_us);
         match self.activity {
             Activity::BackingOff => {
                 let gap_m = steer::gap_m(&self.beams, &self.config, true);
-                if elapsed_us > BACK_OFF_US || gap_m < 0.05 {
+                if elapsed_us > BACK_OFF_US && self.insistence.is_for_good() {
+                    self.begin(Activity::Stuck, senses);
+                } else if elapsed_us > BACK_OFF_US || gap_m < 0.05 {
                     self.begin(Activity::TurningAway, senses);
                 }
                 (-0.5 * self.config.speed_mps, 0.0)
@@ -234,7 +240,7 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
                 (0.0, 0.7 * self.config.turn_radps * self.turn_sign)
             }
             Activity::Stuck => {
-                if elapsed_us > STUCK_US {
+                if elapsed_us > STUCK_US && !self.insistence.is_for_good() {
                     self.confinement.forget();
                     self.begin(Activity::Wandering, senses);
                 }

@@ -43,6 +43,24 @@ fn a_bump_leads_to_backing_off_and_turning_away_from_it() {
 }
 
 #[test]
+fn a_bumper_that_is_jammed_stops_it_until_it_is_freed() {
+    let mut pilot = pilot();
+    let jammed = Contacts { bump_left: true, ..Contacts::default() };
+    let mut drive = |seconds: core::ops::Range<u64>, contacts: Contacts| {
+        let mut moved = false;
+        for step in 25 * seconds.start..25 * seconds.end {
+            let speeds = pilot.step(&senses(40_000 * step, Pose::default(), [Some(1.0); 8], contacts));
+            moved |= speeds != WheelSpeeds::STOP;
+        }
+        (pilot.activity() == Activity::Stuck, moved)
+    };
+    assert_eq!(drive(0..5, jammed), (false, true), "it backs off and turns away");
+    assert!(drive(5..20, jammed).0);
+    assert_eq!(drive(20..200, jammed), (true, false));
+    assert_eq!(drive(200..201, Contacts::default()), (false, true));
+}
+
+#[test]
 fn it_never_drives_on_towards_something_just_ahead() {
     let mut pilot = pilot();
     for step in 0..200 {
