@@ -19,7 +19,7 @@ mod transfer;
 use embedded_storage::nor_flash::NorFlash;
 use kept_map::{Corner, Record, Saved, Store, WORTH_M, is_outgrown, rig_hash};
 use relocate::{COMPARISONS, Event, Locator, State, Step};
-use robot::{AreaCorner, AreaKind, PoseNotes};
+use robot::{AreaCorner, AreaKind, Lift, PoseNotes};
 use slam_core::kept::{Kept, KeptFrame};
 use slam_core::{Pose, RobotSlam, StepReport};
 use wire::{Place, PlaceState, SENSORS};
@@ -39,7 +39,7 @@ pub trait MapFlash: NorFlash {
 /// What the board says of this moment.
 #[derive(Clone, Copy, Debug)]
 pub struct Circumstances {
-    /// A wheel hangs.
+    /// A wheel hangs; where it does so for more than a moment, the robot is lifted.
     pub is_lifted: bool,
     /// It stands in its dock.
     pub is_docked: bool,
@@ -56,6 +56,7 @@ pub struct Keeper<F> {
     saved: Option<Saved>,
     rig: u32,
     locator: Locator,
+    lift: Lift,
     is_lifted: bool,
     last: Pose,
     /// Path since the map was saved, metres.
@@ -84,6 +85,7 @@ impl<F: MapFlash> Keeper<F> {
             saved,
             rig,
             locator: Locator::new(state),
+            lift: Lift::NONE,
             is_lifted: false,
             last: Pose::ORIGIN,
             unsaved_m: 0.0,
@@ -99,6 +101,7 @@ impl<F: MapFlash> Keeper<F> {
     /// it runs, not beside those of a step.
     #[inline(never)]
     pub fn step(&mut self, slam: &mut RobotSlam, report: &StepReport<SENSORS>, now: Circumstances) -> bool {
+        let now = Circumstances { is_lifted: self.lift.step(now.is_lifted), ..now };
         let reckoned = slam.dead_reckoning();
         let travelled_m = slam_core::pose::length(reckoned.x_m - self.last.x_m, reckoned.y_m - self.last.y_m);
         self.last = reckoned;

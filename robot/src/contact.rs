@@ -40,6 +40,29 @@ impl Contacts {
     }
 }
 
+/// Whether the robot is off the floor, and not only a wheel over a threshold.
+///
+/// Wheel-drop switches tell of both. A wheel that crosses an edge hangs for as long as it takes to drive over its own width, a third of a
+/// second; whoever lifts the robot has it off the floor for longer than half a second. What moves it in less is a kick.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Lift {
+    steps: u8,
+}
+
+/// A wheel hangs for so many steps at most on the floor, half a second.
+const MOMENT: u8 = 12;
+
+impl Lift {
+    /// On the floor.
+    pub const NONE: Self = Self { steps: 0 };
+
+    /// A step in which a wheel hangs, or not; whether the robot is off the floor.
+    pub fn step(&mut self, hangs: bool) -> bool {
+        self.steps = if hangs { self.steps.saturating_add(1) } else { 0 };
+        self.steps > MOMENT
+    }
+}
+
 /// Whether something is touched on end, whatever the robot does about it: a bumper that is jammed, a cliff sensor under dust.
 ///
 /// From what it runs into a robot gets away: it backs off, turns, and at last goes back the way that it came. In forty random homes nothing that
@@ -103,6 +126,16 @@ mod tests {
         let both = Contacts { cliff: true, ..left };
         assert!(left.struck_since(Contacts::default()) && both.struck_since(left));
         assert!(!left.struck_since(both) && !left.struck_since(left) && !Contacts::default().struck_since(both));
+    }
+
+    #[test]
+    fn a_wheel_over_a_threshold_is_no_lift() {
+        let mut lift = Lift::NONE;
+        let steps = |lift: &mut Lift, hangs: bool, steps: usize| (0..steps).filter(|_| lift.step(hangs)).count();
+        assert_eq!(steps(&mut lift, true, 12), 0);
+        assert!(!lift.step(false));
+        assert_eq!(steps(&mut lift, true, 312), 300);
+        assert!(!lift.step(false));
     }
 
     #[test]

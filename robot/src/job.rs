@@ -5,6 +5,7 @@ use core::mem::ManuallyDrop;
 use slam_core::{Pose, Rig};
 
 use crate::bearings::Bearings;
+use crate::contact::{Contacts, Lift};
 use crate::floor::{AreaKind, FLOOR_RECORD_BYTES, FloorConfig, FloorJob, FloorProgress, FloorRecordError, Notes};
 use crate::pilot::beam::Beam;
 use crate::pilot::{Activity, Pilot, PilotConfig, Senses};
@@ -81,12 +82,13 @@ pub struct Job<const S: usize> {
     known: Option<(u32, u32, bool)>,
     /// How far what is to be known after a reset is written down.
     notes: Notes,
+    lift: Lift,
 }
 
 impl<const S: usize> Job<S> {
     /// At nothing: it stands until it is told to explore or to clean.
     pub fn idle() -> Self {
-        Self { driver: Driver::Nobody, bearings: Bearings::new(), known: None, notes: Notes::NEW }
+        Self { driver: Driver::Nobody, bearings: Bearings::new(), known: None, notes: Notes::NEW, lift: Lift::NONE }
     }
 
     /// One that explores in this manner.
@@ -212,6 +214,8 @@ impl<const S: usize> Job<S> {
     pub fn step(&mut self, senses: &Senses<S>, whereabouts: &Whereabouts) -> WheelSpeeds {
         let now = (whereabouts.world, whereabouts.redrawn, whereabouts.is_located);
         let is_elsewhere = self.known.replace(now).is_some_and(|before| before != now);
+        let contacts = Contacts { lifted: self.lift.step(senses.contacts.lifted), ..senses.contacts };
+        let senses = &Senses { contacts, ..*senses };
         match &mut self.driver {
             Driver::Nobody => WheelSpeeds::STOP,
             Driver::Pilot(pilot) => {

@@ -114,6 +114,9 @@ fn a_robot_that_is_lifted_searching_or_on_probation_knows_no_last_pose() {
         }
     }
     assert!(found.is_some() && (2.5..4.0).contains(&path_m), "{path_m}");
+    // A wheel that hangs for half a second is over a threshold.
+    (0..12).for_each(|_| session.lift(true));
+    assert!(session.pose_in(id).is_some());
     session.lift(true);
     assert_eq!(session.pose_in(id), None);
 }

@@ -6,7 +6,7 @@
 use hal_sim::pose::Pose2;
 use kept_map::{Areas, Corner, Record, Writer, rig_hash};
 use relocate::{Event, Hypothesis, Locator, State, Step, path_on_grid};
-use robot::{AreaCorner, AreaKind, Bounds};
+use robot::{AreaCorner, AreaKind, Bounds, Lift};
 use slam_core::kept::{Kept, LastPose};
 use slam_core::{HostSlam, Rig, StepReport};
 
@@ -46,6 +46,7 @@ pub struct Life {
     locator: Locator,
     rig: u32,
     sequence: u32,
+    lift: Lift,
     is_lifted: bool,
     is_docked: bool,
     /// It was lifted, or began somewhere in a kept map.
@@ -69,6 +70,7 @@ impl Life {
             locator: Locator::new(State::Tracking),
             rig: rig_hash(rig),
             sequence: 0,
+            lift: Lift::NONE,
             is_lifted: false,
             is_docked: false,
             was_carried: false,
@@ -197,8 +199,9 @@ impl Life {
         self.is_docked = is_docked;
     }
 
-    /// Takes in what the wheel-drop switches say.
-    pub fn lift(&mut self, slam: &mut HostSlam, is_lifted: bool) {
+    /// Takes in whether the wheel-drop switches say that a wheel hangs.
+    pub fn lift(&mut self, slam: &mut HostSlam, hangs: bool) {
+        let is_lifted = self.lift.step(hangs);
         if is_lifted && !self.is_lifted {
             self.kept = self.record(slam).or_else(|| self.kept.take());
             self.was_carried = true;

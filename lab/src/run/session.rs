@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use kept_map::{Record, rig_hash};
 use look_back::RobotBackEnd;
 use robot::{Bounds, POSE_RECORD_BYTES, PoseNotes, Whereabouts, read_last_pose};
-use slam_core::{Config, DriveModel, HostSlam, Outcome, Parameter, RigError, Sample, StepReport};
+use slam_core::{Config, DriveModel, HostSlam, Outcome, Parameter, RangeInput, RigError, Sample, StepReport};
 
 use super::life::{Life, Place, Searched};
 use super::map_file::MapId;
@@ -132,15 +132,20 @@ impl Session {
         self.life.dock(is_docked);
     }
 
-    /// Takes in what the wheel-drop switches say.
-    pub fn lift(&mut self, is_lifted: bool) {
-        self.life.lift(&mut self.slam, is_lifted);
+    /// Takes in whether the wheel-drop switches say that a wheel hangs.
+    pub fn lift(&mut self, hangs: bool) {
+        self.life.lift(&mut self.slam, hangs);
     }
 
     /// Gives one row to the estimator and records what came of it.
     pub fn push(&mut self, row: &Row) -> &Step {
         self.dock(row.docked);
-        let report = self.estimate(&row.sample);
+        let mut sample = row.sample;
+        if row.lifted {
+            // A robot that tilts or is off the floor sees no wall.
+            sample.ranges = [RangeInput::Missing; MAX_SENSORS];
+        }
+        let report = self.estimate(&sample);
         self.lift(row.lifted);
         self.record(row, &report)
     }
