@@ -28,6 +28,7 @@ pub mod board;
 mod body;
 mod closed_loop;
 pub mod coverage;
+pub mod fault;
 pub mod floor;
 mod history;
 mod inside;

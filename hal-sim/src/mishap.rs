@@ -1,6 +1,7 @@
-//! What befalls the robot and no encoder tells: it is carried, kicked, held, or turned by a rug.
+//! What befalls the robot and no encoder tells: it is carried, kicked, held, turned by a rug, or tilted by a sill; and what of it fails.
 
 use crate::body::Body;
+use crate::fault::Fault;
 use crate::options::SimOptions;
 use crate::plan::Room;
 use crate::pose::Pose2;
@@ -41,6 +42,17 @@ pub struct Rug {
     pub turn_rad: f64,
 }
 
+/// A sill: as the robot drives onto it and off it, a wheel hangs for a moment, and the robot tilts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sill {
+    /// Lower corner, metres.
+    pub min_m: [f64; 2],
+    /// Upper corner, metres.
+    pub max_m: [f64; 2],
+    /// For how long the wheel hangs each time, seconds. The switch tells at once, and the robot sees nothing meanwhile.
+    pub hangs_s: f64,
+}
+
 /// Something holds the robot, and its wheels turn on the spot or stand: a cable, a threshold, a hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hold {
@@ -54,6 +66,9 @@ pub struct Hold {
 
 /// Travel over which a rug's edge turns the robot, metres.
 pub const RUG_EDGE_M: f64 = 0.1;
+
+/// How long a wheel hangs over a sill where nobody says, seconds: over ten centimetres at 0.3 m/s.
+pub const HANGS_S: f64 = 0.3;
 
 /// A kick moves the robot in steps of this, metres, so that no wall is jumped over.
 const SLIDE_STEP_M: f64 = 0.01;
@@ -73,8 +88,12 @@ pub struct Mishaps {
     pub kicks: Vec<Kick>,
     /// Turned.
     pub rugs: Vec<Rug>,
+    /// Tilted.
+    pub sills: Vec<Sill>,
     /// Held.
     pub holds: Vec<Hold>,
+    /// Parts of it that fail.
+    pub faults: Vec<Fault>,
 }
 
 /// The mishaps of one drive as they come.
@@ -86,6 +105,9 @@ pub(crate) struct Fate {
     kicks: Rng,
     rugs: Rng,
     on_rug: Vec<bool>,
+    on_sill: Vec<bool>,
+    /// A wheel hangs over a sill until then, seconds.
+    hangs_until_s: f64,
     /// What was due up to then has befallen the robot, seconds.
     until_s: f64,
     /// What is left of a rug's turn, radians, and how much of it comes a metre.
@@ -102,6 +124,8 @@ impl Fate {
             kicks: Rng::stream(seed, "kick", 0),
             rugs: Rng::stream(seed, "rug", 0),
             on_rug: vec![false; mishaps.rugs.len()],
+            on_sill: vec![false; mishaps.sills.len()],
+            hangs_until_s: f64::NEG_INFINITY,
             until_s: f64::NEG_INFINITY,
             turn_left_rad: 0.0,
             turn_per_m: 0.0,
@@ -113,6 +137,9 @@ impl Fate {
         self.mishaps.kidnaps.extend(more.kidnaps);
         self.mishaps.kicks.extend(more.kicks);
         self.mishaps.holds.extend(more.holds);
+        self.mishaps.faults.extend(more.faults);
+        self.on_sill.extend(more.sills.iter().map(|_| false));
+        self.mishaps.sills.extend(more.sills);
         self.on_rug.extend(more.rugs.iter().map(|_| false));
         self.mishaps.rugs.extend(more.rugs);
     }
@@ -130,9 +157,10 @@ impl Fate {
     /// Before a step of the physics that ends at `end_s`: what the wheels can do in it.
     pub(crate) fn hold(&self, body: &mut Body, end_s: f64) {
         let during = |from_s: f64, for_s: f64| (from_s..from_s + for_s).contains(&end_s);
-        body.contacts.lifted = self.mishaps.kidnaps.iter().any(|kidnap| during(kidnap.at_s, kidnap.carried_s));
+        let is_carried = self.mishaps.kidnaps.iter().any(|kidnap| during(kidnap.at_s, kidnap.carried_s));
+        body.contacts.lifted = is_carried || end_s < self.hangs_until_s;
         let mut holds = self.mishaps.holds.iter().filter(|hold| during(hold.at_s, hold.held_s)).peekable();
-        body.is_held = holds.peek().is_some() || body.contacts.lifted;
+        body.is_held = holds.peek().is_some() || is_carried;
         body.is_jammed = holds.any(|hold| hold.is_jammed);
     }
 
@@ -159,12 +187,23 @@ impl Fate {
             }
         }
         self.turn_on_rugs(body, before);
+        for (sill, was_on) in self.mishaps.sills.iter().zip(&mut self.on_sill) {
+            let is_on = is_within(&body.pose, sill.min_m, sill.max_m);
+            if core::mem::replace(was_on, is_on) != is_on {
+                self.hangs_until_s = end_s + sill.hangs_s;
+            }
+        }
+    }
+
+    /// Parts that fail.
+    pub(crate) fn faults(&self) -> &[Fault] {
+        &self.mishaps.faults
     }
 
     fn turn_on_rugs(&mut self, body: &mut Body, before: &Pose2) {
         let Pose2 { x_m, y_m, theta_rad } = body.pose;
         for (rug, was_on) in self.mishaps.rugs.iter().zip(&mut self.on_rug) {
-            let is_on = (rug.min_m[0]..=rug.max_m[0]).contains(&x_m) && (rug.min_m[1]..=rug.max_m[1]).contains(&y_m);
+            let is_on = is_within(&body.pose, rug.min_m, rug.max_m);
             if is_on && !*was_on {
                 self.turn_left_rad = sign(&mut self.rugs) * rug.turn_rad;
                 self.turn_per_m = rug.turn_rad.abs() / RUG_EDGE_M;
@@ -176,6 +215,11 @@ impl Fate {
         self.turn_left_rad -= turn_rad;
         body.pose.theta_rad = theta_rad + turn_rad;
     }
+}
+
+/// Whether the axle is within a rectangle.
+fn is_within(pose: &Pose2, min_m: [f64; 2], max_m: [f64; 2]) -> bool {
+    (min_m[0]..=max_m[0]).contains(&pose.x_m) && (min_m[1]..=max_m[1]).contains(&pose.y_m)
 }
 
 /// Left or right, each as likely.

@@ -2,7 +2,7 @@
 //! depend on the homes at hand.
 
 use crate::floor::FloorRaster;
-use crate::mishap::free_place;
+use crate::mishap::{HANGS_S, Sill, free_place};
 use crate::options::SimOptions;
 use crate::plan::{Door, Face, Person, Plan, Room, Round};
 use crate::pose::Pose2;
@@ -87,6 +87,12 @@ pub fn shut_door(seed: u64, closes_at_s: f64, opens_at_s: f64) -> Option<Door> {
     from_m[thin] += 0.5 * WALL_M;
     to_m[thin] -= 0.5 * WALL_M;
     Some(Door { from_m, to_m, closes_at_s, opens_at_s })
+}
+
+/// A sill in each door of the random home of this seed, over which a wheel hangs for as long as it takes to drive ten centimetres.
+pub fn sills(seed: u64) -> Vec<Sill> {
+    let sill = |door: &Area| Sill { min_m: door.min_m, max_m: door.max_m, hangs_s: HANGS_S };
+    Draft::rooms(seed).doors.iter().map(sill).collect()
 }
 
 /// Somebody who walks to and fro between three places of a home, a metre apart at least, drawn from a seed; the first of them is

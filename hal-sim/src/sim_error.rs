@@ -13,6 +13,8 @@ pub enum SimError {
     StartBlocked(f64, f64),
     /// A kidnapped robot (index of the kidnap) would be put down inside something: nearest thing and body radius, metres.
     PlaceBlocked(usize, f64, f64),
+    /// A range sensor that fails (index of the fault, and of the sensor) is none of the rig, which has so many.
+    NoSuchSensor(usize, usize, usize),
 }
 
 impl fmt::Display for SimError {
@@ -33,6 +35,9 @@ impl fmt::Display for SimError {
                 f,
                 "kidnap[{kidnap}].to_m is {clearance_m:.2} m from the nearest wall or thing; the robot's radius is {radius_m:.2} m"
             ),
+            Self::NoSuchSensor(fault, sensor, sensors) => {
+                write!(f, "fault[{fault}].sensor is {sensor}; the rig has {sensors} range sensors, counted from 0")
+            }
         }
     }
 }

@@ -8,6 +8,7 @@ use slam_core::{Adc, Motion, RangeModel, RangeSensor, Rig, Sample, Ticks};
 
 use crate::body::{Body, TrueDrive, Wheels};
 use crate::coverage::Coverage;
+use crate::fault::{self, Part};
 use crate::history::History;
 use crate::mishap::Fate;
 use crate::odometer::Odometer;
@@ -37,6 +38,25 @@ pub struct TrueCalibration {
     pub scale_distance: f64,
     /// True turn per dead-reckoned one.
     pub scale_turn: f64,
+}
+
+/// Whether these can be simulated at all, wherever the robot stands.
+fn check(plan: &Plan, rig: &Rig<MAX_SENSORS>, options: &SimOptions) -> Result<(), SimError> {
+    if !(1.0..=100.0).contains(&options.rate_hz) {
+        return Err(SimError::Rate(options.rate_hz));
+    }
+    let analogue = |sensor: &RangeSensor| matches!(sensor.model, RangeModel::Sharp { .. });
+    if let (None, Some(index)) = (rig.adc, rig.sensors.iter().position(analogue)) {
+        return Err(SimError::NeedsAdc(index));
+    }
+    for (i, fault) in plan.mishaps.faults.iter().enumerate() {
+        if let Part::Sensor { index, .. } = fault.part
+            && index >= rig.sensors.len()
+        {
+            return Err(SimError::NoSuchSensor(i, index, rig.sensors.len()));
+        }
+    }
+    Ok(())
 }
 
 /// A robot in a home.
@@ -75,13 +95,7 @@ impl Simulation {
     /// The rig cannot be simulated or the robot does not fit where the plan puts it.
     pub fn new(plan: &Plan, rig: &Rig<MAX_SENSORS>, options: SimOptions, seed: u64) -> Result<Self, SimError> {
         let wheels = Wheels::of(&rig.drive);
-        if !(1.0..=100.0).contains(&options.rate_hz) {
-            return Err(SimError::Rate(options.rate_hz));
-        }
-        let analogue = |sensor: &RangeSensor| matches!(sensor.model, RangeModel::Sharp { .. });
-        if let (None, Some(index)) = (rig.adc, rig.sensors.iter().position(analogue)) {
-            return Err(SimError::NeedsAdc(index));
-        }
+        check(plan, rig, &options)?;
         let world = World::new(plan);
         let blocked_m = |pose: &Pose2| world.blocked_m([pose.x_m, pose.y_m], options.body_radius_m);
         let start = options.start.unwrap_or(plan.start);
@@ -243,7 +257,7 @@ impl Simulation {
 
     /// Bumper, cliff and wheel-drop inputs.
     pub fn contacts(&self) -> Contacts {
-        self.body.contacts
+        fault::told(self.fate.faults(), self.body.contacts, self.time_s)
     }
 
     /// Battery, charging contact and stalled wheels.

@@ -1,7 +1,7 @@
 //! What befalls the robot, and that its encoders do not tell.
 
-use hal_sim::{Pose2, SimOptions, Simulation, default_rig, plan_file};
-use robot::WheelSpeeds;
+use hal_sim::{Pose2, SimOptions, Simulation, default_rig, nominal_ranges, plan_file};
+use robot::{Contacts, WheelSpeeds};
 
 const HALL: &str = "[start]\nx_m = 1.0\ny_m = 2.0\n\
     [[outline]]\npoints_m = [[0.0, 0.0], [6.0, 0.0], [6.0, 4.0], [0.0, 4.0]]\n\
@@ -116,4 +116,78 @@ fn a_place_inside_something_is_refused() {
         .expect("a plan");
     let error = Simulation::new(&plan, &default_rig(), SimOptions::default(), 1).unwrap_err().to_string();
     assert!(error.contains("kidnap[0].to_m is 0.10 m from"), "{error}");
+}
+
+#[test]
+fn a_wheel_hangs_for_a_moment_as_the_robot_drives_onto_a_sill_and_off_it() {
+    let mut simulation = hall("[[sill]]\nmin_m = [1.5, 1.0]\nmax_m = [2.0, 3.0]\nhangs_s = 0.4\n", 1);
+    let mut hangs = Vec::new();
+    for _ in 0..250 {
+        simulation.step(AHEAD);
+        if simulation.contacts().lifted {
+            hangs.push(simulation.pose_in_plan().x_m);
+        }
+    }
+    // The guard has stopped the motors: the robot rolls on by a centimetre or two meanwhile, and drives on after it.
+    assert!((19..=22).contains(&hangs.len()), "{hangs:?}");
+    assert!(hangs.iter().all(|x_m| (1.49..1.54).contains(x_m) || (1.99..2.04).contains(x_m)), "{hangs:?}");
+    assert!(simulation.pose_in_plan().x_m > 2.4);
+}
+
+#[test]
+fn a_part_that_fails_tells_what_is_not_there_for_as_long_as_it_does() {
+    for (part, fails) in [
+        ("bump-left", Contacts { bump_left: true, ..Contacts::default() }),
+        ("bump-right", Contacts { bump_right: true, ..Contacts::default() }),
+        ("cliff", Contacts { cliff: true, ..Contacts::default() }),
+    ] {
+        let mut simulation = hall(&format!("[[fault]]\npart = \"{part}\"\nat_s = 1.0\nlasts_s = 2.0\n"), 1);
+        for _ in 0..100 {
+            simulation.step(AHEAD);
+            let is_failing = (1.0..3.0).contains(&simulation.time_s());
+            assert_eq!(simulation.contacts(), if is_failing { fails } else { Contacts::default() }, "{part}");
+        }
+        // It drives for half of the time.
+        assert!((1.2..1.5).contains(&simulation.pose_in_plan().x_m), "{part}: {:?}", simulation.pose_in_plan());
+    }
+}
+
+#[test]
+fn a_sensor_that_fails_shows_nothing_or_always_the_same_with_its_noise() {
+    let rig = default_rig();
+    for (fault, least_m, most_m) in [("shows_m = 0.4", 0.3, 0.5), ("", f32::NAN, f32::NAN)] {
+        let mut simulation = hall(&format!("[[fault]]\npart = \"sensor\"\nsensor = 2\n{fault}\n"), 1);
+        let (mut shown_m, mut others) = (Vec::new(), 0);
+        for _ in 0..250 {
+            let ranges_m = nominal_ranges(&rig, &simulation.step(AHEAD));
+            shown_m.extend(ranges_m[2]);
+            others += ranges_m.iter().flatten().count();
+        }
+        shown_m.sort_by(f32::total_cmp);
+        assert!(others > 50, "{others}");
+        if fault.is_empty() {
+            assert!(shown_m.len() < 5, "spikes: {shown_m:?}");
+        } else {
+            assert!(shown_m.len() > 240 && shown_m.first() < shown_m.last());
+            assert!((least_m..most_m).contains(&shown_m[125]), "{}", shown_m[125]);
+        }
+    }
+}
+
+#[test]
+fn a_fault_that_cannot_be_is_named() {
+    for (fault, expected) in [
+        ("part = \"wheel\"", "fault[0].part: must be \"bump-left\", \"bump-right\", \"cliff\" or \"sensor\""),
+        ("part = \"sensor\"", "fault[0].sensor: is missing; it must be the sensor's place in the rig, from 0"),
+        ("part = \"cliff\"\nsensor = 1", "fault[0].sensor: has a meaning with part = \"sensor\" only"),
+        ("part = \"cliff\"\nshows_m = 1.0", "fault[0].shows_m: has a meaning with part = \"sensor\" only"),
+        ("part = \"cliff\"\nlasts_s = 0.0", "fault[0].lasts_s: is 0.0; it must be a number above 0"),
+    ] {
+        let message =
+            plan_file::parse("home.toml", "home", &format!("{HALL}[[fault]]\n{fault}\n")).unwrap_err().to_string();
+        assert!(message.starts_with("home.toml:") && message.contains(expected), "{message}");
+    }
+    let plan = plan_file::parse("test", "test", &format!("{HALL}[[fault]]\npart = \"sensor\"\nsensor = 8\n"));
+    let refused = Simulation::new(&plan.expect("a plan"), &default_rig(), SimOptions::default(), 1).unwrap_err();
+    assert_eq!(refused.to_string(), "fault[0].sensor is 8; the rig has 8 range sensors, counted from 0");
 }

@@ -7,9 +7,10 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
+use hal_sim::fault::{Fault, Part};
 use hal_sim::mishap::{Hold, Kick, Kidnap};
 use hal_sim::plan::{Battery, Door, Person, Plan};
-use hal_sim::random_home::{elsewhere, shut_door, somebody, with_dock};
+use hal_sim::random_home::{elsewhere, shut_door, sills, somebody, with_dock};
 use hal_sim::rng::Rng;
 use hal_sim::{Pose2, SimOptions, plan_file};
 use lab::run::{FloorDrive, clean, clean_with};
@@ -29,7 +30,7 @@ const RANDOM_MISHAPS_HEAD: &str = "\n## The same in random homes\n\n\
     | what | drives | done and back | swept, % | at least 95 % swept | overlap | minutes | pose off, m | gave up | twice |\n\
     |---|---|---|---|---|---|---|---|---|---|\n";
 const KITCHEN_DOOR: Door = Door { from_m: [2.2, 3.35], to_m: [3.1, 3.35], closes_at_s: 0.0, opens_at_s: f64::INFINITY };
-/// A door is shut for so long, seconds.
+/// A door is shut, or a part of the robot fails, for so long, seconds.
 const SHUT_S: f64 = 300.0;
 const MISHAP_SEEDS: std::ops::RangeInclusive<u64> = 1..=3;
 
@@ -109,6 +110,10 @@ enum Mishap {
     Battery,
     Held,
     Jammed,
+    Sills,
+    Bumper,
+    Dust,
+    Sensor,
 }
 
 impl Mishap {
@@ -127,7 +132,7 @@ impl Mishap {
         Self::Jammed,
     ];
 
-    const IN_RANDOM_HOMES: [Self; 9] = [
+    const IN_RANDOM_HOMES: [Self; 13] = [
         Self::None,
         Self::GivesWay,
         Self::Pushes,
@@ -137,6 +142,10 @@ impl Mishap {
         Self::Push,
         Self::Carry,
         Self::Held,
+        Self::Sills,
+        Self::Bumper,
+        Self::Dust,
+        Self::Sensor,
     ];
 
     fn name(self) -> &'static str {
@@ -155,6 +164,10 @@ impl Mishap {
             Self::Battery => "the battery lasts 10 minutes, a dock charges it in 5",
             Self::Held => "held for 20 s, wheels turning",
             Self::Jammed => "held for 20 s, wheels held, too",
+            Self::Sills => "a sill in every door, over which a wheel hangs for 0.3 s",
+            Self::Bumper => "half of the bumper is jammed for five minutes",
+            Self::Dust => "dust on the cliff sensor for five minutes",
+            Self::Sensor => "a range sensor fails",
         }
     }
 
@@ -192,6 +205,16 @@ impl Mishap {
             let to = elsewhere(&plan, &mut Rng::stream(home, "carried", 0))?;
             plan.mishaps.kidnaps.push(Kidnap { at_s, carried_s: 5.0, to: Some(to) });
         }
+        match self {
+            Self::Sills => plan.mishaps.sills = sills(home),
+            Self::Bumper => plan.mishaps.faults.push(Fault { part: Part::BumpLeft, at_s, lasts_s: SHUT_S }),
+            Self::Dust => plan.mishaps.faults.push(Fault { part: Part::Cliff, at_s, lasts_s: SHUT_S }),
+            Self::Sensor => plan.mishaps.faults.push(Fault { part: any_sensor(home), at_s, lasts_s: f64::INFINITY }),
+            _ => {}
+        }
+        if matches!(self, Self::Sills) && plan.mishaps.sills.is_empty() {
+            return None;
+        }
         Some(self.befalling(plan, at_s, home))
     }
 
@@ -199,6 +222,7 @@ impl Mishap {
         let mut options = SimOptions::default();
         match self {
             Self::None | Self::ShutDoor | Self::Carry | Self::Lift | Self::GivesWay | Self::Pushes => {}
+            Self::Sills | Self::Bumper | Self::Dust | Self::Sensor => {}
             Self::Door => plan.doors.push(Door { closes_at_s: at_s, opens_at_s: f64::INFINITY, ..KITCHEN_DOOR }),
             Self::Slips => (options.drive.slips_per_m, options.drive.slip_m) = (0.5, 0.02),
             Self::Kick => plan.mishaps.kicks.push(kick(at_s)),
@@ -230,6 +254,14 @@ impl Mishap {
         });
         drive.expect("the robot fits")
     }
+}
+
+/// One of the eight range sensors, which shows nothing, or, in three of four homes, a distance up to the end of its reach.
+fn any_sensor(home: u64) -> Part {
+    let mut rng = Rng::stream(home, "sensor", 0);
+    let index = rng.uniform(0.0, 8.0) as usize;
+    let shows_m = Some(rng.uniform(0.1, 1.5)).filter(|_| rng.uniform(0.0, 1.0) < 0.75);
+    Part::Sensor { index, shows_m }
 }
 
 fn kick(at_s: f64) -> Kick {

@@ -36,7 +36,11 @@ pub(super) struct File {
     #[serde(default)]
     pub rug: Vec<Carpet>,
     #[serde(default)]
+    pub sill: Vec<Edge>,
+    #[serde(default)]
     pub hold: Vec<Grip>,
+    #[serde(default)]
+    pub fault: Vec<Failure>,
     #[serde(default)]
     pub keep_out: Vec<Outline>,
     #[serde(default)]
@@ -164,6 +168,24 @@ pub(super) struct Grip {
     pub held_s: Number<Size>,
     #[serde(default)]
     pub jammed: bool,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct Edge {
+    pub min_m: Point,
+    pub max_m: Point,
+    pub hangs_s: Option<Number<Size>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub(super) struct Failure {
+    pub part: String,
+    pub at_s: Option<Number<Time>>,
+    pub lasts_s: Option<Number<Size>>,
+    pub sensor: Option<u8>,
+    pub shows_m: Option<Number<Size>>,
 }
 
 /// A moment, seconds since the start.

@@ -2,9 +2,10 @@
 
 use input_file::{FileError, Number, TomlFile};
 
-use super::keys::{File, Grip};
+use super::keys::{Failure, File, Grip};
 use super::{metres, rectangle};
-use crate::mishap::{Hold, Kick, Kidnap, Mishaps, Rug};
+use crate::fault::{Fault, Part};
+use crate::mishap::{HANGS_S, Hold, Kick, Kidnap, Mishaps, Rug, Sill};
 use crate::pose::Pose2;
 
 /// How long a kidnapped robot is off the floor where the file does not say, seconds.
@@ -49,5 +50,28 @@ pub(super) fn mishaps(toml: &TomlFile<'_>, file: &File) -> Result<Mishaps, FileE
     }
     let hold = |grip: &Grip| Hold { is_jammed: grip.jammed, at_s: grip.at_s.get(), held_s: grip.held_s.get() };
     mishaps.holds = file.hold.iter().map(hold).collect();
+    for (i, edge) in file.sill.iter().enumerate() {
+        let [min_m, max_m] = rectangle(toml, &format!("sill[{i}]"), &edge.min_m, &edge.max_m)?;
+        mishaps.sills.push(Sill { min_m, max_m, hangs_s: edge.hangs_s.as_ref().map_or(HANGS_S, Number::get) });
+    }
+    mishaps.faults =
+        file.fault.iter().enumerate().map(|(i, failure)| fault(toml, i, failure)).collect::<Result<_, _>>()?;
     Ok(mishaps)
+}
+
+fn fault(toml: &TomlFile<'_>, i: usize, failure: &Failure) -> Result<Fault, FileError> {
+    let Failure { part, at_s, lasts_s, sensor, shows_m } = failure;
+    let error = |key: &str, what: &str| Err(toml.error(&format!("fault[{i}].{key}"), what));
+    let part = match (part.as_str(), sensor) {
+        ("sensor", None) => return error("sensor", "is missing; it must be the sensor's place in the rig, from 0"),
+        ("sensor", Some(index)) => Part::Sensor { index: (*index).into(), shows_m: shows_m.as_ref().map(Number::get) },
+        (_, Some(_)) => return error("sensor", "has a meaning with part = \"sensor\" only"),
+        _ if shows_m.is_some() => return error("shows_m", "has a meaning with part = \"sensor\" only"),
+        ("bump-left", _) => Part::BumpLeft,
+        ("bump-right", _) => Part::BumpRight,
+        ("cliff", _) => Part::Cliff,
+        _ => return error("part", "must be \"bump-left\", \"bump-right\", \"cliff\" or \"sensor\""),
+    };
+    let lasts_s = lasts_s.as_ref().map_or(f64::INFINITY, Number::get);
+    Ok(Fault { part, at_s: at_s.as_ref().map_or(0.0, Number::get), lasts_s })
 }

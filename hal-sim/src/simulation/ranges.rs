@@ -3,6 +3,7 @@
 use slam_core::{RangeInput, RangeModel};
 
 use super::{MAX_SENSORS, Simulation};
+use crate::fault;
 use crate::pose::Pose2;
 use crate::sensor::{Analogue, Output, SimSensor};
 use crate::sharp::{CycleEvent, counts};
@@ -26,6 +27,9 @@ impl Simulation {
     fn look(&mut self, sensor: usize, pose: &Pose2) -> Option<Hit> {
         if self.body.contacts.lifted {
             return None;
+        }
+        if let Some(shown_m) = fault::shown(self.fate.faults(), sensor, self.time_s) {
+            return shown_m.map(|range_m| Hit { range_m, cos_incidence: 1.0, face: None });
         }
         let SimSensor { sensor, cos_lost, is_covered, .. } = &self.sensors[sensor];
         if *is_covered {
