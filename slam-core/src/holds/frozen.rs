@@ -7,6 +7,9 @@
 //! slope, and the third where the range should be (the one for a robot that is held, [`Look`]). Of a robot that drives meanwhile it tells nothing: one that goes along a wall or about a
 //! chair's leg steers so that what it reads stays the same.
 //!
+//! Under 1.3 times its least range the output of an analogue sensor hardly changes with the range: there a look is a quarter of a turn on the spot,
+//! after which nothing that stands so near is as near as before. A cover or dirt on a lens shows itself so.
+//!
 //! One look alone says little, for what is seen may go with the robot, and they are summed (Page 1954) until the output differs from the first
 //! of all of them. What tells a frozen sensor from a held robot are the others: a look counts only where as many of them changed of late as stayed.
 //!
@@ -20,7 +23,7 @@ use crate::measurement::sensor::Sensor;
 use crate::motion::step::MIDDLE_M;
 use crate::rig::{RangeModel, RangeSensor, Rig};
 use crate::sample::RangeInput;
-use core::f32::consts::{PI, TAU};
+use core::f32::consts::{FRAC_PI_2, PI, TAU};
 
 /// Log odds from which on a sensor is frozen: once in 250 hours of cleaning beforehand, with four thousand looks in each, and twenty to one
 /// after.
@@ -54,6 +57,9 @@ const PER_NAT: f32 = 12.0;
 /// So far a look is from the one before, and from the first at most, units: beyond that a wall that was met at right angles is met at none.
 const LOOK: u8 = (PER_RAD * LOOK_RAD) as u8 + 1;
 const FARTHEST: u8 = 50;
+
+/// What is near is looked at after so much of a turn, units: a quarter of one.
+const QUARTER: u8 = (PER_RAD * FRAC_PI_2) as u8;
 
 /// A robot turns on the spot where it drives no farther than such a share of the way of what it turns past, and this, metres.
 const SPOT: f32 = 0.5;
@@ -165,6 +171,7 @@ impl<const S: usize> Frozen<S> {
             _ if input == RangeInput::Missing => {}
             Some(_) if !was_frozen && view.repeats(sensor) => self.say(sensor.index, MOST),
             Some(range) if !is_near(limits, range.0) => self.weigh(sensor, range, view),
+            Some(range) => self.weigh_near(sensor, range, view),
             // At the end of its reach an output that stays is out of it now and then, by its noise.
             None if first > 0 && range.is_some_and(|range| end_m.contains(&range.0) && !is_another(range, first)) => {}
             seen => {
@@ -258,6 +265,27 @@ impl<const S: usize> Frozen<S> {
                     (kept.last_at, kept.last_off) = (now, (PER_M_OFF * off_m) as i8);
                 }
             }
+        }
+    }
+
+    /// Weighs a range, metres, of this variance, m^2, that is so near that the output hardly changes with it. What stands there has changed
+    /// after a quarter turn on the spot: a wall is met at 45 degrees then, before it or after it, and of a corner the corner.
+    fn weigh_near(&mut self, sensor: &Sensor, range: (f32, f32), view: &View<S>) {
+        let Some(kept) = self.kept.get(sensor.index).copied() else { return };
+        let is_other = kept.first > 0 && is_another(range, kept.first);
+        self.stayed &= !(1 << (sensor.index & 15));
+        if is_other {
+            self.change(sensor.index, false, false);
+        }
+        let now = view.heading().wrapping_sub(kept.heading) as i8;
+        let from_m = sensor.state.past_axle_m(range.0, 0.0);
+        let is_on_spot =
+            kept.driven_m(view.at()) <= SPOT_M + SPOT * from_m * f32::from(now.unsigned_abs()) * (1.0 / PER_RAD);
+        if self.is_behind || kept.first == 0 || is_other || !is_on_spot {
+            self.begin(sensor.index, range.0, view);
+        } else if now.unsigned_abs() >= QUARTER && self.is_told() {
+            self.say(sensor.index, ONE_LOOK);
+            self.begin(sensor.index, range.0, view);
         }
     }
 
