@@ -114,6 +114,7 @@ enum Mishap {
     Bumper,
     Dust,
     Sensor,
+    Blind,
 }
 
 impl Mishap {
@@ -132,7 +133,7 @@ impl Mishap {
         Self::Jammed,
     ];
 
-    const IN_RANDOM_HOMES: [Self; 13] = [
+    const IN_RANDOM_HOMES: [Self; 14] = [
         Self::None,
         Self::GivesWay,
         Self::Pushes,
@@ -146,6 +147,7 @@ impl Mishap {
         Self::Bumper,
         Self::Dust,
         Self::Sensor,
+        Self::Blind,
     ];
 
     fn name(self) -> &'static str {
@@ -168,6 +170,7 @@ impl Mishap {
             Self::Bumper => "half of the bumper is jammed for five minutes",
             Self::Dust => "dust on the cliff sensor for five minutes",
             Self::Sensor => "a range sensor fails",
+            Self::Blind => "no range sensor sees anything for five minutes",
         }
     }
 
@@ -210,6 +213,10 @@ impl Mishap {
             Self::Bumper => plan.mishaps.faults.push(Fault { part: Part::BumpLeft, at_s, lasts_s: SHUT_S }),
             Self::Dust => plan.mishaps.faults.push(Fault { part: Part::Cliff, at_s, lasts_s: SHUT_S }),
             Self::Sensor => plan.mishaps.faults.push(Fault { part: any_sensor(home), at_s, lasts_s: f64::INFINITY }),
+            Self::Blind => plan.mishaps.faults.extend((0..8).map(|index| {
+                let part = Part::Sensor { index, shows_m: None };
+                Fault { part, at_s, lasts_s: SHUT_S }
+            })),
             _ => {}
         }
         if matches!(self, Self::Sills) && plan.mishaps.sills.is_empty() {
@@ -222,7 +229,7 @@ impl Mishap {
         let mut options = SimOptions::default();
         match self {
             Self::None | Self::ShutDoor | Self::Carry | Self::Lift | Self::GivesWay | Self::Pushes => {}
-            Self::Sills | Self::Bumper | Self::Dust | Self::Sensor => {}
+            Self::Sills | Self::Bumper | Self::Dust | Self::Sensor | Self::Blind => {}
             Self::Door => plan.doors.push(Door { closes_at_s: at_s, opens_at_s: f64::INFINITY, ..KITCHEN_DOOR }),
             Self::Slips => (options.drive.slips_per_m, options.drive.slip_m) = (0.5, 0.02),
             Self::Kick => plan.mishaps.kicks.push(kick(at_s)),

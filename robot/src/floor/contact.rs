@@ -30,6 +30,8 @@ const RETREAT_US: u64 = 4_000_000;
 /// So often the robot is held at one place until it stands for so long, microseconds: its motors stay cool.
 const MAX_HOLDS: u8 = 3;
 const HELD_US: u64 = 60_000_000;
+/// A robot that sees nothing stands for so long, microseconds: it goes blindly for a tenth of the time at most.
+const BLIND_US: u64 = 300_000_000;
 /// A point that the bumper felt is kept so long, microseconds.
 const FELT_US: u64 = 30_000_000;
 
@@ -37,7 +39,10 @@ impl<const S: usize> FloorJob<S> {
     /// Answers what it meets on its way over the floor; speed and turn rate where that needs no other phase.
     pub(super) fn answer(&mut self, senses: &Senses<S>, pose: &Pose) -> Option<(f32, f32)> {
         let now_us = senses.time_us;
-        if senses.condition.is_stalled || self.traction.is_held() {
+        let is_still = self.traction.is_held();
+        if is_still && self.holds + 1 >= MAX_HOLDS && self.sees_nothing() {
+            self.begin(Phase::Blind, now_us);
+        } else if is_still || senses.condition.is_stalled {
             self.be_held(now_us);
         } else if senses.condition.is_charging {
             self.meet_dock(pose, now_us);
@@ -248,6 +253,23 @@ impl<const S: usize> FloorJob<S> {
     pub(super) fn stay_held(&mut self, now_us: u64) -> (f32, f32) {
         if now_us.saturating_sub(self.since_us) > HELD_US {
             self.holds = 0;
+            self.go_about(now_us);
+        }
+        (0.0, 0.0)
+    }
+
+    /// Three of four sensors showed nothing for ten seconds: of eight that are dead, one has a spike in that time.
+    fn sees_nothing(&self) -> bool {
+        let beams = || self.beams.iter().filter(|beam| beam.max_m > 0.0);
+        4 * beams().filter(|beam| beam.age == u8::MAX).count() >= 3 * beams().count()
+    }
+
+    /// Whatever silenced the sensors may end; one that shows something is a spike. Where nothing is in their reach it has to go and see.
+    pub(super) fn stay_blind(&mut self, now_us: u64) -> (f32, f32) {
+        let sees = self.beams.iter().filter(|beam| beam.age == 0).count() > 1;
+        if sees || now_us.saturating_sub(self.since_us) > BLIND_US {
+            self.holds = if sees { 0 } else { MAX_HOLDS - 1 };
+            self.traction.begin();
             self.go_about(now_us);
         }
         (0.0, 0.0)

@@ -43,7 +43,7 @@ use errand::Errand;
 use frame::Frame;
 use near::Near;
 use phase::Phase;
-use place::Place;
+use place::{GIVEN_UP, Place};
 use progress::Tally;
 pub use progress::{FloorProgress, FloorState};
 pub(crate) use record::Notes;
@@ -62,8 +62,6 @@ const ELSEWHERE: f32 = 0.1;
 const WORTH_M: f32 = 0.035;
 /// A beam's end counts where the one before was this near, metres: a spike has none.
 const STEADY_M: f32 = 0.05;
-/// Places that were given up, to be tried once more.
-const GIVEN_UP: usize = 16;
 /// The floor job of a robot with at most `S` range sensors.
 #[derive(Clone, Debug)]
 pub struct FloorJob<const S: usize> {
@@ -237,6 +235,7 @@ impl<const S: usize> FloorJob<S> {
             Phase::Lost => FloorState::Lost,
             Phase::Held => FloorState::Held,
             Phase::Touched { .. } => FloorState::Touched,
+            Phase::Blind => FloorState::Blind,
             Phase::Over { is_home } if self.is_flat(is_home) => FloorState::Flat,
             Phase::Over { is_home: true } if self.areas.missed != 0 => FloorState::Unreached,
             Phase::Over { is_home: true } => FloorState::Done,
@@ -375,6 +374,7 @@ impl<const S: usize> FloorJob<S> {
         match self.phase {
             Phase::Over { .. } | Phase::Paused | Phase::Lost => (0.0, 0.0),
             Phase::Held => self.stay_held(now_us),
+            Phase::Blind => self.stay_blind(now_us),
             Phase::Touched { by } => self.stay_touched(by, senses),
             Phase::Back => self.back(senses, pose),
             Phase::Turn { sign } => self.turn_away(sign, now_us),

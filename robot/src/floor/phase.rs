@@ -46,6 +46,8 @@ pub(super) enum Phase {
     Held,
     /// This is touched wherever it goes: standing until some of it is not.
     Touched { by: Contacts },
+    /// No sensor shows anything: standing until two do, or for a while.
+    Blind,
     /// Over: back where it started, or not.
     Over { is_home: bool },
 }

@@ -1,5 +1,8 @@
 //! Places that are kept for a while, in four bytes each.
 
+/// Places that were given up, to be tried once more.
+pub(super) const GIVEN_UP: usize = 16;
+
 /// What a metre is in the unit of the coordinates.
 const CM: f32 = 100.0;
 

@@ -55,11 +55,13 @@ pub enum FloorState {
     Waiting,
     /// Standing: its bumper or its cliff sensor tells of something wherever it backs off to.
     Touched,
+    /// Standing: none of its range sensors shows anything wherever it goes.
+    Blind,
 }
 
 impl FloorState {
     /// Every one, in the order of [`FloorProgress::seconds_in`].
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 23] = [
         Self::Edge,
         Self::Lane,
         Self::Transit,
@@ -82,6 +84,7 @@ impl FloorState {
         Self::Unreached,
         Self::Waiting,
         Self::Touched,
+        Self::Blind,
     ];
 
     /// What it is called.
@@ -109,6 +112,7 @@ impl FloorState {
             Self::Unreached => "area not reached",
             Self::Waiting => "waiting",
             Self::Touched => "touched",
+            Self::Blind => "blind",
         }
     }
 }

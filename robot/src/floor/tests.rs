@@ -207,36 +207,73 @@ fn a_dock_is_found_where_its_place_in_the_map_is_off() {
     }
 }
 
-#[test]
-fn a_bumper_that_is_jammed_stops_it_until_it_is_freed() {
-    let mut job: FloorJob<8> = FloorJob::new(FloorConfig::default(), &crate::rig::default_rig());
-    let mut at = Pose::ORIGIN;
-    let mut drive = |seconds: core::ops::Range<u64>, contacts: Contacts| {
+/// A job whose robot goes where it is told, in a home that it does not see.
+struct Adrift {
+    job: FloorJob<8>,
+    at: Pose,
+    step: u64,
+}
+
+impl Adrift {
+    fn new() -> Self {
+        let job = FloorJob::new(FloorConfig::default(), &crate::rig::default_rig());
+        Self { job, at: Pose::ORIGIN, step: 0 }
+    }
+
+    /// Drives for so many seconds; what the job is doing then, and the path meanwhile, metres.
+    fn drive(&mut self, seconds: u64, contacts: Contacts, ranges_m: [Option<f32>; 8]) -> (FloorState, f32) {
         let mut path_m = 0.0;
-        for step in 25 * seconds.start..25 * seconds.end {
-            let condition = Condition::default();
-            let ranges_m = [Some(1.0); 8];
-            let speeds = job.step(&Senses { time_us: 40_000 * step, pose: at, ranges_m, contacts, condition });
+        for _ in 0..25 * seconds {
+            self.step += 1;
+            let (pose, condition) = (self.at, Condition::default());
+            let speeds = self.job.step(&Senses { time_us: 40_000 * self.step, pose, ranges_m, contacts, condition });
             let WheelSpeeds { left_mps, right_mps } = contacts.guard(speeds);
             let [forward_m, turn_rad] = [0.02 * (left_mps + right_mps), 0.04 * (right_mps - left_mps) / 0.235];
-            at = at.compose(&Pose::new(forward_m, 0.0, turn_rad));
+            self.at = self.at.compose(&Pose::new(forward_m, 0.0, turn_rad));
             path_m += forward_m.abs();
         }
-        (job.state(), path_m)
-    };
+        (self.job.state(), path_m)
+    }
+}
+
+#[test]
+fn a_bumper_that_is_jammed_stops_it_until_it_is_freed() {
+    let mut robot = Adrift::new();
+    let mut drive = |seconds: u64, contacts: Contacts| robot.drive(seconds, contacts, [Some(1.0); 8]);
     let jammed = Contacts { bump_left: true, ..Contacts::default() };
-    let begun = drive(0..2, Contacts::default());
+    let begun = drive(2, Contacts::default());
     assert!(begun.1 > 0.3, "{begun:?}");
-    let tried = drive(2..10, jammed);
+    let tried = drive(8, jammed);
     assert!(tried.0 != FloorState::Touched && tried.1 > 0.2, "{tried:?}");
-    assert_eq!(drive(10..16, jammed).0, FloorState::Touched);
-    assert_eq!(drive(16..600, jammed), (FloorState::Touched, 0.0));
+    assert_eq!(drive(6, jammed).0, FloorState::Touched);
+    assert_eq!(drive(600, jammed), (FloorState::Touched, 0.0));
     // Another half that is pressed, and let go, changes nothing.
     let both = Contacts { bump_right: true, ..jammed };
-    assert_eq!(drive(600..602, both), (FloorState::Touched, 0.0));
-    assert_eq!(drive(602..604, jammed), (FloorState::Touched, 0.0));
-    let freed = drive(604..610, Contacts::default());
+    assert_eq!(drive(2, both), (FloorState::Touched, 0.0));
+    assert_eq!(drive(2, jammed), (FloorState::Touched, 0.0));
+    let freed = drive(6, Contacts::default());
     assert!(freed.0 != FloorState::Touched && freed.1 > 0.3, "{freed:?}");
+}
+
+#[test]
+fn a_robot_that_sees_nothing_any_more_stands_until_it_does() {
+    let mut robot = Adrift::new();
+    let mut drive = |seconds: u64, ranges_m: [Option<f32>; 8]| robot.drive(seconds, Contacts::default(), ranges_m);
+    drive(2, [Some(1.0); 8]);
+    let (mut state, mut path_m) = (FloorState::Edge, 0.0);
+    while state != FloorState::Blind && path_m < 30.0 {
+        let (now, driven_m) = drive(1, [None; 8]);
+        (state, path_m) = (now, path_m + driven_m);
+    }
+    assert!(state == FloorState::Blind && path_m > 12.0, "{state:?} after {path_m} m");
+    let mut spike = [None; 8];
+    spike[3] = Some(0.5);
+    assert_eq!(drive(100, spike), (FloorState::Blind, 0.0));
+    let (state, path_m) = drive(5, [Some(0.8); 8]);
+    assert!(state != FloorState::Blind && path_m > 0.3, "{state:?} after {path_m} m");
+    // Where it stands nothing may be in reach: it goes and sees.
+    let path_m: f32 = (0..10).map(|_| drive(360, [None; 8]).1).sum();
+    assert!((30.0..120.0).contains(&path_m), "{path_m} m in an hour");
 }
 
 #[test]
