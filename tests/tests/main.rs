@@ -9,6 +9,7 @@ mod docks;
 mod documents;
 mod drawn_robots;
 mod experiments;
+mod faults;
 mod first_look_backs;
 mod floor_job;
 mod floor_page;
