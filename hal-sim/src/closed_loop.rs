@@ -71,8 +71,9 @@ impl ClosedLoop {
             Some(command) => self.simulation.step(command),
             None => self.simulation.sample(),
         };
-        let (Estimate { pose, ranges_m }, whereabouts) = estimator(&sample);
         let (contacts, condition) = (self.simulation.contacts(), self.simulation.condition());
+        let seen = if contacts.lifted { sample.without_ranges() } else { sample };
+        let (Estimate { pose, ranges_m }, whereabouts) = estimator(&seen);
         let senses = Senses { time_us: sample.time_us, pose, ranges_m, contacts, condition };
         self.command = Some(self.job.step(&senses, &whereabouts));
         Frame { sample, truth: self.simulation.pose(), lifted: contacts.lifted }

@@ -55,3 +55,10 @@ pub struct Sample<const S: usize> {
     /// The range sensors, in the rig's order; entries past the rig's sensors are ignored.
     pub ranges: [RangeInput; S],
 }
+
+impl<const S: usize> Sample<S> {
+    /// The same with nothing seen, as of a robot that tilts or is off the floor.
+    pub fn without_ranges(self) -> Self {
+        Self { ranges: [RangeInput::Missing; S], ..self }
+    }
+}

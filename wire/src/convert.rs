@@ -25,11 +25,10 @@ impl Sample {
     /// The estimator's input. Sensors that the frame does not carry have no reading, and none has one of a robot that tilts or is off the floor.
     pub fn to_slam(&self) -> slam_core::Sample<SENSORS> {
         let mut ranges = [RangeInput::Missing; SENSORS];
-        if !self.contacts.lifted {
-            ranges.iter_mut().zip(&self.ranges).for_each(|(input, range)| *input = (*range).into());
-        }
+        ranges.iter_mut().zip(&self.ranges).for_each(|(input, range)| *input = (*range).into());
         let motion = Motion::Ticks(Ticks { left: self.left_ticks, right: self.right_ticks });
-        slam_core::Sample { time_us: self.time_us, motion, ranges }
+        let sample = slam_core::Sample { time_us: self.time_us, motion, ranges };
+        if self.contacts.lifted { sample.without_ranges() } else { sample }
     }
 }
 

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use kept_map::{Record, rig_hash};
 use look_back::RobotBackEnd;
 use robot::{Bounds, POSE_RECORD_BYTES, PoseNotes, Whereabouts, read_last_pose};
-use slam_core::{Config, DriveModel, HostSlam, Outcome, Parameter, RangeInput, RigError, Sample, StepReport};
+use slam_core::{Config, DriveModel, HostSlam, Outcome, Parameter, RigError, Sample, StepReport};
 
 use super::life::{Life, Place, Searched};
 use super::map_file::MapId;
@@ -140,11 +140,7 @@ impl Session {
     /// Gives one row to the estimator and records what came of it.
     pub fn push(&mut self, row: &Row) -> &Step {
         self.dock(row.docked);
-        let mut sample = row.sample;
-        if row.lifted {
-            // A robot that tilts or is off the floor sees no wall.
-            sample.ranges = [RangeInput::Missing; MAX_SENSORS];
-        }
+        let sample = if row.lifted { row.sample.without_ranges() } else { row.sample };
         let report = self.estimate(&sample);
         self.lift(row.lifted);
         self.record(row, &report)
