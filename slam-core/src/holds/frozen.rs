@@ -243,8 +243,9 @@ impl<const S: usize> Frozen<S> {
         let Some(kept) = self.kept.get(sensor.index).copied() else { return };
         let off_m = off_m(range_m, kept.first);
         let variance_m2 = 2.0 * noise_m2;
-        if is_another((range_m, noise_m2), kept.first) {
-            self.change(sensor.index, true, view.fits);
+        let was_near = is_near(sensor.limits, f32::from(kept.first) * (1.0 / PER_M));
+        if was_near || is_another((range_m, noise_m2), kept.first) {
+            self.change(sensor.index, !was_near, view.fits);
             self.begin(sensor.index, range_m, view);
             return;
         }
@@ -272,7 +273,8 @@ impl<const S: usize> Frozen<S> {
     /// after a quarter turn on the spot: a wall is met at 45 degrees then, before it or after it, and of a corner the corner.
     fn weigh_near(&mut self, sensor: &Sensor, range: (f32, f32), view: &View<S>) {
         let Some(kept) = self.kept.get(sensor.index).copied() else { return };
-        let is_other = kept.first > 0 && is_another(range, kept.first);
+        let was_near = is_near(sensor.limits, f32::from(kept.first) * (1.0 / PER_M));
+        let is_other = kept.first > 0 && (!was_near || is_another(range, kept.first));
         self.stayed &= !(1 << (sensor.index & 15));
         if is_other {
             self.change(sensor.index, false, false);
