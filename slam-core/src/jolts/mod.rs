@@ -204,7 +204,8 @@ impl Jolts {
 
     /// A reason to look for one beside the filter: half of the last readings fit no wall.
     fn misfit(&self) -> Option<Trial> {
-        (2 * self.misfits() > READINGS as u32).then(|| Trial::new(0, LONG_AGO, Stage::Aside(Round::NEW)))
+        (2 * self.misfits() > READINGS as u32)
+            .then(|| Trial::new(self.recent.oldest(), LONG_AGO, Stage::Aside(Round::NEW)))
     }
 
     /// Number of the last readings that fit no wall.

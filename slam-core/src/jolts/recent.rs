@@ -14,10 +14,13 @@ use heapless::{Deque, Vec};
 /// Readings that are kept: of half of eight sensors three quarters of a second.
 pub const READINGS: usize = 20;
 
+/// Steps are told apart by so many bits, for four more name the sensor in the same number: 25 a second come round after four months.
+const STEPS: u32 = u32::MAX >> 4;
+
 /// A reading as it was made.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen {
-    /// Step in which it was made, times sixteen, and index of its sensor: in one number they are kept twenty times.
+    /// Step in which it was made, modulo [`STEPS`] + 1, times sixteen, and index of its sensor: in one number they are kept twenty times.
     made: u32,
     /// Where the robot was then, in the frame of dead reckoning.
     pub from: Pose,
@@ -89,6 +92,11 @@ impl Recent {
         let _ = self.0.push_back(seen);
     }
 
+    /// Step of the oldest one, modulo [`STEPS`] + 1: all are from it on.
+    pub fn oldest(&self) -> u32 {
+        self.0.front().map_or(0, |seen| seen.made >> 4)
+    }
+
     /// Those from this step on, in the map, of a robot that went as it is reckoned to have gone.
     pub fn since(&self, step: u32, moment: &Moment) -> Vec<Sighting, READINGS> {
         self.sightings(step, |seen| seen.in_map(moment))
@@ -101,7 +109,7 @@ impl Recent {
 
     fn sightings(&self, step: u32, in_map: impl Fn(&Seen) -> Sighting) -> Vec<Sighting, READINGS> {
         let mut found = Vec::new();
-        for seen in self.0.iter().filter(|seen| seen.made >> 4 >= step) {
+        for seen in self.0.iter().filter(|seen| seen.is_since(step)) {
             // There is room for all that are kept.
             let _ = found.push(in_map(seen));
         }
@@ -110,6 +118,11 @@ impl Recent {
 }
 
 impl Seen {
+    /// Whether it was made in this step or after it, which was not two months ago.
+    fn is_since(&self, step: u32) -> bool {
+        (self.made >> 4).wrapping_sub(step) & STEPS <= STEPS / 2
+    }
+
     /// Index of its sensor.
     pub fn sensor(&self) -> u8 {
         (self.made & 15) as u8
@@ -135,5 +148,29 @@ impl Seen {
         let arm = rotate([self.origin_m[0] - reckoned.x_m, self.origin_m[1] - reckoned.y_m]);
         let origin = [map.x_m + arm[0], map.y_m + arm[1]];
         Sighting { beam: Beam { arm, origin, direction: rotate(self.direction) }, seen: *self }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_come_round_and_what_is_later_stays_later() {
+        let seen = |step: u32| Seen {
+            made: step << 4 | 3,
+            from: Pose::ORIGIN,
+            origin_m: [0.0; 2],
+            direction: [1.0, 0.0],
+            range_m: 1.0,
+            sigma_m: 0.01,
+        };
+        for step in [20, STEPS - 5, STEPS, STEPS + 1, 5 * STEPS + 7, u32::MAX - 5] {
+            assert!(
+                seen(step).is_since(step) && seen(step + 5).is_since(step) && !seen(step - 1).is_since(step),
+                "{step}"
+            );
+            assert!(!seen(step - 20).is_since(step) && seen(step).sensor() == 3);
+        }
     }
 }
