@@ -25,6 +25,7 @@ static JOB: StaticCell<Job> = StaticCell::new();
 pub fn job(robot: BuiltIn) -> &'static mut Job {
     let job = JOB.init_with(Job::idle);
     job.explore(&robot.rig());
+    job.pause();
     job
 }
 

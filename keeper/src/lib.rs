@@ -64,6 +64,7 @@ pub struct Keeper<F> {
     /// Maps that the estimator began anew.
     restarts: u32,
     world: u32,
+    fresh: u8,
     tally: Place,
     incoming: Option<transfer::Incoming>,
     notes: PoseNotes,
@@ -91,6 +92,7 @@ impl<F: MapFlash> Keeper<F> {
             unsaved_m: 0.0,
             restarts: 0,
             world: 0,
+            fresh: 0,
             tally: Place::default(),
             incoming: None,
             notes: PoseNotes::default(),
@@ -140,6 +142,8 @@ impl<F: MapFlash> Keeper<F> {
     pub fn began_anew(&mut self) {
         self.locator.restart(if self.saved.is_some() { State::Searching } else { State::Tracking });
         self.unsaved_m = 0.0;
+        self.last = Pose::ORIGIN;
+        self.fresh = self.fresh.wrapping_add(1);
         self.world = self.world.wrapping_add(u32::from(self.saved.is_none()));
     }
 
@@ -157,6 +161,12 @@ impl<F: MapFlash> Keeper<F> {
     /// anew.
     pub fn world(&self) -> u32 {
         self.world
+    }
+
+    /// With another number, the map since the last start or lift begins elsewhere: in the dock, or where the robot was when somebody wished it
+    /// begun anew.
+    pub fn fresh(&self) -> u8 {
+        self.fresh
     }
 
     /// A corner of the areas in the kept map, one after the other from step to step; none where there are none.
@@ -275,7 +285,9 @@ impl<F: MapFlash> Keeper<F> {
                 }
             }
             Some(Event::Docked) => {
-                slam.begin_in_dock();
+                if slam.begin_in_dock() {
+                    self.fresh = self.fresh.wrapping_add(1);
+                }
                 self.restarts = slam.counters().restarts;
             }
             Some(Event::Copied(copy, found)) => {

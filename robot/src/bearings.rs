@@ -7,7 +7,7 @@
 //!                  job began in, where it was moved
 //! own   -> fresh   lost, and looked for itself for as long a path as what was swept is worth: all anew; home is here where it was
 //!                  carried, and else where it was: somebody pushed it aside
-//! fresh -> fresh   carried: all anew from here
+//! fresh -> fresh   carried, or that map begins elsewhere now: all anew from here
 //! own   -> own     the home was in it twice: what was swept meanwhile lies who knows where; all anew, home is where it was
 //! ```
 
@@ -38,6 +38,7 @@ pub(crate) struct Bearings {
     map: Option<Map>,
     world: Option<u32>,
     redrawn: Option<u32>,
+    fresh: u8,
     /// Path without knowing where it is in its own map, metres.
     searched_m: f32,
     /// Somebody lifted it, and it has not found itself since.
@@ -53,11 +54,12 @@ pub(crate) struct Bearings {
 
 impl Bearings {
     /// Before the first step.
-    pub(crate) fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self {
             map: None,
             world: None,
             redrawn: None,
+            fresh: 0,
             searched_m: 0.0,
             is_carried: false,
             last: None,
@@ -84,9 +86,14 @@ impl Bearings {
         senses: &Senses<S>,
         whereabouts: &Whereabouts,
     ) -> WheelSpeeds {
-        let Whereabouts { is_located, grid_rad, corner, .. } = *whereabouts;
+        let Whereabouts { is_located, grid_rad, corner, fresh, .. } = *whereabouts;
+        let begins_elsewhere = core::mem::replace(&mut self.fresh, fresh) != fresh;
+        if begins_elsewhere {
+            // Nothing links the two frames.
+            self.last = None;
+        }
         self.search(senses, whereabouts);
-        let map = self.choose_map(job, senses, whereabouts);
+        let map = self.choose_map(job, senses, whereabouts, begins_elsewhere);
         let is_lost = !is_located && map == Map::Own;
         let knows_areas = self.hear_areas(corner) && is_located;
         let bounds = if knows_areas { &self.bounds } else { &Bounds::NONE };
@@ -130,6 +137,7 @@ impl Bearings {
         job: &mut FloorJob<S>,
         senses: &Senses<S>,
         whereabouts: &Whereabouts,
+        begins_elsewhere: bool,
     ) -> Map {
         let Whereabouts { world, redrawn, is_located, start, reckoned, .. } = *whereabouts;
         let is_elsewhere = self.world.replace(world).is_some_and(|before| before != world);
@@ -145,7 +153,7 @@ impl Bearings {
                 job.go_on_in(&now_in_fresh, &senses.pose);
                 job.go_home_to(moved.unwrap_or(start));
             }
-            (Some(Map::Fresh), _) if senses.contacts.lifted => self.begin_anew(job, None),
+            (Some(Map::Fresh), _) if senses.contacts.lifted || begins_elsewhere => self.begin_anew(job, None),
             (Some(Map::Own), _) if !is_located && self.is_worth_less_than_the_search(job) => {
                 self.begin_anew(job, job.home().filter(|_| !self.is_carried));
             }
@@ -319,6 +327,31 @@ mod tests {
         let before_m2 = robot.swept_m2();
         robot.step(&Whereabouts { world: 1, ..FOUND });
         assert!(robot.swept_m2() < before_m2);
+    }
+
+    #[test]
+    fn where_a_fresh_map_begins_elsewhere_the_job_begins_anew() {
+        let mut robot = Robot::new();
+        (0..40).for_each(|_| {
+            robot.step(&LOST);
+        });
+        let before_m2 = robot.swept_m2();
+        assert!(before_m2 > 0.2, "{before_m2}");
+        robot.map = Pose::new(2.0, 0.0, 0.0);
+        let anew = Whereabouts { fresh: 1, ..LOST };
+        robot.step(&anew);
+        assert_eq!(robot.swept_m2(), 0.0);
+        robot.step(&anew);
+        robot.step(&anew);
+        assert!(robot.swept_m2() > 0.0);
+        // In the kept map it is no matter.
+        let mut robot = Robot::new();
+        (0..40).for_each(|_| {
+            robot.step(&FOUND);
+        });
+        let before_m2 = robot.swept_m2();
+        robot.step(&Whereabouts { fresh: 1, ..LOST });
+        assert_eq!(robot.swept_m2(), before_m2);
     }
 
     #[test]

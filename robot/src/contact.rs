@@ -21,7 +21,18 @@ pub struct Contacts {
 impl Contacts {
     /// Whether driving on is forbidden.
     pub fn any(&self) -> bool {
-        self.bump_left || self.bump_right || self.cliff || self.lifted
+        self.touches() || self.lifted
+    }
+
+    /// Whether it touches something, or is about to fall over: not where it is off the floor.
+    pub fn touches(&self) -> bool {
+        self.bump_left || self.bump_right || self.cliff
+    }
+
+    /// The same where something else stops it, too, which counts as straight ahead.
+    #[must_use]
+    pub(crate) fn or_stopped(self, is_stopped: bool) -> Self {
+        Self { bump_left: self.bump_left || is_stopped, bump_right: self.bump_right || is_stopped, ..self }
     }
 
     /// Whether something is touched that was not touched before.

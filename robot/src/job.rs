@@ -20,6 +20,8 @@ pub struct Whereabouts {
     pub world: u32,
     /// With another number, the home was in the map twice: the robot is elsewhere in it than it took itself to be for a while.
     pub redrawn: u32,
+    /// With another number, the map since the last start or lift begins elsewhere.
+    pub fresh: u8,
     /// The pose is in the frame of the kept map, or of the start where none is kept.
     pub is_located: bool,
     /// Direction of the walls' grid in the map frame, radians; none until it is known.
@@ -38,6 +40,7 @@ impl Whereabouts {
         kept: None,
         world: 0,
         redrawn: 0,
+        fresh: 0,
         is_located: true,
         grid_rad: None,
         start: Pose::ORIGIN,
@@ -79,7 +82,11 @@ pub struct Job<const S: usize> {
     /// What the floor job goes by.
     bearings: Bearings,
     /// The world, and whether the robot was located in it, as of the last step.
-    known: Option<(u32, u32, bool)>,
+    known: Option<(u32, u32, u8, bool)>,
+    /// The pilot stands until it is told to explore.
+    pauses: bool,
+    /// It stood in the last step.
+    paused: bool,
     /// How far what is to be known after a reset is written down.
     notes: Notes,
     lift: Lift,
@@ -88,7 +95,15 @@ pub struct Job<const S: usize> {
 impl<const S: usize> Job<S> {
     /// At nothing: it stands until it is told to explore or to clean.
     pub fn idle() -> Self {
-        Self { driver: Driver::Nobody, bearings: Bearings::new(), known: None, notes: Notes::NEW, lift: Lift::NONE }
+        Self {
+            driver: Driver::Nobody,
+            bearings: Bearings::new(),
+            known: None,
+            pauses: false,
+            paused: false,
+            notes: Notes::NEW,
+            lift: Lift::NONE,
+        }
     }
 
     /// One that explores in this manner.
@@ -126,6 +141,7 @@ impl<const S: usize> Job<S> {
 
     /// Explores: on with it, or from here where it did not.
     pub fn explore(&mut self, rig: &Rig<S>) {
+        self.pauses = false;
         if !matches!(self.driver, Driver::Pilot(_)) {
             self.begin_to_explore(PilotConfig::DEFAULT, rig);
         }
@@ -141,15 +157,22 @@ impl<const S: usize> Job<S> {
 
     /// Stands until it is told to go on.
     pub fn pause(&mut self) {
-        if let Driver::Floor(job) = &mut self.driver {
-            job.pause();
+        match &mut self.driver {
+            Driver::Nobody => {}
+            Driver::Pilot(_) => self.pauses = true,
+            Driver::Floor(job) => job.pause(),
         }
     }
 
     /// Writes down a piece of what is to be known of the floor after a reset, in the kept map of this number: in every step, all of it
-    /// in three seconds. A job that is over, or that goes by a map that is not there then, leaves nothing.
+    /// in three seconds. A job that is over, or that goes by a map that is not there then, leaves nothing, nor does one that was given up for
+    /// exploring.
     pub fn note(&mut self, map: Option<u32>, memory: &mut impl LastingMemory) {
-        let Driver::Floor(job) = &mut self.driver else { return };
+        let job = match &mut self.driver {
+            Driver::Floor(job) => job,
+            Driver::Pilot(_) if !self.pauses => return self.notes.wipe(memory),
+            Driver::Pilot(_) | Driver::Nobody => return,
+        };
         match map.filter(|_| self.bearings.is_worth_noting(job)) {
             Some(map) => {
                 job.note(map, &mut self.notes, memory);
@@ -212,7 +235,7 @@ impl<const S: usize> Job<S> {
 
     /// The wheel speeds until the next step.
     pub fn step(&mut self, senses: &Senses<S>, whereabouts: &Whereabouts) -> WheelSpeeds {
-        let now = (whereabouts.world, whereabouts.redrawn, whereabouts.is_located);
+        let now = (whereabouts.world, whereabouts.redrawn, whereabouts.fresh, whereabouts.is_located);
         let is_elsewhere = self.known.replace(now).is_some_and(|before| before != now);
         let contacts = Contacts { lifted: self.lift.step(senses.contacts.lifted), ..senses.contacts };
         let senses = &Senses { contacts, ..*senses };
@@ -222,7 +245,10 @@ impl<const S: usize> Job<S> {
                 if is_elsewhere {
                     pilot.forget();
                 }
-                pilot.step(senses)
+                if core::mem::replace(&mut self.paused, self.pauses) && !self.pauses {
+                    pilot.go_on(senses.time_us);
+                }
+                if self.pauses { WheelSpeeds::STOP } else { pilot.step(senses) }
             }
             Driver::Floor(job) => self.bearings.step(job, senses, whereabouts),
         }
@@ -291,5 +317,57 @@ mod tests {
         assert_eq!((robot.state(), robot.job.floor().unwrap().swept_m2), (Some(FloorState::Edge), 0.0));
         robot.job.explore(&default_rig());
         assert!(robot.state().is_none());
+    }
+
+    /// One that is told to stand plays no game with itself meanwhile, and goes on when it is told to.
+    #[test]
+    fn a_pilot_that_stood_for_an_hour_explores_at_once() {
+        let mut robot = Robot::new();
+        (0..100).for_each(|_| {
+            robot.step(&HERE);
+        });
+        robot.job.pause();
+        assert!((0..90_000).all(|_| robot.step(&HERE) == WheelSpeeds::STOP));
+        robot.job.explore(&default_rig());
+        assert!((0..50).any(|_| robot.step(&HERE).is_forward()));
+    }
+
+    /// Whether a robot that begins to clean in this kept map goes on with what is in the memory.
+    fn goes_on(map: u32, memory: &[u8; FLOOR_RECORD_BYTES]) -> Result<(), FloorRecordError> {
+        Job::<8>::cleaning(FloorConfig::DEFAULT, &default_rig()).restore(map, memory)
+    }
+
+    #[test]
+    fn a_floor_is_forgotten_where_the_robot_explores_instead() {
+        let (mut robot, mut memory) = (Robot::new(), [0; FLOOR_RECORD_BYTES]);
+        robot.job.clean(&default_rig(), true);
+        for _ in 0..200 {
+            robot.step(&HERE);
+            robot.job.note(Some(7), &mut memory);
+        }
+        assert_eq!(goes_on(7, &memory), Ok(()));
+        // After a reset, nobody told the robot anything yet.
+        let mut robot = Robot::new();
+        robot.job.pause();
+        robot.job.note(Some(7), &mut memory);
+        assert_eq!(goes_on(7, &memory), Ok(()));
+        robot.job.explore(&default_rig());
+        robot.job.note(Some(7), &mut memory);
+        assert_eq!(goes_on(7, &memory), Err(FloorRecordError::Nothing));
+    }
+
+    /// The map is saved where the robot stands, and its power may go right after that.
+    #[test]
+    fn a_floor_is_that_of_the_map_that_was_saved_last() {
+        let (mut robot, mut memory) = (Robot::new(), [0; FLOOR_RECORD_BYTES]);
+        robot.job.clean(&default_rig(), true);
+        for (map, steps) in [(7, 200), (8, 1), (8, 20), (9, 1), (9, 200)] {
+            for _ in 0..steps {
+                robot.step(&HERE);
+                robot.job.note(Some(map), &mut memory);
+            }
+            let kept = [7, 8, 9].map(|other| goes_on(other, &memory).is_ok());
+            assert_eq!(kept, [7, 8, 9].map(|other| other == map), "{steps} steps in {map}");
+        }
     }
 }

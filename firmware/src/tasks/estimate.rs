@@ -132,6 +132,7 @@ fn whereabouts<F: MapFlash>(slam: &RobotSlam, keeper: &mut Keeper<F>) -> Whereab
         kept: keeper.kept(),
         world: keeper.world(),
         redrawn: slam.counters().second_copies,
+        fresh: keeper.fresh(),
         is_located: keeper.is_located(),
         grid_rad: slam.alpha().map(|(alpha_rad, _)| alpha_rad),
         start: slam.start_pose(),

@@ -53,6 +53,8 @@ pub struct Life {
     was_carried: bool,
     /// Counts the areas that were drawn: with others, the robot is in another world.
     world: u32,
+    /// Counts where the fresh map began anew in the dock.
+    fresh: u8,
     last: Pose2,
     searches: Vec<Searched>,
     places: Vec<Hypothesis>,
@@ -75,6 +77,7 @@ impl Life {
             is_docked: false,
             was_carried: false,
             world: 0,
+            fresh: 0,
             last: Pose2::default(),
             searches: Vec::new(),
             places: Vec::new(),
@@ -123,6 +126,11 @@ impl Life {
     /// With another number, nothing is any more where it was.
     pub fn world(&self) -> u32 {
         self.world
+    }
+
+    /// With another number, the map since the last start or lift begins elsewhere.
+    pub fn fresh(&self) -> u8 {
+        self.fresh
     }
 
     /// A corner of the areas in the map, one after the other from step to step; none where there are none, or the robot is not
@@ -280,6 +288,7 @@ impl Life {
             }
             Some(Event::Docked) => {
                 let is_new_frame = slam.begin_in_dock();
+                self.fresh = self.fresh.wrapping_add(is_new_frame.into());
                 self.restarts = slam.counters().restarts;
                 self.places.clear();
                 return is_new_frame;

@@ -94,6 +94,7 @@ impl Session {
             kept: None,
             world: self.life.world(),
             redrawn: slam.counters().second_copies,
+            fresh: self.life.fresh(),
             is_located: self.life.is_located(),
             grid_rad: slam.alpha().map(|(alpha_rad, _)| alpha_rad),
             start: slam.start_pose(),

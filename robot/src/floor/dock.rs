@@ -32,6 +32,9 @@ const PRESS_M: f32 = 0.1;
 const TOUCH_US: u64 = 1_500_000;
 /// No part of docking takes longer, microseconds.
 const LONGEST_US: u64 = 20_000_000;
+/// A battery is full after so long in the dock, whatever its gauge shows, microseconds: one that reads 3 % low never shows it. Lithium cells
+/// take three hours.
+const CHARGE_US: u64 = 4 * 3600 * 1_000_000;
 /// Three tries make a round: at the dock's middle, and beside it to either side, in the first round by so much, metres: the contacts of a dock
 /// meet a few centimetres to each side of it. A pose is off by a centimetre or two, and by more after a kick, but the readings of each
 /// try make it better.
@@ -198,13 +201,19 @@ impl<const S: usize> FloorJob<S> {
     pub(super) fn charge(&mut self, condition: &Condition, now_us: u64) -> (f32, f32) {
         if !condition.is_charging {
             self.begin(Phase::Dock { stage: Stage::Pressing, tries: 0 }, now_us);
-        } else if self.battery_v.is_nan() || self.battery_v > self.config.full_v {
+        } else if self.is_charged(now_us) {
             self.errand = Errand::FIRST;
             // What barred its ways before may be gone.
             self.retries = 0;
             self.begin(Phase::Undock, now_us);
         }
         (0.0, 0.0)
+    }
+
+    /// Whether the battery is full, as far as that is known: one that never shows it is after so long.
+    pub(super) fn is_charged(&self, now_us: u64) -> bool {
+        let has_time = now_us.saturating_sub(self.since_us) <= CHARGE_US;
+        self.battery_v.is_nan() || self.battery_v > self.config.full_v || !has_time
     }
 
     /// Whether it is over for want of charge: home without a dock to charge in, or on the way with an empty battery.

@@ -7,6 +7,7 @@ use super::astray::{Astray, towards};
 use super::near::free_ahead_m;
 use super::wave::Aim;
 use super::{FloorJob, Phase};
+use crate::condition::Condition;
 use crate::pilot::Senses;
 use crate::traits::WheelSpeeds;
 
@@ -163,17 +164,22 @@ impl<const S: usize> FloorJob<S> {
         self.sheet.picture.doubt_obstacles();
     }
 
-    /// Off the floor the robot stands; on it, it goes along walls until it is located, after a lap along others.
+    /// Off the floor the robot stands, and in its dock until the battery is full; else it goes along walls until it is located, after a lap
+    /// along others.
     pub(super) fn find_oneself(&mut self, senses: &Senses<S>) -> WheelSpeeds {
         if senses.contacts.lifted || self.phase != Phase::Lost || self.insistence.is_for_good() {
             return WheelSpeeds::STOP;
         }
         let pose = senses.pose;
         let now_us = senses.time_us;
+        let Condition { is_charging, is_stalled, .. } = senses.condition;
+        if is_charging && !self.is_charged(now_us) {
+            return WheelSpeeds::STOP;
+        }
         self.feel(senses, &pose, None);
         let turned_rad = self.last.replace(pose).map_or(0.0, |last| wrap(pose.theta_rad - last.theta_rad));
         let along = self.hug().along(self.near.seen_from(&pose, now_us), 1.0);
-        let shy = self.shy(&senses.contacts, &pose, now_us);
+        let shy = self.shy(&senses.contacts.or_stopped(is_charging || is_stalled), &pose, now_us);
         let drive = &self.config.drive;
         let free_m = free_ahead_m(self.near.seen_from(&pose, now_us), drive.radius_m);
         let across = self.astray.heading_rad(turned_rad, &pose, free_m);

@@ -261,14 +261,14 @@ impl<const S: usize> FloorJob<S> {
             return WheelSpeeds::STOP;
         }
         self.watch_battery(&senses.condition, senses.time_us);
-        self.insistence.step(senses.contacts.any() && self.phase.gets_away());
+        self.insistence.step(senses.contacts.touches() && self.phase.gets_away());
         if !self.is_located(senses) {
             return self.find_oneself(senses);
         }
         if self.home.is_none() {
             self.home = Some(senses.pose);
             self.has_dock = senses.condition.is_charging;
-            if self.has_dock {
+            if self.has_dock && self.phase != Phase::Paused {
                 self.begin(Phase::Undock, senses.time_us);
             }
         }

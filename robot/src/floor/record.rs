@@ -139,6 +139,13 @@ fn serial_in(mut said: impl Iterator<Item = u8>) -> u16 {
     u16::from_le_bytes([0; SERIAL].map(|_| said.next().unwrap_or(0)))
 }
 
+/// Whether a head with this serial is that of another kept map.
+fn is_of_other_map(mut said: impl Iterator<Item = u8>, serial: u16, map: u32) -> bool {
+    let mut word = || [0_u8; 4].map(|_| said.next().unwrap_or(0));
+    let [low, high, ..] = word();
+    u16::from_le_bytes([low, high]) == serial && word() != map.to_le_bytes()
+}
+
 impl<const S: usize> FloorJob<S> {
     /// Writes a piece of what is to be known after a reset, in the kept map of this number; true where that was the last one.
     pub(crate) fn note(&mut self, map: u32, notes: &mut Notes, memory: &mut impl LastingMemory) -> bool {
@@ -147,14 +154,17 @@ impl<const S: usize> FloorJob<S> {
             (notes.last, notes.row) = (Some((number, serial.wrapping_add(1).max(1))), 0);
             return false;
         }
-        if usize::try_from(notes.row).is_ok_and(|row| row < CELLS) {
+        // Where the map was saved since, the floor as it is written down is that in the new one, too.
+        let is_saved_anew = notes.is_there && is_of_other_map(HEADS.said(number, memory), serial, map);
+        if !is_saved_anew && usize::try_from(notes.row).is_ok_and(|row| row < CELLS) {
             self.note_row(notes.row, serial, memory);
             notes.row += 1;
             return false;
         }
         self.note_head(map, number.wrapping_add(1), serial, memory);
-        *notes = Notes { last: Some((number.wrapping_add(1), serial)), is_there: true, row: 0 };
-        true
+        let row = if is_saved_anew { notes.row } else { 0 };
+        *notes = Notes { last: Some((number.wrapping_add(1), serial)), is_there: true, row };
+        !is_saved_anew
     }
 
     /// Writes all of it into a memory of its own.

@@ -196,6 +196,64 @@ fn a_robot_that_comes_back_into_its_dock_backs_off() {
     assert!(robot.in_vain_m < 0.05, "{} m", robot.in_vain_m);
 }
 
+/// One that does not know where it is presses on no more than one that does.
+#[test]
+fn a_lost_robot_whose_wheels_stall_backs_off() {
+    let mut job: FloorJob<8> = FloorJob::new(FloorConfig::default(), &crate::rig::default_rig());
+    let mut step = 0;
+    let mut drive = |is_stalled: bool| {
+        step += 1;
+        let condition = Condition { is_lost: true, is_stalled, ..Condition::default() };
+        let (pose, contacts) = (Pose::ORIGIN, Contacts::default());
+        job.step(&Senses { time_us: 40_000 * step, pose, ranges_m: [None; 8], contacts, condition })
+    };
+    assert!(drive(false).is_forward());
+    assert!((0..10).all(|_| drive(true).left_mps < 0.0));
+    // It goes on another way.
+    assert!((0..50).map(|_| drive(false)).any(|speeds| speeds.left_mps < 0.0 && speeds.right_mps > 0.0));
+    assert!((0..50).any(|_| drive(false).is_forward()));
+}
+
+#[test]
+fn a_lost_robot_that_is_put_into_its_dock_charges_and_backs_out() {
+    let mut job: FloorJob<8> = FloorJob::new(FloorConfig::default(), &crate::rig::default_rig());
+    let mut step = 0;
+    let mut drive = |seconds: u64, is_lost: bool, is_charging: bool, battery_v: f32| {
+        let mut speeds = WheelSpeeds::STOP;
+        for _ in 0..25 * seconds {
+            step += 1;
+            let condition = Condition { is_lost, is_charging, battery_v: Some(battery_v), ..Condition::default() };
+            let (pose, contacts) = (Pose::new(1.0, 0.0, 0.0), Contacts::default());
+            speeds = job.step(&Senses { time_us: 40_000 * step, pose, ranges_m: [None; 8], contacts, condition });
+        }
+        speeds
+    };
+    drive(2, false, false, 11.0);
+    drive(10, true, false, 11.0);
+    assert_eq!(drive(600, true, true, 11.0), WheelSpeeds::STOP);
+    assert!(drive(20, true, true, 12.5).left_mps < 0.0, "charged");
+}
+
+/// A gauge that reads too little never shows a full battery.
+#[test]
+fn charging_ends() {
+    let mut robot = Docked::new();
+    robot.drive(0..60, 12.0);
+    assert!(robot.drive(60..330, 10.4));
+    assert_eq!(robot.job.state(), FloorState::Charging);
+    assert!(robot.drive(330..4 * 3600, 12.1) && robot.job.state() == FloorState::Charging);
+    robot.drive(4 * 3600..4 * 3600 + 600, 12.1);
+    assert_ne!(robot.job.state(), FloorState::Charging);
+}
+
+#[test]
+fn one_that_is_paused_stands_in_a_dock_that_it_is_put_into() {
+    let mut robot = Docked::new();
+    robot.job.pause();
+    assert!(robot.drive(0..200, 12.0));
+    assert_eq!((robot.job.state(), robot.at), (FloorState::Paused, Pose::default()));
+}
+
 #[test]
 fn a_dock_is_found_where_its_place_in_the_map_is_off() {
     for off_m in [[0.0, 0.0], [0.03, 0.02], [0.0, -0.07], [-0.08, 0.12], [0.1, -0.15], [0.12, 0.2]] {

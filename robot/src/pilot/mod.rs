@@ -175,6 +175,15 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
         self.look_anew();
     }
 
+    /// Goes on after a pause, in which somebody may have carried it.
+    pub(crate) fn go_on(&mut self, now_us: u64) {
+        self.confinement.forget();
+        self.insistence = Insistence::NONE;
+        self.patience.renew(now_us);
+        (self.activity, self.since_us, self.moving_us) = (Activity::Wandering, now_us, now_us);
+        self.look_anew();
+    }
+
     /// What the pilot is doing.
     pub fn activity(&self) -> Activity {
         self.activity
@@ -220,7 +229,7 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
         if is_stopped && !matches!(self.activity, Activity::BackingOff | Activity::Stuck) {
             self.touch(senses);
         }
-        self.insistence.step(senses.contacts.any());
+        self.insistence.step(senses.contacts.touches());
         let elapsed_us = senses.time_us.saturating_sub(self.since_us);
         match self.activity {
             Activity::BackingOff => {

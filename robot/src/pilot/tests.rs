@@ -121,3 +121,18 @@ fn the_end_of_time_is_a_time() {
         assert!(speeds.left_mps.is_finite());
     }
 }
+
+/// In somebody's hands nothing is touched for good.
+#[test]
+fn a_robot_that_was_carried_about_explores_where_it_is_set_down() {
+    let mut pilot = pilot();
+    let lifted = Contacts { lifted: true, ..Contacts::default() };
+    let mut drive = |steps: core::ops::Range<u64>, contacts| {
+        steps
+            .map(|step| pilot.step(&senses(step * 40_000, Pose::default(), [Some(1.0); 8], contacts)))
+            .any(|speeds| speeds.is_forward())
+    };
+    drive(0..50, Contacts::default());
+    drive(50..800, lifted);
+    assert!(drive(800..900, Contacts::default()));
+}
