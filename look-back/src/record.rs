@@ -29,8 +29,10 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         let moved = slam.last_motion();
         self.travel(&Increment { forward_m: moved.x_m, left_m: moved.y_m, turn_rad: moved.theta_rad });
         self.pass(slam, report.dt_s);
-        if waits || self.is_due() {
-            self.begin_keyframe(&slam.filter_pose());
+        match slam.lost_motion() {
+            Some(by) => self.lose_motion(by, &slam.filter_pose()),
+            None if waits || self.is_due() => self.begin_keyframe(&slam.filter_pose()),
+            None => {}
         }
         if let Some(alpha_rad) = slam.filter_alpha() {
             self.grid(alpha_rad);
@@ -50,7 +52,9 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
                 *last_m = reading.range_m.unwrap_or(before_m);
                 before_m
             });
-            let known = Known { gain: slam.gain(number), last_m, output_level: slam.output_level() };
+            // What the sensor reported, before the filter's gain, where gains are found here, too.
+            let reported = if self.gains.of(number as u8).is_some() { slam.gain(number) } else { 1.0 };
+            let known = Known { gain: slam.gain(number), reported, last_m, output_level: slam.output_level() };
             if let Some(hit) = hit(&robot, &known, number as u8, sensor, reading) {
                 self.hit(&hit);
             }
@@ -69,6 +73,16 @@ const JOLTED_BY: [f32; 2] = [JOLT[0], JOLT[2]];
 const FOUND_OUT_M: f32 = 0.5;
 
 impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
+    /// The motion of the last step was lost: the robot, whose pose the filter has, is off by so much, 1-sigma, metres and radians. What was
+    /// seen before it was seen from where the robot was.
+    pub(crate) fn lose_motion(&mut self, by: [f32; 2], filter: &Pose) {
+        self.drop_ahead();
+        if let Some(last) = self.keyframes.last_mut() {
+            last.lose(by);
+        }
+        self.begin_keyframe(filter);
+    }
+
     /// The robot was found elsewhere in the same map: how it came there the odometry did not sense, nor what it did before that was
     /// found out. `filter` is the filter's pose there.
     pub(crate) fn go_on_elsewhere(&mut self, filter: &Pose, displaced: Displaced) {
@@ -107,6 +121,8 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
 pub(crate) struct Known {
     /// Its gain.
     pub gain: f32,
+    /// What a range is to be multiplied by for the diary.
+    pub reported: f32,
     /// What it read last, metres.
     pub last_m: f32,
     /// Factor of the variance of its output, where it is an analogue one.
@@ -116,7 +132,7 @@ pub(crate) struct Known {
 /// What a reading ended on, seen from the robot; none where it ended on nothing.
 pub(crate) fn hit(
     robot: &Frame,
-    &Known { gain, last_m, output_level }: &Known,
+    &Known { gain, reported, last_m, output_level }: &Known,
     number: u8,
     sensor: &RangeSensor,
     reading: &ReadingReport,
@@ -140,8 +156,7 @@ pub(crate) fn hit(
         }
     };
     let [x, y] = [sensor.mount.x_m, sensor.mount.y_m];
-    // What the sensor reported, before the filter's gain: gains are found here, too.
-    let end_m = [x + gain * (end_m[0] - x), y + gain * (end_m[1] - y)];
+    let end_m = [x + reported * (end_m[0] - x), y + reported * (end_m[1] - y)];
     Some(Hit { from_m: [x, y], end_m, variance_m2, alike, sensor: number, wall })
 }
 

@@ -154,6 +154,11 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.drive.last_motion
     }
 
+    /// How far off the robot is, 1-sigma, metres and radians, where the motion of the last step was lost.
+    pub fn lost_motion(&self) -> Option<[f32; 2]> {
+        self.drive.step.lost_by()
+    }
+
     /// Factor of the variance of the position in motion, as it was learned: of what the rig states and slips add to it.
     pub fn position_level(&self) -> f32 {
         self.levels.position.factor()

@@ -106,6 +106,8 @@ pub struct Step {
     pub dead_reckoning: Pose2,
     /// The same, the way that the ranges tell, and not moved by wheels that turn while something holds the robot.
     pub sensed: Pose2,
+    /// How far off that is of this step, 1-sigma, metres and radians, where its motion was lost.
+    pub lost: Option<[f32; 2]>,
     /// True pose, where known at this time and to be had in a frame of the drive's.
     pub truth: Option<Pose2>,
     /// Number of walls in the map.

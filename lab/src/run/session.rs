@@ -191,6 +191,7 @@ impl Session {
             alpha: self.slam.alpha(),
             dead_reckoning: self.slam.dead_reckoning().into(),
             sensed: sensed.compose(&self.slam.last_motion().into()),
+            lost: self.slam.lost_motion(),
             truth: row.truth.filter(|_| !self.life.is_carried()),
             searching: !self.life.is_located(),
             carried: self.life.is_carried(),

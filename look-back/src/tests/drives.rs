@@ -91,6 +91,22 @@ fn a_drive_goes_on_where_the_robot_is_found_elsewhere() {
     }
 }
 
+/// A log that has no motion for a while says nothing of where the robot went meanwhile.
+#[test]
+fn a_drive_goes_on_after_a_motion_that_was_lost() {
+    for seed in 1..=4 {
+        let (mut robot, mut diary) = (Robot::new(seed), SmallDiary::new(&DRIVE, Pose::ORIGIN));
+        robot.drive(&mut diary, 300);
+        robot.kick([0.3, 0.1, 0.3], [-0.3, -0.1, -0.3]);
+        diary.lose_motion([0.3, 0.3], &robot.reckoned);
+        robot.drive(&mut diary, 300);
+        assert_eq!(finish(&mut Small::new(), &mut diary, u32::MAX), Progress::Done);
+        let (pose_m, wall_m, walls) = errors(&robot, &diary);
+        assert!(pose_m < 0.03 && wall_m < 0.03, "seed {seed}: {pose_m} {wall_m}");
+        assert_eq!(walls, 4, "seed {seed}");
+    }
+}
+
 #[test]
 fn hours_fit_and_are_no_worse_than_minutes() {
     let (mut robot, mut diary) = (Robot::new(3), SmallDiary::new(&DRIVE, Pose::ORIGIN));

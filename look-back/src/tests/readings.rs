@@ -1,8 +1,10 @@
 //! What a reading's noise is told by.
 
-use slam_core::{Mount, Outcome, Pose, RangeModel, RangeSensor, ReadingReport};
+use slam_core::{Mount, Outcome, Pose, RangeModel, RangeSensor, ReadingReport, Rig};
 
+use super::drive::DRIVE;
 use crate::frame::Frame;
+use crate::gains::Gains;
 use crate::record::{Known, expected_m, hit};
 
 fn sensor(model: RangeModel) -> RangeSensor {
@@ -15,7 +17,7 @@ fn read(range_m: f32, outcome: Outcome) -> ReadingReport {
 }
 
 fn known(gain: f32, last_m: f32, output_level: f32) -> Known {
-    Known { gain, last_m, output_level }
+    Known { gain, reported: gain, last_m, output_level }
 }
 
 /// The first readings of a drive are of no wall yet, and tell where the start is.
@@ -65,4 +67,21 @@ fn readings_of_no_wall_near_the_largest_range_are_not_kept() {
     };
     assert!(kept(&sharp, 1.2, Outcome::Unexplained) && !kept(&sharp, 1.49, Outcome::Unexplained));
     assert!(kept(&sharp, 1.49, met) && kept(&metric, 1.49, Outcome::Unexplained));
+}
+
+/// A gain that the look back does not look for stays corrected: that of a sensor past those which it has room for.
+#[test]
+fn hits_are_where_the_gain_has_them_that_is_not_looked_for() {
+    let sensor = sensor(RangeModel::Metric { noise_m: 0.01, noise_rel: 0.0 });
+    let robot = Frame::of(&Pose::ORIGIN);
+    let reading = ReadingReport { hit_m: Some([1.1, 0.0]), ..read(1.0, Outcome::Unexplained) };
+    let end_m = |reported| {
+        let known = Known { reported, ..known(1.05, 0.0, 1.0) };
+        hit(&robot, &known, 8, &sensor, &reading).expect("a hit").end_m[0]
+    };
+    assert_eq!(end_m(1.0), 1.1);
+    assert!(end_m(1.05) > 1.14);
+    let sensors = core::iter::repeat_n(sensor, 10).collect();
+    let rig = Gains::of_rig::<16>(&Rig { drive: DRIVE, adc: None, sensors });
+    assert_eq!([7, 8].map(|sensor| rig.of(sensor).is_some()), [true, false]);
 }

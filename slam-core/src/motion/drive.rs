@@ -119,7 +119,7 @@ impl Drive {
         let driven = if way.is_reversed { logged.map(|travel| travel.reversed()) } else { logged };
         let step = match &driven {
             Some(travel) => self.real_step(model, settings, travel, dt_s, &factors),
-            None => self.step.lost(),
+            None => self.step.lost(dt_s),
         };
         // What holds it gives way by what the wheels' noise is.
         let mut step = if way.is_held { Step { noise: step.noise, ..Step::STILL } } else { step };

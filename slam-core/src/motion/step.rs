@@ -14,6 +14,16 @@ use crate::sample::Increment;
 /// Distance of a beam's middle from the robot, metres, by which turns move it.
 pub const MIDDLE_M: f32 = 0.5;
 
+/// For so long a robot goes on as before, or stands, seconds.
+const LIKE_BEFORE_S: f32 = 0.2;
+
+/// What a cleaning robot does in a second, metres and radians.
+const FAST_M_S: f32 = 0.5;
+const FAST_RAD_S: f32 = 1.0;
+
+/// 1-sigma of a heading that is any: that of all between minus and plus half a turn.
+const ANY_RAD: f32 = 1.8138;
+
 /// Calibration factors in use, and where their derivatives go.
 #[derive(Clone, Copy, Debug)]
 pub struct Factor {
@@ -63,14 +73,22 @@ impl Step {
         self.path_m + MIDDLE_M * self.increment.turn_rad.abs()
     }
 
-    /// What is known of the step after this one when its motion is lost: the robot stood or went on as before, so it is
-    /// where it was, give or take that much: at least a centimetre and a degree, at most what a cleaning robot does in a
-    /// fifth of a second.
-    pub fn lost(&self) -> Self {
-        let along = self.path_m.clamp(0.01, 0.1);
-        let turn = self.increment.turn_rad.abs().clamp(0.02, 0.2);
+    /// What is known of the step after this one, of so many seconds, when its motion is lost: the robot stood or went on as before, so
+    /// it is where it was, give or take that much: at least a centimetre and a degree, at most what a cleaning robot does in a fifth of a
+    /// second. In the time beyond that it may have done what it can.
+    pub fn lost(&self, dt_s: f32) -> Self {
+        let beyond_s = (dt_s - LIKE_BEFORE_S).max(0.0);
+        let along = self.path_m.clamp(0.01, LIKE_BEFORE_S * FAST_M_S) + beyond_s * FAST_M_S;
+        let turn = self.increment.turn_rad.abs().clamp(0.02, LIKE_BEFORE_S * FAST_RAD_S) + beyond_s * FAST_RAD_S;
+        let turn = turn.min(ANY_RAD);
         let noise = [[along * along, 0.0, 0.0], [0.0, along * along, 0.0], [0.0, 0.0, turn * turn]];
         Self { noise, path_m: along, ..Self::default() }
+    }
+
+    /// How far off the robot is after a motion that was lost, 1-sigma, metres and radians; none of one that was not.
+    pub fn lost_by(&self) -> Option<[f32; 2]> {
+        let is_lost = self.path_m > 0.0 && self.increment == Increment::default();
+        is_lost.then(|| [self.noise[0][0], self.noise[2][2]].map(float::sqrtf))
     }
 
     /// No motion.
@@ -97,7 +115,11 @@ pub fn start_variance(drive: &DriveModel) -> [f32; 3] {
 /// sin(h) / h and its derivative, for the half turn h of one step.
 fn sinc(h: f32) -> (f32, f32) {
     let h2 = h * h;
-    // To 2e-4 at the largest half turn, and far better at those that occur.
+    if h2 > 2.0 {
+        let (sin, cos) = sin_cos(h);
+        return (sin / h, (cos - sin / h) / h);
+    }
+    // To 2e-5, and far better at the half turns that occur.
     let value = 1.0 - h2 * (1.0 / 6.0 - h2 * (1.0 / 120.0 - h2 * (1.0 / 5040.0)));
     (value, -h * (1.0 / 3.0 - h2 * (1.0 / 30.0 - h2 * (1.0 / 840.0))))
 }

@@ -9,8 +9,10 @@ const MAX_SPEED_M_S: f32 = 10.0;
 /// Longest time over which that limit is taken, seconds: ten metres between two samples are no drive any more.
 const MAX_STEP_S: f32 = 1.0;
 
-/// Largest turn between two samples, radians: beyond a half the encoders cannot tell which way it was.
+/// Largest turn between two samples, radians, and in a second, where that is more: who turns farther has a wheel's counter broken, or was
+/// logged with a pose that cannot tell which way round it was.
 const MAX_TURN_RAD: f32 = core::f32::consts::PI;
+const MAX_TURN_RAD_S: f32 = 2.0 * MAX_TURN_RAD;
 
 /// Travel of the two wheels, or a body-frame increment, before calibration.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,6 +99,8 @@ impl Encoders {
     /// Travel since the last sample, nothing for the first one; none where the input is not a motion of this drive.
     pub fn travel(&mut self, drive: &DriveModel, motion: &Motion, dt_s: f32) -> Option<Travel> {
         let limit_m = MAX_SPEED_M_S * dt_s.clamp(0.01, MAX_STEP_S);
+        // Wheels count turns beyond half of one, too.
+        let limit_rad = MAX_TURN_RAD.max(MAX_TURN_RAD_S * dt_s.min(MAX_STEP_S));
         match (drive, motion) {
             (DriveModel::Wheels { metres_per_tick, track_m, .. }, Motion::Ticks(now)) => {
                 let last = self.last.replace(*now).unwrap_or(*now);
@@ -104,7 +108,7 @@ impl Encoders {
                 let right_m = now.right.wrapping_sub(last.right) as f32 * metres_per_tick;
                 let possible = left_m.abs() <= limit_m
                     && right_m.abs() <= limit_m
-                    && (right_m - left_m).abs() <= MAX_TURN_RAD * track_m;
+                    && (right_m - left_m).abs() <= limit_rad * track_m;
                 possible.then_some(Travel::Wheels { left_m, right_m })
             }
             (DriveModel::Odometry { .. }, Motion::Increment(i)) => {

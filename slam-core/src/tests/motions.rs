@@ -181,6 +181,38 @@ fn a_jump_that_no_robot_makes_is_no_motion_and_the_next_step_starts_after_it() {
     assert_eq!(travelled(&mut encoders, i32::MIN, 6), None);
 }
 
+/// Wheels count on where no row comes for a while.
+#[test]
+fn more_than_half_a_turn_in_a_pause_is_a_motion_and_ends_where_its_arc_does() {
+    let turned = |turn_rad: f64, dt_s: f32| {
+        let half = libm::round(0.5 * TRACK_M * turn_rad / 0.000_445) as i32;
+        let mut encoders = Encoders::default();
+        let _ = encoders.travel(&WHEELS, &ticks(0, 0), dt_s);
+        encoders.travel(&WHEELS, &ticks(500 - half, 500 + half), dt_s)
+    };
+    assert!(turned(4.5, 0.04).is_none() && turned(4.5, 3.0).is_some() && turned(7.0, 3.0).is_none());
+    for turn_rad in [-6.0, -2.9, 0.5, 2.7, 2.9, 4.5] {
+        let travel = turned(turn_rad, 3.0).expect("a motion");
+        let Increment { forward_m, left_m, turn_rad } = step(&WHEELS, &travel, &factors([1.0; 3])).increment;
+        let (turn, distance) = (f64::from(turn_rad), 500.0 * 0.000_445);
+        let off_m = f64::from(forward_m) - distance * turn.sin() / turn;
+        let aside_m = f64::from(left_m) - distance * (1.0 - turn.cos()) / turn;
+        assert!(off_m.abs() < 1e-5 && aside_m.abs() < 1e-5, "{turn_rad}: {off_m} {aside_m}");
+    }
+}
+
+/// In a second without its motion a robot goes as far as it can.
+#[test]
+fn the_longer_a_motion_was_lost_the_less_is_known_of_where_it_led() {
+    let lost = |dt_s: f32| Step { path_m: 0.01, ..Step::default() }.lost(dt_s).lost_by().expect("it is lost");
+    assert_eq!(lost(0.04), lost(0.2));
+    assert!(lost(0.04)[0] < 0.02 && lost(0.04)[1] < 0.03, "{:?}", lost(0.04));
+    assert!((0.4..0.5).contains(&lost(1.0)[0]) && (0.7..0.9).contains(&lost(1.0)[1]), "{:?}", lost(1.0));
+    assert!(lost(60.0)[1] < 2.0, "a heading that is any");
+    let driven = step(&WHEELS, &Travel::Wheels { left_m: 0.01, right_m: 0.02 }, &factors([1.0; 3]));
+    assert!(driven.lost_by().is_none() && Step::STILL.lost_by().is_none());
+}
+
 #[test]
 fn a_motion_of_the_wrong_kind_or_not_a_number_is_no_motion() {
     let increment = |forward_m, left_m, turn_rad| Motion::Increment(Increment { forward_m, left_m, turn_rad });

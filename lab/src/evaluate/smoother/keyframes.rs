@@ -9,14 +9,18 @@ const SPACING_M: f64 = 0.25;
 const SPACING_RAD: f64 = 0.2;
 
 /// What the odometry sensed from one keyframe to the next.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Stretch {
     /// In the frame of the first.
     pub motion: Pose2,
     /// Length of the path, metres.
     pub path_m: f64,
+    /// How far forward it went, back taken off, metres.
+    pub ahead_m: f64,
     /// All turning, radians, either way.
     pub turning_rad: f64,
+    /// How far off its end is, 1-sigma, metres and radians, where the motion was lost.
+    pub lost: [f64; 2],
 }
 
 /// Which steps are keyframes.
@@ -31,21 +35,34 @@ impl Keyframes {
     /// Of a record; the first step and the last are among them.
     pub fn of(recording: &Recording) -> Self {
         let (mut steps, mut stretches) = (Vec::new(), Vec::new());
-        let (mut path_m, mut turning_rad) = (0.0, 0.0);
+        let mut so_far = Stretch::default();
         for (index, step) in recording.steps.iter().enumerate() {
             let Some(&begin) = steps.last() else {
                 steps.push(index);
                 continue;
             };
             let moved = recording.steps[index - 1].sensed.relative(&step.sensed);
-            path_m += moved.x_m.hypot(moved.y_m);
-            turning_rad += moved.theta_rad.abs();
+            let mut close = |begin: usize, end: usize, stretch: Stretch| {
+                let motion = recording.steps[begin].sensed.relative(&recording.steps[end].sensed);
+                stretches.push(Stretch { motion, ..stretch });
+                steps.push(end);
+            };
+            if let Some(lost) = step.lost {
+                // Neither what came before nor what comes after is off by what was lost.
+                if begin + 1 < index {
+                    close(begin, index - 1, so_far);
+                }
+                close(index - 1, index, Stretch { lost: lost.map(f64::from), ..Stretch::default() });
+                so_far = Stretch::default();
+                continue;
+            }
+            so_far.path_m += moved.x_m.hypot(moved.y_m);
+            so_far.ahead_m += moved.x_m;
+            so_far.turning_rad += moved.theta_rad.abs();
             let is_last = index + 1 == recording.steps.len();
-            if path_m >= SPACING_M || turning_rad >= SPACING_RAD || is_last {
-                let motion = recording.steps[begin].sensed.relative(&step.sensed);
-                stretches.push(Stretch { motion, path_m, turning_rad });
-                steps.push(index);
-                (path_m, turning_rad) = (0.0, 0.0);
+            if so_far.path_m >= SPACING_M || so_far.turning_rad >= SPACING_RAD || is_last {
+                close(begin, index, so_far);
+                so_far = Stretch::default();
             }
         }
         Self { steps, stretches }
