@@ -256,6 +256,8 @@ fn headers_that_do_not_fit_the_robot_say_which_column() {
     let cases = [
         (WHEELED_RIG, "t_s,left_ticks,range_0_m,range_1_m", "log.csv:1: right_ticks: is missing from the header"),
         (WHEELED_RIG, "t_s;left_ticks;right_ticks", "its columns are separated by ';'; they must be by commas"),
+        (WHEELED_RIG, "t_s left_ticks right_ticks", "its columns are separated by ' '; they must be by commas"),
+        (WHEELED_RIG, "\"t_s\",\"left_ticks\"", "it has \"t_s\", which must be written t_s"),
         (
             WHEELED_RIG,
             "T_S,left_ticks,right_ticks",

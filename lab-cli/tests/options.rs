@@ -33,6 +33,11 @@ fn estimator_variants_are_used_and_written_down() {
     let is_exact = |line: &str| line.ends_with(",1,0");
     assert!(calibration.lines().skip(1).all(|line| is_exact(line) != line.starts_with("gain_")), "{calibration}");
     assert_eq!(place.summary("out")["configuration"]["estimator"]["without"], serde_json::json!(["scales", "track"]));
+    // Of a robot whose sensors report metres, the parts that one with analogue sensors has not are parts, too.
+    let of_metres =
+        ["--rig", "time-of-flight", "--minutes", "0.1", "--out", "tof", "--without", "latency", "--without", "levels"];
+    place.lab().args(of_metres).assert().success();
+    assert_eq!(place.summary("tof")["configuration"]["estimator"]["without"], serde_json::json!(["latency", "levels"]));
     place.lab().args(["--without", "luck"]).assert().failure().stderr(contains("it must be one of grid, gains"));
     place.lab().args(["--walls", "curved"]).assert().failure().stderr(contains("snapped-moving"));
 }

@@ -216,7 +216,14 @@ impl RelativeReplay {
             ("with", json!(self.with.name())),
         ];
         let said = error.as_ref().map(ToString::to_string);
-        let origin = Origin { arguments, rig_toml, config: Config::default(), trace: false, error: said };
+        let origin = Origin {
+            arguments,
+            rig_toml,
+            config: Config::default(),
+            suits: Config::default(),
+            trace: false,
+            error: said,
+        };
         output::finish(&mut folder, &recording, back.as_ref(), &origin)?;
         Ok(Replayed { recording, notes: rows.notes(), error })
     }

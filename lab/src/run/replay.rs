@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::json;
+use slam_core::Config;
 
 use super::Progress;
 use super::kept_files::{begin_in, keep, renewed};
@@ -87,6 +88,7 @@ impl Replay {
             ],
             rig_toml,
             config,
+            suits: Config::for_rig(&robot.rig),
             trace: self.trace,
             error: error.as_ref().map(ToString::to_string).or_else(|| recording.fault()),
         };

@@ -13,7 +13,7 @@ use super::kept_files::{JOB, begin_in, beside, keep, renewed, write_or_remove};
 use super::map_file::MapId;
 use super::session::Session;
 use crate::evaluate::smoother;
-use crate::input::rig_file::rig_error;
+use crate::input::rig_file::{Robot, rig_error};
 use crate::input::settings::{Settings, for_a_floor};
 use crate::input::{self, log::writer};
 use crate::recording::{Job, Recording};
@@ -107,7 +107,7 @@ impl Run {
         recording.notes = recording.findings().into_iter().chain(drive.findings()).collect();
         let looking_back =
             smoother::add(&mut recording, &robot.rig, &mut |rounds| progress(Progress::LookingBack(rounds)));
-        let origin = Origin { error: recording.fault(), ..self.origin(rig_toml, config) };
+        let origin = Origin { error: recording.fault(), ..self.origin(&robot, rig_toml, config) };
         output::finish(&mut folder, &recording, looking_back.as_ref(), &origin)?;
         Ok(recording)
     }
@@ -125,7 +125,7 @@ impl Run {
         FileError::new(if is_of_plan { plan } else { rig }, error.to_string())
     }
 
-    fn origin(&self, rig_toml: String, config: Config) -> Origin {
+    fn origin(&self, robot: &Robot, rig_toml: String, config: Config) -> Origin {
         Origin {
             arguments: vec![
                 ("command", json!("run")),
@@ -141,6 +141,7 @@ impl Run {
             ],
             rig_toml,
             config,
+            suits: Config::for_rig(&robot.rig),
             trace: self.trace,
             error: None,
         }

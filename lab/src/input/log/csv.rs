@@ -93,8 +93,11 @@ impl Reader {
             _ => None,
         };
         let (t_text, sample) = (cells[columns.time.index].to_owned(), Sample { time_us, motion, ranges });
-        let is_on = |column: &Option<Column>| column.as_ref().map_or(Ok(false), |column| switch(&cells, column));
-        let (lifted, docked) = (is_on(&columns.lifted)?, is_on(&columns.docked)?);
+        let is_on = |column: &Option<Column>, allowed| {
+            column.as_ref().map_or(Ok(false), |column| switch(&cells, column, allowed))
+        };
+        let lifted = is_on(&columns.lifted, "0 on the floor or 1 off it, or empty where it is not known")?;
+        let docked = is_on(&columns.docked, "0 out of the dock or 1 in it, or empty where it is not known")?;
         Ok(Row { t_text, t_s, sample, odometry, truth, lifted, docked })
     }
 }
@@ -189,13 +192,13 @@ impl Columns {
 }
 
 /// What is there in place of a column that is missing.
-fn spelling(names: &[&str], wanted: &str) -> Option<String> {
+pub(super) fn spelling(names: &[&str], wanted: &str) -> Option<String> {
     if let [one] = names
-        && let Some(separator) = [';', '\t'].into_iter().find(|separator| one.contains(*separator))
+        && let Some(separator) = [';', '\t', ' '].into_iter().find(|separator| one.contains(*separator))
     {
         return Some(format!("its columns are separated by {separator:?}; they must be by commas"));
     }
-    let other = names.iter().find(|name| name.eq_ignore_ascii_case(wanted))?;
+    let other = names.iter().find(|name| name.trim_matches(['"', '\'']).eq_ignore_ascii_case(wanted))?;
     Some(format!("it has {other}, which must be written {wanted}"))
 }
 
@@ -230,12 +233,12 @@ fn count(cells: &[&str], column: &Column) -> Result<i32, Fault> {
     Ok(count as i32)
 }
 
-fn switch(cells: &[&str], column: &Column) -> Result<bool, Fault> {
+fn switch(cells: &[&str], column: &Column, allowed: &str) -> Result<bool, Fault> {
     match cells[column.index] {
         "0" => Ok(false),
         "1" => Ok(true),
         cell if is_missing(cell) => Ok(false),
-        _ => Err(bad(cells, column, "0 on the floor or 1 off it, or empty where it is not known")),
+        _ => Err(bad(cells, column, allowed)),
     }
 }
 

@@ -3,6 +3,7 @@
 use std::io::Cursor;
 use std::path::Path;
 
+use super::csv::spelling;
 use super::lines::Lines;
 use super::{SECONDS, seconds};
 use crate::recording::Pose2;
@@ -40,7 +41,8 @@ fn parse(mut lines: Lines, file: &Path) -> Result<Truth, FileError> {
     let mut places = [0; 4];
     for (place, column) in places.iter_mut().zip(COLUMNS) {
         *place = names.iter().position(|name| *name == column).ok_or_else(|| {
-            lines.error(number, format!("is missing; the header must name {}", COLUMNS.join(", "))).at(column)
+            let hint = spelling(&names, column).map_or(String::new(), |hint| format!("; {hint}"));
+            lines.error(number, format!("is missing; the header must name {}{hint}", COLUMNS.join(", "))).at(column)
         })?;
     }
     let mut truth: Truth = Vec::new();

@@ -17,6 +17,8 @@ pub struct Origin {
     pub rig_toml: String,
     /// The estimator's settings.
     pub config: Config,
+    /// Those that suit its rig, which it has where nothing else is asked for.
+    pub suits: Config,
     /// Whether every reading is to be written, too.
     pub trace: bool,
     /// What ended the run early.
@@ -266,9 +268,9 @@ pub fn refusal_name(refusal: Refusal) -> &'static str {
     }
 }
 
-/// The parts that are switched off. What the default has not either is no part of it: `walls` tells.
-fn without(config: &Config) -> Vec<&'static str> {
-    let is_off = |part: &&Part| part.is_off(config) && !part.is_off(&Config::default());
+/// The parts that are switched off. What an estimator that suits the rig has not either is no part of it: `walls` tells.
+fn without(config: &Config, suits: &Config) -> Vec<&'static str> {
+    let is_off = |part: &&Part| part.is_off(config) && !part.is_off(suits);
     PARTS.iter().filter(is_off).map(|part| part.name).collect()
 }
 
@@ -302,7 +304,7 @@ fn configuration(origin: &Origin) -> Value {
             "gate": config.measurement.gate,
             "jacobians": jacobians,
             "hand_overs": config.hand_overs,
-            "without": without(config),
+            "without": without(config, &origin.suits),
         },
         "rig_toml": origin.rig_toml,
     })
