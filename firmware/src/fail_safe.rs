@@ -23,13 +23,15 @@ fn motors_off() {
 
 #[panic_handler]
 fn panic(info: &PanicInfo) -> ! {
-    motors_off();
+    // An interrupt that came in between would let the motors go on.
     cortex_m::interrupt::disable();
+    motors_off();
     last_words::panicked(info)
 }
 
 #[cortex_m_rt::exception]
 unsafe fn DefaultHandler(number: i16) -> ! {
+    cortex_m::interrupt::disable();
     motors_off();
     last_words::interrupted(number)
 }

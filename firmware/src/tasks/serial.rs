@@ -55,5 +55,10 @@ fn take(command: Command, shared: &Shared) {
         shared.reset_map.signal(());
     } else if shared.commands.try_send(command).is_err() {
         shared.faults.count(|faults| &mut faults.commands_dropped);
+        if command == Command::Stop {
+            // Of all that wait, it is what counts.
+            shared.commands.clear();
+            let _ = shared.commands.try_send(command);
+        }
     }
 }

@@ -8,11 +8,15 @@ use embassy_stm32::flash::{Bank1Region1, Blocking, Error, Flash};
 use embassy_stm32::peripherals::FLASH;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 use firmware::keeper::{MapFlash, SLOT_BYTES};
+use stm32_metapac::FLASH as FLASH_REGISTERS;
+use stm32_metapac::flash::vals::Psize;
 
 /// Bytes before the first of them: the sector with the vectors.
 const FROM: u32 = SLOT_BYTES;
 /// How many there are.
 const SECTORS: u32 = 3;
+/// What unlocks the flash's control register, one after the other.
+const KEYS: [u32; 2] = [0x4567_0123, 0xCDEF_89AB];
 /// Where the flash lies in memory.
 const FLASH_START: usize = 0x0800_0000;
 
@@ -47,12 +51,35 @@ impl NorFlash for SmallSectors {
     const ERASE_SIZE: usize = SLOT_BYTES as usize;
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), Error> {
-        self.0.erase(FROM + from, FROM + to)
+        erase_by_words();
+        let done = self.0.erase(FROM + from, FROM + to);
+        forget_what_was_read();
+        done
     }
 
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Error> {
-        self.0.write(FROM + offset, bytes)
+        let done = self.0.write(FROM + offset, bytes);
+        forget_what_was_read();
+        done
     }
+}
+
+/// Erases 32 bits at a time, which takes 0.25 s where bytes take 0.4 s; the supply of 3.3 V is enough for it. What is unlocked here is locked
+/// after the erasure.
+fn erase_by_words() {
+    if FLASH_REGISTERS.cr().read().lock() {
+        KEYS.into_iter().for_each(|key| FLASH_REGISTERS.keyr().write_value(key));
+    }
+    FLASH_REGISTERS.cr().modify(|control| control.set_psize(Psize::PSIZE32));
+}
+
+/// What was read before is another now: the data cache begins anew.
+fn forget_what_was_read() {
+    let access = FLASH_REGISTERS.acr();
+    access.modify(|access| access.set_dcen(false));
+    access.modify(|access| access.set_dcrst(true));
+    access.modify(|access| access.set_dcrst(false));
+    access.modify(|access| access.set_dcen(true));
 }
 
 impl MapFlash for SmallSectors {
