@@ -153,7 +153,8 @@ impl Seen {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use crate::geometry::pose::Pose;
+    use crate::jolts::recent::{STEPS, Seen};
 
     #[test]
     fn steps_come_round_and_what_is_later_stays_later() {
