@@ -30,7 +30,7 @@ use embassy_stm32::timer::qei::{self, Qei};
 use embassy_stm32::timer::simple_pwm::{PwmPin, SimplePwm, SimplePwmChannel};
 use embassy_stm32::usart::{self, RingBufferedUartRx, Uart, UartTx};
 use embassy_stm32::wdg::IndependentWatchdog;
-use embassy_stm32::{Config, Peri, bind_interrupts, dma, interrupt, rcc};
+use embassy_stm32::{Config, Peri, Peripherals, bind_interrupts, dma, interrupt, rcc};
 use firmware::SENSORS;
 use firmware::burst::{BurstBank, Converter};
 use robot::{ContactPins, HBridge, MotorPair, PowerSupply, WheelCounter, WheelEncoders};
@@ -95,8 +95,7 @@ pub struct Board {
 impl Board {
     /// Sets up clocks, pins and peripherals; the motors are off.
     pub fn new() -> Self {
-        let p = embassy_stm32::init(clocks());
-        speed_up_flash();
+        let p = start();
         let output = |pin: Peri<'static, AnyPin>| Output::new(pin, Level::Low, Speed::Low);
         let speeds = SimplePwm::new(
             p.TIM1,
@@ -179,13 +178,15 @@ fn clocks() -> Config {
     config
 }
 
-/// At 168 MHz each read of the flash takes six cycles: prefetching and caches, which are off after a reset, spare most of them.
-fn speed_up_flash() {
+/// Starts the clocks. At 168 MHz each read of the flash takes six cycles: prefetching and caches, which are off then, spare most of them.
+fn start() -> Peripherals {
+    let peripherals = embassy_stm32::init(clocks());
     FLASH.acr().modify(|access| {
         access.set_prften(true);
         access.set_icen(true);
         access.set_dcen(true);
     });
+    peripherals
 }
 
 /// Reads and clears the cause of the last reset.
