@@ -11,15 +11,11 @@ const PIECES: u32 = 64;
 impl Plan {
     /// Whether a point is within an outline, where the plan has one that closes a home in, and not in a box.
     pub fn is_inside(&self, point_m: [f64; 2]) -> bool {
-        match turns(&self.faces, point_m) {
-            1.. => true,
-            0 => !self.closes_in(),
-            _ => false,
-        }
+        is_inside(&self.faces, self.closes_in(), point_m)
     }
 
     /// Whether the plan has an outline with a home inside.
-    fn closes_in(&self) -> bool {
+    pub(crate) fn closes_in(&self) -> bool {
         let before_m = |face: &Face| {
             let normal = face.normal();
             [0, 1].map(|axis| 0.5 * (face.from_m[axis] + face.to_m[axis]) + BEFORE_M * normal[axis])
@@ -49,6 +45,15 @@ impl Plan {
         let is_empty = span.iter().any(|[lo, hi]| lo >= hi);
         let mut pieces = (0..PIECES * PIECES).map(|piece| [at(0, piece % PIECES), at(1, piece / PIECES)]);
         !is_empty && pieces.any(|point_m| encloses(corners_m, point_m) && self.is_inside(point_m))
+    }
+}
+
+/// The same by the plan's faces, and whether they close a home in.
+pub(crate) fn is_inside(faces: &[Face], closes_in: bool, point_m: [f64; 2]) -> bool {
+    match turns(faces, point_m) {
+        1.. => true,
+        0 => !closes_in,
+        _ => false,
     }
 }
 

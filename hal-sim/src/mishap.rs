@@ -233,6 +233,7 @@ pub fn free_place(rooms: &[Room], rng: &mut Rng, world: &World, options: &SimOpt
         let room = rooms.get((rng.unit() * rooms.len() as f64) as usize)?;
         let [x_m, y_m] = [0, 1].map(|axis| rng.uniform(room.min_m[axis], room.max_m[axis]));
         let theta_rad = rng.uniform(-core::f64::consts::PI, core::f64::consts::PI);
-        (world.clearance_m([x_m, y_m]) > options.body_radius_m + MARGIN_M).then(|| Pose2::new(x_m, y_m, theta_rad))
+        let is_free = world.is_inside([x_m, y_m]) && world.clearance_m([x_m, y_m]) > options.body_radius_m + MARGIN_M;
+        is_free.then(|| Pose2::new(x_m, y_m, theta_rad))
     })
 }

@@ -83,10 +83,27 @@ pub fn parse(file: &str, name: &str, text: &str) -> Result<Plan, FileError> {
     add_moving(&toml, &keys, &mut plan)?;
     check_places(&toml, &plan)?;
     bounds::check(&toml, &plan)?;
+    check_size(&plan).map_err(|what| toml.error("outline", &what))?;
     if plan.faces.is_empty() && plan.rounds.is_empty() {
         return Err(toml.error("outline", "is missing; a plan needs at least one outline, box, wall or round"));
     }
     Ok(plan)
+}
+
+/// A home is no larger than this, metres: its floor is counted in squares of 2.5 cm.
+const LARGEST_M: f64 = 200.0;
+
+fn check_size(plan: &Plan) -> Result<(), String> {
+    let [width_m, depth_m] = [0, 1].map(|axis| {
+        let ends_m = plan.faces.iter().flat_map(|face| [face.from_m[axis], face.to_m[axis]]);
+        let [low_m, high_m] =
+            ends_m.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], end| [low.min(end), high.max(end)]);
+        high_m - low_m
+    });
+    if width_m.max(depth_m) <= LARGEST_M {
+        return Ok(());
+    }
+    Err(format!("makes a home of {width_m} by {depth_m} m; it must be {LARGEST_M} m at most, and numbers are metres"))
 }
 
 /// The robot starts within an outline, where there is one, and not in a box; so does one that is put down somewhere.

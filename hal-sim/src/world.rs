@@ -1,6 +1,7 @@
 //! Ray casting and contact in a floor plan.
 
-use crate::plan::{Door, Person, Plan};
+use crate::inside::is_inside;
+use crate::plan::{Door, Face, Person, Plan};
 
 /// Where a beam ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,6 +39,9 @@ pub struct World {
     people: Vec<Person>,
     /// How far each of them is ahead of the time, seconds: who turned round is elsewhere on the path.
     ahead_s: Vec<f64>,
+    /// What closes the home in, if something does, and the boxes in it.
+    closed: Vec<Face>,
+    closes_in: bool,
 }
 
 /// A body that something pushed out of a wall touches it to this, metres.
@@ -62,6 +66,8 @@ impl World {
             people: plan.people.clone(),
             ahead_s: vec![0.0; plan.people.len()],
             faces: plan.faces.len(),
+            closed: plan.faces.iter().filter(|face| !face.two_sided).copied().collect(),
+            closes_in: plan.closes_in(),
             ..World::default()
         };
         for face in &plan.faces {
@@ -73,6 +79,11 @@ impl World {
         world.rounds = plan.rounds.len();
         world.set_time(0.0);
         world
+    }
+
+    /// Whether a point is in the home, and not in a box.
+    pub fn is_inside(&self, point_m: [f64; 2]) -> bool {
+        is_inside(&self.closed, self.closes_in, point_m)
     }
 
     fn push_segment(&mut self, from_m: [f64; 2], to_m: [f64; 2]) {

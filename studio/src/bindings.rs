@@ -55,6 +55,19 @@ macro_rules! grows {
     };
 }
 
+macro_rules! tells_again {
+    ($source:ident) => {
+        #[wasm_bindgen]
+        impl $source {
+            pub fn tell_again(&mut self) {
+                self.0.tell_again();
+            }
+        }
+    };
+}
+
+tells_again!(Replay);
+tells_again!(Robot);
 grows!(Simulation);
 grows!(Replay);
 grows!(Robot);

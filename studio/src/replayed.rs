@@ -143,6 +143,11 @@ impl Replayed {
         })
     }
 
+    /// The page has shown another run meanwhile.
+    pub fn tell_again(&mut self) {
+        self.growing.tell_again();
+    }
+
     /// The steps that the page has not got, see [`Growing::steps`].
     pub fn steps(&mut self) -> Vec<f64> {
         self.growing.steps(self.scored.as_ref().unwrap_or_else(|| self.session.recording()))

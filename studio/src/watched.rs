@@ -60,6 +60,7 @@ pub struct Watched {
     priors: Vec<f32>,
     log: String,
     first_us: Option<u64>,
+    last_us: u64,
     /// Counts the robot's starts: with each one the page begins anew.
     starts: u32,
 }
@@ -94,6 +95,7 @@ impl Watched {
             priors,
             log,
             first_us: None,
+            last_us: 0,
             starts: 0,
         })
     }
@@ -131,9 +133,10 @@ impl Watched {
     }
 
     fn sample(&mut self, sample: &wire::Sample) {
-        if self.first_us.is_some_and(|first_us| sample.time_us < first_us) {
+        if self.first_us.is_some() && sample.time_us <= self.last_us {
             self.begin_anew();
         }
+        self.last_us = sample.time_us;
         self.errands.sample(sample);
         let first_us = *self.first_us.get_or_insert(sample.time_us);
         self.contacts = sample.contacts;
@@ -213,6 +216,11 @@ impl Watched {
         let mut head = Growing::head(&self.recording);
         head["longest_s"] = json!(LONGEST_S);
         head
+    }
+
+    /// The page has shown another run meanwhile.
+    pub fn tell_again(&mut self) {
+        self.growing.tell_again();
     }
 
     /// The steps that the page has not got, see [`Growing::steps`].

@@ -28,6 +28,17 @@ impl MapId {
     }
 }
 
+/// The newest whole record among the bytes of such a file; all of them where there is none, for whoever reads them to say why.
+pub fn newest(bytes: &[u8]) -> &[u8] {
+    let slots = bytes.chunks(SLOT_BYTES as usize).take(SLOTS as usize);
+    let whole = slots.filter_map(|slot| Some((Record::parse(slot).ok()?.sequence(), slot)));
+    let newer = |(number, slot): (u32, _), other: (u32, _)| {
+        // The difference tells also where the numbers have run over.
+        if other.0.wrapping_sub(number).cast_signed() > 0 { other } else { (number, slot) }
+    };
+    whole.reduce(newer).map_or(bytes, |(_, slot)| slot)
+}
+
 /// The newest whole record of a file.
 ///
 /// # Errors

@@ -18,7 +18,7 @@ pub use crate::recording::Job;
 pub use drive::Drive;
 pub use floor_drive::{FloorDrive, clean, clean_by, clean_with};
 pub use life::{Place, Searched};
-pub use map_file::MapId;
+pub use map_file::{MapId, newest as newest_map};
 pub use relative::{RelativeReplay, RelativeSession, covariance_of, look_back, to_record, views};
 pub use replay::{Replay, Replayed};
 pub use session::{Session, begun, parameter_name};

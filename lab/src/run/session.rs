@@ -8,7 +8,7 @@ use robot::{Bounds, POSE_RECORD_BYTES, PoseNotes, Whereabouts, read_last_pose};
 use slam_core::{Config, DriveModel, HostSlam, Outcome, Parameter, RigError, Sample, StepReport};
 
 use super::life::{Life, Place, Searched};
-use super::map_file::MapId;
+use super::map_file::{MapId, newest};
 use super::suits::suits;
 use crate::evaluate::score::{nis, path};
 use crate::evaluate::statistics;
@@ -54,6 +54,7 @@ impl Session {
     /// What is wrong with the map.
     pub fn begin_in(&mut self, map: Vec<u8>) -> Result<(), String> {
         let rig = rig_hash(self.slam.rig());
+        let map = newest(&map).to_vec();
         let record =
             Record::parse(&map).and_then(|record| record.of_rig(rig)).map_err(|refused| refused.to_string())?;
         suits(&self.slam, &record)?;

@@ -28,7 +28,7 @@ use lab::input::log::writer;
 use lab::input::rig_file::Robot;
 use lab::numbers::shortest;
 use lab::recording::{Job, Pose2};
-use lab::run::unsuitable;
+use lab::run::{newest_map, unsuitable};
 use lab::show::output::folder::Folder;
 use lab::show::output::streams::{LineFile, tum_line};
 pub use outcome::Outcome;
@@ -75,9 +75,10 @@ impl Hil {
         let (robot, rig_toml) = built_in(self.robot).map_err(|error| error.to_string())?;
         let mut simulation = self.simulation()?;
         let mut sweeping = Sweeping::new(&self.plan()?, &simulation);
+        let mut boot = Boot::start(self, &mut simulation, self.flash()?, None)?;
+        // Results of before make room when there is something to come, for one of them may be the map that it begins with.
         let folder = Folder::prepare(&self.out, &NAMES).map_err(|error| error.to_string())?;
         let mut files = Files::create(&folder, &robot, &rig_toml)?;
-        let mut boot = Boot::start(self, &mut simulation, self.flash()?, None)?;
         boot.command(match self.job {
             Job::Explore => Command::Start,
             Job::Clean => Command::Clean { anew: true },
@@ -122,6 +123,7 @@ impl Hil {
         let Memory(mut flash) = Memory::erased();
         if let Some(file) = &self.map {
             let map = std::fs::read(file).map_err(|error| format!("{}: {error}", file.display()))?;
+            let map = newest_map(&map).to_vec();
             let (rig, refused) = (self.robot.rig(), |refused: Refused| format!("{} {refused}", file.display()));
             let record = Record::parse(&map).map_err(refused)?;
             record.of_rig(rig_hash(&rig)).map_err(refused)?;

@@ -2,6 +2,7 @@
 //! and listens.
 
 use kept_map::Record;
+use lab::run::newest_map;
 use wire::{MapAnswer, MapRequest, PIECE_BYTES};
 
 /// Milliseconds after which a request that was not answered is made again: erasing a sector takes up to 0.8 s, and a robot that rolls
@@ -58,9 +59,10 @@ impl MapErrand {
     ///
     /// # Errors
     /// What is to be put is no record.
-    pub fn new(errand: Errand) -> Result<Self, String> {
+    pub fn new(mut errand: Errand) -> Result<Self, String> {
         let mut of = 0;
-        if let Errand::Put(bytes) = &errand {
+        if let Errand::Put(bytes) = &mut errand {
+            *bytes = newest_map(bytes).to_vec();
             let words = Record::parse(bytes).map_err(|refused| refused.to_string())?.words();
             of = 4 * words;
         }

@@ -1,6 +1,7 @@
 //! `lab monitor`: what a robot at a serial port says, live, and recorded as a log that `lab replay` takes.
 
 mod film;
+mod recorder;
 mod view;
 
 use std::io::{IsTerminal, Write};
@@ -12,9 +13,7 @@ use wire::{Command, Frame};
 use crate::port::{self, Heard, Port};
 use crate::relay::relay;
 use film::Film;
-use lab::input::log::writer;
-use lab::show::output::folder::Folder;
-use lab::show::output::streams::LineFile;
+use recorder::Recorder;
 use view::View;
 
 /// Arguments of `lab monitor`.
@@ -72,12 +71,11 @@ impl Monitor {
         if let Some(file) = &self.mcap {
             foxglove_file::check(file).map_err(|error| error.to_string())?;
         }
-        let folder = Folder::prepare(&self.out, &["log.csv", "rig.toml"]).map_err(|error| error.to_string())?;
-        folder.write("rig.toml", &rig_toml).map_err(|error| error.to_string())?;
-        let mut log = LineFile::create(folder.file("log.csv")).map_err(|error| error.to_string())?;
-        log.line(&writer::header(&robot)).map_err(|error| error.to_string())?;
+        // What was recorded before makes room when there is a line.
+        let line = self.line()?;
+        let mut log = Recorder::begin(&self.out, &robot, &rig_toml)?;
         let mut film = self.mcap.as_deref().map(Film::create).transpose()?;
-        let mut port = Port::new(self.line()?);
+        let mut port = Port::new(line);
         if let Some(start) = self.start {
             port.send(&Frame::Command(start))?;
         }
@@ -93,8 +91,7 @@ impl Monitor {
                 Heard::End => break,
             };
             if let Frame::Sample(sample) = &frame {
-                let row = port::row(sample, &robot, None)?;
-                log.line(&writer::line(&robot, &row)).map_err(|error| error.to_string())?;
+                log.take(sample, &robot)?;
             }
             if let Some(film) = &mut film {
                 film.take(&frame)?;
@@ -103,11 +100,11 @@ impl Monitor {
             view.damaged = port.damaged();
             if view.time_us() >= drawn_us + DRAW_US || view.time_us() < drawn_us {
                 drawn_us = view.time_us();
-                log.flush().map_err(|error| error.to_string())?;
+                log.flush()?;
                 draw(&view);
             }
         }
-        log.close().map_err(|error| error.to_string())?;
+        log.close()?;
         film.map_or(Ok(()), Film::finish)?;
         if view.is_empty() {
             return Err(format!("{}: {}", self.port, port.trouble()));

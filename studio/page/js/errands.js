@@ -1,7 +1,7 @@
 // What is done with a robot beside watching it: its kept map, an examination part by part, calibration by driving.
 
-// No robot keeps a longer map, bytes.
-const LONGEST_MAP = 64 * 1024;
+// No file of a map is longer, bytes: it may have two, of which the newer one counts.
+const LONGEST_MAP = 1024 * 1024;
 // A factor is known when its sigma is this share of what it was.
 const KNOWN_SHARE = 1 / 3;
 

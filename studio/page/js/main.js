@@ -114,6 +114,8 @@ class Studio {
     }
     this.say("");
     this.clock.play(false);
+    // What is drawn with a tool is drawn into the simulated home.
+    this.modes.simulate.tools.view();
     this.modes[mode].enter();
   }
 

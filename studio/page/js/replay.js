@@ -76,15 +76,17 @@ class ReplayMode {
     const program = new Replay(...part(log), ...part(rig), ...part(truth), ...part(map));
     this.program?.free();
     this.program = program;
+    this.enter();
+  }
+
+  // The mode is chosen, or a log: all of its run so far is shown.
+  enter() {
+    if (!this.program) return;
+    this.program.tell_again();
     this.scored = false;
     this.studio.begin(this, JSON.parse(this.program.head()), 0, "Replayed log");
     this.studio.clock.speed = Infinity;
     this.studio.clock.play(true);
-  }
-
-  // The mode is chosen.
-  enter() {
-    if (this.program) this.showAll();
   }
 
   get ended() {

@@ -2,8 +2,8 @@
 
 // Samples that are asked for at once; a frame's time is looked at between.
 const CHUNK = 4;
-// A robot's store has less room than this, bytes.
-const LARGEST_MAP = 256 * 1024;
+// No file of a map is longer, bytes: it may have two, of which the newer one counts.
+const LARGEST_MAP = 1024 * 1024;
 const KNOBS = ["sensors", "reach", "noise", "gain_sigma", "wheel_sigma"];
 
 class Simulate {

@@ -46,6 +46,14 @@ class Tools {
     document.addEventListener("keydown", (event) => event.key === "Escape" && this.cancel());
   }
 
+  // No tool: the map is moved.
+  view() {
+    for (const button of document.querySelectorAll("[data-tool]")) {
+      button.setAttribute("aria-pressed", String(button.dataset.tool === "view"));
+    }
+    this.choose("view");
+  }
+
   choose(tool) {
     this.tool = tool;
     this.cancel();

@@ -93,6 +93,7 @@ class RobotMode {
   // The mode is chosen, or a line is open.
   enter() {
     if (!this.program) return;
+    this.program.tell_again();
     const head = JSON.parse(this.program.head());
     this.longest = head.longest_s;
     this.studio.begin(this, head, 0, "Your robot");

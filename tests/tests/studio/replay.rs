@@ -56,6 +56,16 @@ fn a_log_replays_to_the_bits_of_the_program_and_a_bad_one_is_named() {
     assert!(saved == json!(expected), "the page's estimate is not that of lab replay");
     page.run("await new Promise((done) => setTimeout(done, 500));");
     picture(&mut page, "replay");
+    // The simulator's run between, and back: it is the log's again.
+    page.run("document.querySelector(\"[data-mode-choice='simulate']\").click();");
+    page.until("document.getElementById('eyebrow').textContent !== 'Replayed log'");
+    page.run("document.querySelector(\"[data-mode-choice='replay']\").click();");
+    page.until("document.getElementById('status').textContent.startsWith('1\u{202f}501 rows.')");
+    page.until("document.getElementById('time').max === '1500'");
+    let shown = page.run(
+        "return [document.getElementById('eyebrow').textContent, document.getElementById('verdict').textContent];",
+    );
+    assert_eq!(shown, json!(["Replayed log", verdict]));
     // The report is the program's own page.
     page.run("document.getElementById('save-report').click();");
     let report = page.run("return await window.saved.text();");

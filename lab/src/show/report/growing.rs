@@ -29,6 +29,11 @@ impl Growing {
         Self { hides_truth: true, ..Self::default() }
     }
 
+    /// The page has shown another run meanwhile: it gets everything once more.
+    pub fn tell_again(&mut self) {
+        *self = Self { hides_truth: self.hides_truth, ..Self::default() };
+    }
+
     /// What stays as it is over the run: its title, its sensors, the words for refusals, the calibration's parameters.
     pub fn head(recording: &Recording) -> Value {
         let sensors = recording.sensors.iter().map(|sensor| {
