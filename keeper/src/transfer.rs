@@ -124,6 +124,6 @@ fn refusal<E>(error: &ReceiveError<E>) -> MapRefusal {
         ReceiveError::Refused(Refused::Corrupt) => MapRefusal::Damaged,
         ReceiveError::Refused(Refused::OtherRig) => MapRefusal::OtherRig,
         ReceiveError::Save(SaveError::TooLong) => MapRefusal::Unsuitable,
-        ReceiveError::Save(SaveError::Flash(_)) => MapRefusal::Flash,
+        ReceiveError::Save(SaveError::Flash(_) | SaveError::Damaged) => MapRefusal::Flash,
     }
 }

@@ -90,6 +90,6 @@ impl<F: NorFlash> Store<F> {
         if !receiving.is_unsealed() || receiving.theirs != crc {
             return Err(ReceiveError::Refused(Refused::Corrupt));
         }
-        self.finish(&mut receiving.saving).map_err(|error| ReceiveError::Save(SaveError::Flash(error)))
+        self.finish(&mut receiving.saving).map_err(ReceiveError::Save)
     }
 }

@@ -21,6 +21,8 @@ pub struct Store<F> {
     flash: F,
     slots: u32,
     slot_bytes: u32,
+    /// Saves that were begun since one was whole.
+    tries: u32,
 }
 
 /// Where the newest record is.
@@ -39,6 +41,8 @@ pub enum SaveError<E> {
     TooLong,
     /// The flash refused.
     Flash(E),
+    /// What the flash holds is not what was written.
+    Damaged,
 }
 
 /// A save under way: its slot is erased, and so many words are written.
@@ -65,7 +69,7 @@ impl<F: NorFlash> Store<F> {
     pub fn new(flash: F, slot_bytes: u32) -> Self {
         const { assert!(F::WRITE_SIZE <= MOST_UNIT && MOST_UNIT.is_multiple_of(F::WRITE_SIZE)) };
         let slots = flash.capacity() as u32 / slot_bytes.max(1);
-        Self { flash, slots, slot_bytes }
+        Self { flash, slots, slot_bytes, tries: 0 }
     }
 
     /// The newest whole record; none where there is none.
@@ -100,14 +104,16 @@ impl<F: NorFlash> Store<F> {
         Ok(Some(buffer))
     }
 
-    /// Begins a save: erases the slot after the newest one's. The map may change until the first [`Store::go_on`] and must
+    /// Begins a save: erases the slot after the newest one's, or, where that did not hold the last save, another one. The map may change until the first [`Store::go_on`] and must
     /// not from then on.
     ///
     /// # Errors
     /// The flash refused.
     pub fn begin(&mut self, rig: u32) -> Result<Saving, SaveError<F::Error>> {
         let newest = self.newest();
-        let slot = newest.map_or(0, |newest| (newest.slot + 1) % self.slots.max(1));
+        let others = self.slots.saturating_sub(1).max(1);
+        let slot = newest.map_or(0, |newest| newest.slot + 1 + self.tries % others) % self.slots.max(1);
+        self.tries = self.tries.wrapping_add(1);
         let sequence = newest.map_or(1, |newest| newest.sequence.wrapping_add(1));
         let from = slot * self.slot_bytes;
         self.flash.erase(from, from + self.slot_bytes).map_err(SaveError::Flash)?;
@@ -128,7 +134,7 @@ impl<F: NorFlash> Store<F> {
         }
         for _ in 0..words {
             if saving.written == writer.len() {
-                self.finish(saving).map_err(SaveError::Flash)?;
+                self.finish(saving)?;
                 return Ok(true);
             }
             let word = writer.word(saving.written);
@@ -160,9 +166,13 @@ impl<F: NorFlash> Store<F> {
         saving.push(&mut self.flash, word, false)
     }
 
-    /// Writes the CRC: the record is whole.
-    pub(crate) fn finish(&mut self, saving: &mut Saving) -> Result<Saved, F::Error> {
-        saving.push(&mut self.flash, saving.digest, true)?;
+    /// Writes the CRC: the record is whole, if the flash holds what was written.
+    pub(crate) fn finish(&mut self, saving: &mut Saving) -> Result<Saved, SaveError<F::Error>> {
+        saving.push(&mut self.flash, saving.digest, true).map_err(SaveError::Flash)?;
+        if check(|place| self.word(saving.slot, place)) != Some(saving.sequence) {
+            return Err(SaveError::Damaged);
+        }
+        self.tries = 0;
         Ok(Saved { slot: saving.slot, sequence: saving.sequence })
     }
 

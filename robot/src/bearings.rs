@@ -95,8 +95,12 @@ impl Bearings {
         self.search(senses, whereabouts);
         let map = self.choose_map(job, senses, whereabouts, begins_elsewhere);
         let is_lost = !is_located && map == Map::Own;
-        let knows_areas = self.hear_areas(corner) && is_located;
-        let bounds = if knows_areas { &self.bounds } else { &Bounds::NONE };
+        let knows_areas = self.hear_areas(corner);
+        if is_located && !knows_areas {
+            // Some seconds at most: it may stand before one to stay out of.
+            return WheelSpeeds::STOP;
+        }
+        let bounds = if is_located { &self.bounds } else { &Bounds::NONE };
         let condition = Condition { is_lost, ..senses.condition };
         let speeds = job.step_within(&Senses { condition, ..*senses }, bounds);
         if let Some(grid_rad) = grid_rad.filter(|_| is_located || map == Map::Fresh) {
@@ -376,6 +380,29 @@ mod tests {
         assert!(bearings.hear_areas(Some(corner_at(2, [2.1, 2.2]))));
         let area = bearings.bounds.areas(AreaKind::KeepOut).next();
         assert_eq!(area, Some(&[[1.0, 1.0], [2.0, 1.0], [2.1, 2.2]][..]));
+    }
+
+    /// Before one to stay out of it may stand already.
+    #[test]
+    fn it_stands_until_it_knows_its_areas() {
+        let mut robot = Robot::new();
+        let corner = |index: u8| {
+            Some(AreaCorner {
+                index,
+                of: 4,
+                kind: AreaKind::KeepOut,
+                is_first: index == 0,
+                at_m: [1.0, f32::from(index)],
+            })
+        };
+        for index in [2, 3, 0, 1, 2] {
+            robot.step(&Whereabouts { corner: corner(index), ..FOUND });
+            assert_eq!(robot.swept_m2(), 0.0, "corner {index}");
+        }
+        for index in [3, 0, 1] {
+            robot.step(&Whereabouts { corner: corner(index), ..FOUND });
+        }
+        assert!(robot.swept_m2() > 0.0);
     }
 
     #[test]

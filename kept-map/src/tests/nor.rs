@@ -15,6 +15,8 @@ pub struct Nor {
     /// What a cell is left with when the power fails.
     pub noise: u32,
     pub erased: Vec<usize>,
+    /// A byte that reads as nothing, whatever is written there.
+    pub dead: Option<usize>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,7 +28,7 @@ pub enum Fault {
 
 impl Nor {
     pub fn new(pages: usize) -> Self {
-        Self { bytes: vec![0xA5; pages * PAGE], power: usize::MAX, noise: 1, erased: vec![0; pages] }
+        Self { bytes: vec![0xA5; pages * PAGE], power: usize::MAX, noise: 1, erased: vec![0; pages], dead: None }
     }
 
     fn random(&mut self) -> u8 {
@@ -59,6 +61,9 @@ impl ReadNorFlash for Nor {
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Fault> {
         let from = offset as usize;
         bytes.copy_from_slice(self.bytes.get(from..from + bytes.len()).ok_or(Fault::Misuse)?);
+        if let Some(byte) = self.dead.and_then(|dead| bytes.get_mut(dead.checked_sub(from)?)) {
+            *byte = 0;
+        }
         Ok(())
     }
 

@@ -95,3 +95,29 @@ fn a_map_that_is_too_long_is_refused_and_a_forgotten_one_gone() {
     let mut small = Store::new(Nor::new(1), 128);
     assert_eq!(small.save(&Map(1), RIG), Err(SaveError::Flash(Fault::Misuse)), "a slot of whole pages only");
 }
+
+/// A slot that does not hold what is written is said to, and the next save goes to another one.
+#[test]
+fn a_slot_that_wears_out_costs_one_save() {
+    for dead in [PAGE + 5, PAGE + 60, 2 * PAGE + 33, 40] {
+        let mut store = Store::new(Nor { dead: Some(dead), ..Nor::new(3) }, SLOT);
+        let mut kept = None;
+        let mut failed = 0;
+        for save in 1..=30 {
+            let map = Map(save);
+            match store.save(&map, RIG) {
+                Ok(_) => kept = Some(map),
+                Err(error) => {
+                    assert_eq!(error, SaveError::Damaged);
+                    failed += 1;
+                }
+            }
+            let flash = store.flash().clone();
+            if let Some(kept) = kept {
+                assert_eq!(holds(&flash, &kept, &kept), Ok(true), "byte {dead}, save {save}");
+            }
+        }
+        assert!((1..=15).contains(&failed) && kept.is_some(), "byte {dead}: {failed} saves of 30 failed");
+        assert!(failed == 0 || store.save(&Map(31), RIG).or_else(|_| store.save(&Map(31), RIG)).is_ok());
+    }
+}

@@ -72,6 +72,7 @@ pub fn save(path: &Path, map: &[u8], rig: u32) -> Result<(), FileError> {
         ReceiveError::Save(SaveError::TooLong) => {
             FileError::new(path, format!("has room for a map of {SLOT_BYTES} bytes; this one is larger"))
         }
+        ReceiveError::Save(SaveError::Damaged) => FileError::new(path, "does not hold what was written"),
         ReceiveError::Save(SaveError::Flash(Failed(cause))) => failed(&cause),
     });
     saved.and_then(|_| store.flash().0.sync_all().map_err(|cause| failed(&cause)))

@@ -244,7 +244,7 @@ impl<const S: usize> FloorJob<S> {
             self.errand = Errand::Recharge;
             return self.begin(Phase::Over { is_home: false }, now_us);
         }
-        let is_sweeping = is_driving && self.phase != Phase::Lost && self.errand.is_to_sweep();
+        let is_sweeping = is_driving && !matches!(self.phase, Phase::Lost { .. }) && self.errand.is_to_sweep();
         if is_sweeping && self.battery_v < self.config.low_v {
             self.errand = Errand::Recharge;
             if condition.is_charging {

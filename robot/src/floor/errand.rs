@@ -112,7 +112,9 @@ impl<const S: usize> FloorJob<S> {
 
     /// Back home for good: over, unless much floor is left that no way led to.
     pub(super) fn come_home(&mut self, now_us: u64) {
-        let waits = self.errand != Errand::Finish(Way::Waited) && self.tally.is_room_left() && self.is_path_left();
+        // One that came home for want of charge, and has no dock, has none to look once more with.
+        let may_wait = !matches!(self.errand, Errand::Recharge | Errand::Finish(Way::Waited));
+        let waits = may_wait && self.tally.is_room_left() && self.is_path_left();
         self.begin(if waits { Phase::Wait { is_told: false } } else { Phase::Over { is_home: true } }, now_us);
     }
 
@@ -139,19 +141,19 @@ impl<const S: usize> FloorJob<S> {
         let is_located = !(senses.contacts.lifted || senses.condition.is_lost);
         match self.phase {
             Phase::Over { .. } | Phase::Paused => {}
-            Phase::Lost if is_located => {
+            Phase::Lost { .. } if is_located => {
                 // Before it knew that it was lost it saw things where they are not.
                 self.doubt_what_it_saw();
                 self.last = None;
                 self.go_about(senses.time_us);
             }
-            Phase::Lost => {}
+            Phase::Lost { .. } => {}
             _ if !is_located => {
                 self.near.clear();
                 self.last = None;
                 self.struck_m = [f32::INFINITY; 2];
                 self.astray = Astray::NEW;
-                self.begin(Phase::Lost, senses.time_us);
+                self.begin(Phase::Lost { is_charged: false }, senses.time_us);
             }
             _ => {}
         }
@@ -167,13 +169,15 @@ impl<const S: usize> FloorJob<S> {
     /// Off the floor the robot stands, and in its dock until the battery is full; else it goes along walls until it is located, after a lap
     /// along others.
     pub(super) fn find_oneself(&mut self, senses: &Senses<S>) -> WheelSpeeds {
-        if senses.contacts.lifted || self.phase != Phase::Lost || self.insistence.is_for_good() {
+        let Phase::Lost { is_charged } = self.phase else { return WheelSpeeds::STOP };
+        if senses.contacts.lifted || self.insistence.is_for_good() {
             return WheelSpeeds::STOP;
         }
         let pose = senses.pose;
         let now_us = senses.time_us;
         let Condition { is_charging, is_stalled, .. } = senses.condition;
-        if is_charging && !self.is_charged(now_us) {
+        if is_charging && !is_charged {
+            self.phase = Phase::Lost { is_charged: self.is_charged(now_us) };
             return WheelSpeeds::STOP;
         }
         self.feel(senses, &pose, None);

@@ -204,6 +204,7 @@ impl<const S: usize> FloorJob<S> {
             self.tally.clear();
             self.last = None;
             self.route.clear();
+            self.target = None;
             self.is_noted = false;
             self.areas.draw_anew();
         }
@@ -232,7 +233,7 @@ impl<const S: usize> FloorJob<S> {
             Phase::Charge => FloorState::Charging,
             Phase::Wait { .. } => FloorState::Waiting,
             Phase::Paused => FloorState::Paused,
-            Phase::Lost => FloorState::Lost,
+            Phase::Lost { .. } => FloorState::Lost,
             Phase::Held => FloorState::Held,
             Phase::Touched { .. } => FloorState::Touched,
             Phase::Blind => FloorState::Blind,
@@ -285,6 +286,8 @@ impl<const S: usize> FloorJob<S> {
         if self.sheet.keep_around(pose) {
             self.is_noted = false;
             self.route.clear();
+            // Its cell is another place now.
+            self.target = None;
             self.areas.draw_anew();
             if let Phase::Transit { aim, .. } | Phase::Trace { aim, .. } | Phase::Plan { aim, .. } = self.phase {
                 let aim = if let Aim::Place(_) = aim { self.aim_home() } else { aim };
@@ -372,7 +375,7 @@ impl<const S: usize> FloorJob<S> {
             return command;
         }
         match self.phase {
-            Phase::Over { .. } | Phase::Paused | Phase::Lost => (0.0, 0.0),
+            Phase::Over { .. } | Phase::Paused | Phase::Lost { .. } => (0.0, 0.0),
             Phase::Held => self.stay_held(now_us),
             Phase::Blind => self.stay_blind(now_us),
             Phase::Touched { by } => self.stay_touched(by, senses),

@@ -41,7 +41,10 @@ pub(super) enum Phase {
     /// Standing on request.
     Paused,
     /// Off the floor, or carried and not located yet.
-    Lost,
+    Lost {
+        /// It stood in its dock until its battery was full.
+        is_charged: bool,
+    },
     /// Held: standing for a while.
     Held,
     /// This is touched wherever it goes: standing until some of it is not.
@@ -72,6 +75,6 @@ impl Phase {
 
     /// Whether it gets away from what it touches.
     pub(super) fn gets_away(&self) -> bool {
-        self.is_sweeping() || matches!(self, Self::Back | Self::Turn { .. } | Self::Retreat { .. } | Self::Lost)
+        self.is_sweeping() || matches!(self, Self::Back | Self::Turn { .. } | Self::Retreat { .. } | Self::Lost { .. })
     }
 }

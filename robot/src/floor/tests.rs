@@ -66,6 +66,20 @@ fn plan_in_a_room(ends_at_walls: bool) -> Option<Target> {
     None
 }
 
+/// Of a way of more than 96 cells only the first part is remembered: at its end the robot is not where it was to come.
+#[test]
+fn at_the_end_of_the_part_that_it_remembers_it_looks_for_the_rest_of_its_way() {
+    let at_the_end = |cols: i16| {
+        let mut job: FloorJob<8> = FloorJob::new(FloorConfig::default(), &crate::rig::default_rig());
+        let target = Target::Open(job.sheet.picture.cell_at(0.0, 0.0).offset(cols, 0));
+        job.phase = Phase::Transit { target, aim: Aim::Floor };
+        job.transit(target, Aim::Floor, &Pose::ORIGIN, 0);
+        job.phase
+    };
+    assert!(matches!(at_the_end(30), Phase::Plan { aim: Aim::Floor, .. }), "{:?}", at_the_end(30));
+    assert!(!matches!(at_the_end(1), Phase::Plan { .. }), "{:?}", at_the_end(1));
+}
+
 #[test]
 fn a_door_that_looks_too_narrow_is_gone_through_where_nobody_knows_what_is_beyond() {
     let Some(Target::Open(cell)) = plan_in_a_room(false) else { panic!("the room beyond is left out") };
@@ -232,6 +246,11 @@ fn a_lost_robot_that_is_put_into_its_dock_charges_and_backs_out() {
     drive(10, true, false, 11.0);
     assert_eq!(drive(600, true, true, 11.0), WheelSpeeds::STOP);
     assert!(drive(20, true, true, 12.5).left_mps < 0.0, "charged");
+    // The same after hours, where the gauge never shows that.
+    drive(1, false, false, 12.1);
+    assert_eq!(drive(3 * 3600, true, true, 12.1), WheelSpeeds::STOP);
+    drive(3600, true, true, 12.1);
+    assert!(drive(1, true, true, 12.1).left_mps < 0.0 && drive(1, true, true, 12.1).left_mps < 0.0);
 }
 
 /// A gauge that reads too little never shows a full battery.

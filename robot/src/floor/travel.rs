@@ -230,7 +230,13 @@ impl<const S: usize> FloorJob<S> {
         let skip = (0..6).rev().find(|ahead| self.route.iter().rev().nth(*ahead).is_some_and(is_straight));
         self.route.truncate(self.route.len() - skip.unwrap_or(0));
         let Some(next) = self.route.last() else {
-            self.arrive(target, pose, now_us);
+            let here = self.sheet.picture.cell_at(pose.x_m, pose.y_m);
+            if here.moves_to(target.stand()) <= 1 {
+                self.arrive(target, pose, now_us);
+            } else {
+                // Of a long way only the first part is remembered.
+                self.plan(aim, now_us);
+            }
             return (0.0, 0.0);
         };
         let to_m = self.sheet.picture.centre_m(Cell::unpacked(*next));

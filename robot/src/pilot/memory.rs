@@ -230,7 +230,8 @@ impl<const N: usize> Memory<N> {
 
     /// Makes a row ready for a search: no steps yet, and known where the body has room. One that dares has room where nothing was seen.
     pub(crate) fn begin_row(&mut self, row: i16, dares: bool) {
-        // In the order of storage, in which the last column is beside the first: the body is never near there.
+        // In the order of storage, in which the last column is beside the first: somewhere in a picture that moved, and else at its edges, where
+        // the body never is.
         let mut is_tight = [false; N];
         for row in [row - 1, row, row + 1] {
             let Some(row) = stored::<N>(row, self.origin[1]).and_then(|row| self.cells.get(row)) else { continue };
@@ -242,7 +243,7 @@ impl<const N: usize> Memory<N> {
         let mut before = is_tight.last().copied().unwrap_or(false);
         for (col, value) in row.iter_mut().enumerate() {
             let here = is_tight.get(col).copied().unwrap_or(false);
-            let after = is_tight.get(col + 1).copied().unwrap_or(false);
+            let after = is_tight.get((col + 1) % N).copied().unwrap_or(false);
             let is_free = dares || *value & EVIDENCE != 0;
             *value &= !(STEP | ROOM);
             if is_free && !(before || here || after) {
@@ -352,6 +353,26 @@ mod tests {
                 let cell = Cell { col, row };
                 let is_near = around.any(|(cols, rows)| memory.is_obstacle(cell.offset(cols, rows)));
                 assert_eq!(memory.obstacle_within(cell, moves), is_near, "{cell:?}, {moves} moves");
+            }
+        }
+    }
+
+    #[test]
+    fn the_body_has_room_away_from_obstacles_wherever_the_picture_is_rolled_up() {
+        const N: i16 = 16;
+        for (cols, rows) in [(0, 0), (5, -3), (1, 0), (-1, 7), (15, 15), (9, -20)] {
+            let mut memory = Memory::<{ N as usize }>::new(0.2);
+            memory.shift(cols, rows);
+            for cell in (0..N).flat_map(|col| (0..N).map(move |row| Cell { col, row })) {
+                memory.see_free(cell);
+                if (7 * cell.col + 5 * cell.row) % 13 == 0 {
+                    memory.block(cell);
+                }
+            }
+            (0..N).for_each(|row| memory.begin_row(row, false));
+            for cell in (1..N - 1).flat_map(|col| (1..N - 1).map(move |row| Cell { col, row })) {
+                let has_room = memory.is_free(cell) && !memory.obstacle_within(cell, 1);
+                assert_eq!(memory.has_room(cell), has_room, "{cell:?}, moved by {cols} and {rows}");
             }
         }
     }
