@@ -355,7 +355,7 @@ mod tests {
     #[test]
     fn a_robot_is_set_down_on_the_floor_that_it_swept() {
         // Beyond a wall there is a place that nothing leads to.
-        let text = "[start]\nx_m = 1.0\ny_m = 1.0\n[[room]]\nmin_m = [0.0, 0.0]\nmax_m = [6.0, 3.0]\n\
+        let text = "[start]\nx_m = 1.0\ny_m = 1.0\n[[room]]\nname = \"all\"\nmin_m = [0.0, 0.0]\nmax_m = [6.0, 3.0]\n\
             [[outline]]\npoints_m = [[0.0, 0.0], [6.0, 0.0], [6.0, 3.0], [0.0, 3.0]]\n\
             [[box]]\nmin_m = [5.0, 0.0]\nmax_m = [5.1, 3.0]\n";
         let plan = crate::plan_file::parse("home.toml", "home", text).expect("a plan");
