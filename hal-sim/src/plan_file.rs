@@ -90,8 +90,8 @@ pub fn parse(file: &str, name: &str, text: &str) -> Result<Plan, FileError> {
     Ok(plan)
 }
 
-/// A home is no larger than this, metres: its floor is counted in squares of 2.5 cm.
-const LARGEST_M: f64 = 200.0;
+/// A home is no larger than this, square metres: its floor is counted in squares of 2.5 cm.
+const LARGEST_M2: f64 = 40_000.0;
 
 fn check_size(plan: &Plan) -> Result<(), String> {
     let [width_m, depth_m] = [0, 1].map(|axis| {
@@ -100,10 +100,13 @@ fn check_size(plan: &Plan) -> Result<(), String> {
             ends_m.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], end| [low.min(end), high.max(end)]);
         high_m - low_m
     });
-    if width_m.max(depth_m) <= LARGEST_M {
-        return Ok(());
+    if width_m * depth_m > LARGEST_M2 {
+        let what = format!(
+            "makes a home of {width_m} by {depth_m} m; it must be {LARGEST_M2} m2 at most, and numbers are metres"
+        );
+        return Err(what);
     }
-    Err(format!("makes a home of {width_m} by {depth_m} m; it must be {LARGEST_M} m at most, and numbers are metres"))
+    Ok(())
 }
 
 /// The robot starts within an outline, where there is one, and not in a box; so does one that is put down somewhere.

@@ -197,6 +197,7 @@ impl Home {
         let mut keeper = Keeper::start(&mut *flash, &slam);
         let mut job = Job::idle();
         job.explore(&robot.rig());
+        job.pause();
         let (mut encoders, mut motors, pins) = (self.board.encoders(), self.board.motors(), self.board.contacts());
         let inputs = ContactPins {
             bump_left: Input(pins.bump_left),
