@@ -83,10 +83,10 @@ pub fn parse(file: &str, name: &str, text: &str) -> Result<Plan, FileError> {
     add_moving(&toml, &keys, &mut plan)?;
     check_places(&toml, &plan)?;
     bounds::check(&toml, &plan)?;
-    check_size(&plan).map_err(|what| toml.error("outline", &what))?;
     if plan.faces.is_empty() && plan.rounds.is_empty() {
         return Err(toml.error("outline", "is missing; a plan needs at least one outline, box, wall or round"));
     }
+    check_size(&plan).map_err(|what| toml.error("outline", &what))?;
     Ok(plan)
 }
 
