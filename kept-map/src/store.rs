@@ -112,7 +112,7 @@ impl<F: NorFlash> Store<F> {
     pub fn begin(&mut self, rig: u32) -> Result<Saving, SaveError<F::Error>> {
         let newest = self.newest();
         let others = self.slots.saturating_sub(1).max(1);
-        let slot = newest.map_or(0, |newest| newest.slot + 1 + self.tries % others) % self.slots.max(1);
+        let slot = newest.map_or(self.tries, |newest| newest.slot + 1 + self.tries % others) % self.slots.max(1);
         self.tries = self.tries.wrapping_add(1);
         let sequence = newest.map_or(1, |newest| newest.sequence.wrapping_add(1));
         let from = slot * self.slot_bytes;

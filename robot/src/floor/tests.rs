@@ -71,13 +71,14 @@ fn plan_in_a_room(ends_at_walls: bool) -> Option<Target> {
 fn at_the_end_of_the_part_that_it_remembers_it_looks_for_the_rest_of_its_way() {
     let at_the_end = |cols: i16| {
         let mut job: FloorJob<8> = FloorJob::new(FloorConfig::default(), &crate::rig::default_rig());
-        let target = Target::Open(job.sheet.picture.cell_at(0.0, 0.0).offset(cols, 0));
-        job.phase = Phase::Transit { target, aim: Aim::Floor };
-        job.transit(target, Aim::Floor, &Pose::ORIGIN, 0);
+        let place = job.sheet.picture.cell_at(0.0, 0.0).offset(cols, 0);
+        let (target, aim) = (Target::Place(place), job.aim_home());
+        job.phase = Phase::Transit { target, aim };
+        job.transit(target, aim, &Pose::ORIGIN, 0);
         job.phase
     };
-    assert!(matches!(at_the_end(30), Phase::Plan { aim: Aim::Floor, .. }), "{:?}", at_the_end(30));
-    assert!(!matches!(at_the_end(1), Phase::Plan { .. }), "{:?}", at_the_end(1));
+    assert!(matches!(at_the_end(30), Phase::Plan { aim: Aim::Place(_), .. }), "{:?}", at_the_end(30));
+    assert_eq!(at_the_end(1), Phase::Home);
 }
 
 #[test]
@@ -214,18 +215,21 @@ fn a_robot_that_comes_back_into_its_dock_backs_off() {
 #[test]
 fn a_lost_robot_whose_wheels_stall_backs_off() {
     let mut job: FloorJob<8> = FloorJob::new(FloorConfig::default(), &crate::rig::default_rig());
-    let mut step = 0;
+    let (mut step, mut pose) = (0, Pose::ORIGIN);
     let mut drive = |is_stalled: bool| {
         step += 1;
         let condition = Condition { is_lost: true, is_stalled, ..Condition::default() };
-        let (pose, contacts) = (Pose::ORIGIN, Contacts::default());
-        job.step(&Senses { time_us: 40_000 * step, pose, ranges_m: [None; 8], contacts, condition })
+        let contacts = Contacts::default();
+        let speeds = job.step(&Senses { time_us: 40_000 * step, pose, ranges_m: [None; 8], contacts, condition });
+        let WheelSpeeds { left_mps, right_mps } = speeds;
+        pose = pose.compose(&Pose::new(0.02 * (left_mps + right_mps), 0.0, 0.04 * (right_mps - left_mps) / 0.235));
+        speeds
     };
     assert!(drive(false).is_forward());
     assert!((0..10).all(|_| drive(true).left_mps < 0.0));
     // It goes on another way.
     assert!((0..50).map(|_| drive(false)).any(|speeds| speeds.left_mps < 0.0 && speeds.right_mps > 0.0));
-    assert!((0..50).any(|_| drive(false).is_forward()));
+    assert!((0..200).any(|_| drive(false).is_forward()));
 }
 
 #[test]
@@ -247,7 +251,7 @@ fn a_lost_robot_that_is_put_into_its_dock_charges_and_backs_out() {
     assert_eq!(drive(600, true, true, 11.0), WheelSpeeds::STOP);
     assert!(drive(20, true, true, 12.5).left_mps < 0.0, "charged");
     // The same after hours, where the gauge never shows that.
-    drive(1, false, false, 12.1);
+    drive(10, false, false, 12.1);
     assert_eq!(drive(3 * 3600, true, true, 12.1), WheelSpeeds::STOP);
     drive(3600, true, true, 12.1);
     assert!(drive(1, true, true, 12.1).left_mps < 0.0 && drive(1, true, true, 12.1).left_mps < 0.0);
