@@ -96,8 +96,9 @@ impl Keyframe {
     }
 
     fn set_ahead(&mut self, ahead_m: f32) {
-        // Casts to integers saturate, and make nothing of a path of no length.
-        self.ahead = libm::roundf(AHEAD * ahead_m / self.path_m).clamp(-AHEAD, AHEAD) as i8;
+        let share = AHEAD * ahead_m / self.path_m;
+        // Rounded; casts to integers saturate, and make nothing of a path of no length.
+        self.ahead = (share + 0.5_f32.copysign(share)) as i8;
     }
 
     /// Whether the robot is past so much of the way to the next one.

@@ -5,6 +5,8 @@ use slam_core::{
     StepReport,
 };
 
+use slam_core::hand_over::MOST_GAINS;
+
 use crate::diary::{Diary, Hit};
 use crate::frame::{Frame, relative};
 use crate::keyframe::Keyframe;
@@ -52,9 +54,10 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
                 *last_m = reading.range_m.unwrap_or(before_m);
                 before_m
             });
+            let gain = slam.gain(number);
             // What the sensor reported, before the filter's gain, where gains are found here, too.
-            let reported = if self.gains.of(number as u8).is_some() { slam.gain(number) } else { 1.0 };
-            let known = Known { gain: slam.gain(number), reported, last_m, output_level: slam.output_level() };
+            let reported = if number < MOST_GAINS { gain } else { 1.0 };
+            let known = Known { gain, reported, last_m, output_level: slam.output_level() };
             if let Some(hit) = hit(&robot, &known, number as u8, sensor, reading) {
                 self.hit(&hit);
             }
