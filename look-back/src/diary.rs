@@ -64,8 +64,6 @@ pub struct Diary<const K: usize, const G: usize, const W: usize> {
     pub(crate) ahead: u16,
     /// The robot is past the middle of the way to that.
     is_ahead: bool,
-    /// How far forward the robot went since the last keyframe, back taken off, metres.
-    ahead_m: f32,
     pub(crate) walls: [Option<Wall>; W],
     pub(crate) names: Vec<Name, NAMES>,
     /// Where among the names that of the last wall is that a sensor saw, where it still is there.
@@ -103,7 +101,6 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         groups: Vec::new(),
         ahead: 0,
         is_ahead: false,
-        ahead_m: 0.0,
         walls: [Some(Wall::NEW); W],
         names: Vec::new(),
         seen: [0; MOST_GAINS],
@@ -138,7 +135,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         // There is room for four.
         let _ = self.keyframes.push(Keyframe::at(0, start));
         self.groups.clear();
-        (self.ahead, self.is_ahead, self.ahead_m) = (0, false, 0.0);
+        (self.ahead, self.is_ahead) = (0, false);
         self.walls.fill(None);
         self.names.clear();
         self.calibration = Calibration::EXACT;
@@ -167,11 +164,10 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         let Some(last) = self.keyframes.last_mut() else { return };
         let path_m = length(moved.forward_m, moved.left_m);
         let Calibration { distance, turn, veer_rad_per_m } = self.calibration;
-        let turned = turn * (moved.turn_rad + veer_rad_per_m * moved.forward_m);
+        let turned = turn * (moved.turn_rad + veer_rad_per_m * path_m);
         last.motion = last.motion.compose(&Pose::new(moved.forward_m, moved.left_m, moved.turn_rad));
         self.robot.go_on([distance * moved.forward_m, distance * moved.left_m], turned);
-        self.ahead_m += moved.forward_m;
-        last.go_on(path_m, self.ahead_m);
+        last.path_m += path_m;
         last.turning_rad += moved.turn_rad.abs();
         self.is_ahead = last.is_past(0.5);
     }
@@ -188,8 +184,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         }
         let Some(last) = self.keyframes.last() else { return };
         let pose = last.pose.compose(&relative(&self.filter, filter));
-        let mut next = Keyframe::at(last.serial().wrapping_add(1), pose);
-        next.groups = self.ahead;
+        let mut next = Keyframe { groups: self.ahead, ..Keyframe::at(last.serial.wrapping_add(1), pose) };
         next.set_age(self.age_s);
         if self.keyframes.push(next).is_ok() {
             let ahead = usize::from(core::mem::take(&mut self.ahead));
@@ -197,7 +192,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
             self.groups.iter_mut().skip(before).for_each(|group| *group = group.moved(&there));
             self.filter = *filter;
             self.robot = Moving::ORIGIN;
-            (self.is_ahead, self.ahead_m) = (false, 0.0);
+            self.is_ahead = false;
         }
     }
 
@@ -290,12 +285,12 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
 
     /// The keyframes in the order of the drive: which one of all that were begun each is, and its pose as it is placed at present.
     pub fn keyframes(&self) -> impl ExactSizeIterator<Item = (u32, Pose)> + '_ {
-        self.keyframes.iter().map(|key| (key.serial(), key.pose))
+        self.keyframes.iter().map(|key| (key.serial, key.pose))
     }
 
     /// Which one of all that were begun the last keyframe is.
     pub fn newest(&self) -> u32 {
-        self.keyframes.last().map_or(0, |key| key.serial())
+        self.keyframes.last().map_or(0, |key| key.serial)
     }
 
     /// Where the robot is: the last keyframe's pose and the odometry since.

@@ -19,9 +19,6 @@ const AGE_S: f32 = 2e-5;
 /// No reading is older than a keyframe can hold, seconds.
 pub(crate) const OLDEST_S: f32 = AGE_S * i16::MAX as f32;
 
-/// A path that went forward all the way did so by so many units of its length.
-const AHEAD: f32 = 127.0;
-
 /// Marks a motion that the odometry did not sense, for the robot was kicked, or held while its wheels turned: what follows is how well it is
 /// known, 1-sigma, seven bits of [`UNSENSED_M`] and seven of [`UNSENSED_RAD`], with a bit between them for a jolt.
 const UNSENSED: u16 = 0x8000;
@@ -37,10 +34,8 @@ const WHOLE: u16 = 0x7f00;
 /// A pose that is placed, and the odometry from it to the next.
 #[derive(Clone, Copy, Debug)]
 pub struct Keyframe {
-    /// Which one of the drive's it is, little-endian: 24 bits are four thousand kilometres.
-    serial: [u8; 3],
-    /// How far forward the path to the next one went, back taken off: as a share of its length, in units of [`AHEAD`].
-    ahead: i8,
+    /// Which one of the drive's it is.
+    pub serial: u32,
     /// In the map.
     pub pose: Pose,
     /// The next one in its frame, as the odometry sensed it, whole turns included; of the last one, the robot.
@@ -63,10 +58,8 @@ pub struct Keyframe {
 impl Keyframe {
     /// Where a drive begins, or goes on.
     pub fn at(serial: u32, pose: Pose) -> Self {
-        let [a, b, c, _] = serial.to_le_bytes();
         Self {
-            serial: [a, b, c],
-            ahead: 0,
+            serial,
             pose,
             motion: Pose::ORIGIN,
             path_m: 0.0,
@@ -76,29 +69,6 @@ impl Keyframe {
             time_ms: 0,
             age: 0,
         }
-    }
-
-    /// Which one of the drive's it is.
-    pub fn serial(&self) -> u32 {
-        let [a, b, c] = self.serial;
-        u32::from_le_bytes([a, b, c, 0])
-    }
-
-    /// The path to the next one leads on by so much, of which it went forward in all so far, metres.
-    pub fn go_on(&mut self, path_m: f32, ahead_m: f32) {
-        self.path_m += path_m;
-        self.set_ahead(ahead_m);
-    }
-
-    /// How far forward the path to the next one went, back taken off, metres: what unequal wheels turn the robot by.
-    pub fn ahead_m(&self) -> f32 {
-        self.path_m * (f32::from(self.ahead) / AHEAD)
-    }
-
-    fn set_ahead(&mut self, ahead_m: f32) {
-        let share = AHEAD * ahead_m / self.path_m;
-        // Rounded; casts to integers saturate, and make nothing of a path of no length.
-        self.ahead = (share + 0.5_f32.copysign(share)) as i8;
     }
 
     /// Whether the robot is past so much of the way to the next one.
@@ -181,7 +151,7 @@ impl Keyframe {
         }
         let Calibration { distance, turn, veer_rad_per_m } = *calibration;
         let Pose { x_m, y_m, theta_rad } = relative(&self.pose, next);
-        self.motion = Pose::new(x_m / distance, y_m / distance, theta_rad / turn - veer_rad_per_m * self.ahead_m());
+        self.motion = Pose::new(x_m / distance, y_m / distance, theta_rad / turn - veer_rad_per_m * self.path_m);
         self.swing = unsensed(known);
     }
 
@@ -218,7 +188,7 @@ impl Keyframe {
     /// is off already, as errors are even along the way, which adds where the second goes on in the same direction.
     pub fn over(&self, next: &Self, calibration: &Calibration, heading_rad2: f32) -> Self {
         let Calibration { turn, veer_rad_per_m, .. } = *calibration;
-        let turned_rad = turn * (self.motion.theta_rad + veer_rad_per_m * self.ahead_m());
+        let turned_rad = turn * (self.motion.theta_rad + veer_rad_per_m * self.path_m);
         let end = Pose::new(self.motion.x_m, self.motion.y_m, turned_rad);
         let Pose { x_m, y_m, .. } = end.compose(&next.motion);
         let arm_m = [x_m - end.x_m, y_m - end.y_m];
@@ -226,7 +196,7 @@ impl Keyframe {
         let onward_m2 = (end.x_m * arm_m[0] + end.y_m * arm_m[1]).max(0.0);
         let is_sensed = self.unsensed().or(next.unsensed()).is_none();
         let swing_m2 = self.swing_m2() + next.swing_m2() + heading_rad2 * (square_m2 + onward_m2);
-        let mut both = Self {
+        Self {
             // Whole turns count: scale and veer are those of all turning.
             motion: Pose { x_m, y_m, theta_rad: self.motion.theta_rad + next.motion.theta_rad },
             path_m: self.path_m + next.path_m,
@@ -239,9 +209,7 @@ impl Keyframe {
                 if self.is_jolted() || next.is_jolted() { known | JOLTED } else { known }
             },
             ..*self
-        };
-        both.set_ahead(self.ahead_m() + next.ahead_m());
-        both
+        }
     }
 }
 

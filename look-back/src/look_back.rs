@@ -304,7 +304,7 @@ impl<const K: usize, const W: usize, const B: usize, const P: usize> LookBack<K,
             Last::Settling => self.solve_last(Last::Latest),
             Last::Latest => {
                 let last = self.solver.keys().checked_sub(1).and_then(|last| diary.keyframes.get(last));
-                diary.placed = last.map_or(0, |key| key.serial());
+                diary.placed = last.map_or(0, |key| key.serial);
                 self.stage = Stage::Invert { row: 0 };
             }
         }

@@ -199,7 +199,7 @@ fn gathered<T, const N: usize>(all: impl Iterator<Item = T>) -> Vec<T, N> {
 /// The motion of a keyframe's stretch.
 fn calibrated(key: &Keyframe, calibration: &Calibration) -> Pose {
     let Calibration { distance, turn, veer_rad_per_m } = *calibration;
-    let turned = turn * (key.motion.theta_rad + veer_rad_per_m * key.ahead_m());
+    let turned = turn * (key.motion.theta_rad + veer_rad_per_m * key.path_m);
     Pose::new(distance * key.motion.x_m, distance * key.motion.y_m, turned)
 }
 
@@ -213,11 +213,11 @@ fn stretch(
     let Calibration { distance, turn, veer_rad_per_m } = *calibration;
     let [x, y] = Frame::of(pose).turn([key.motion.x_m, key.motion.y_m]);
     let none = (ALPHA, 0.0);
-    let by_turn = key.motion.theta_rad + veer_rad_per_m * key.ahead_m();
+    let by_turn = key.motion.theta_rad + veer_rad_per_m * key.path_m;
     let by = [
         [(POSE + 2, -distance * y), (DISTANCE, x), none],
         [(POSE + 2, distance * x), (DISTANCE, y), none],
-        [(TURN, by_turn), (VEER, turn * key.ahead_m()), none],
+        [(TURN, by_turn), (VEER, turn * key.path_m), none],
     ];
     // Slips are the motion's; the noise of turns is the odometry's, as its scale makes it the motion's.
     (by, [position_m2, position_m2, turn * turn * heading_rad2])

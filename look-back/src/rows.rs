@@ -130,7 +130,7 @@ impl Odometry {
         let [c, s] = frame.turn([1.0, 0.0]);
         let row = |residual, weight, here, next, border| Row { residual, weight, here, next, border };
         let by_scale = |sensed: f32| [(DISTANCE, -sensed), NONE, NONE];
-        let sensed_rad = key.motion.theta_rad + veer_rad_per_m * key.ahead_m();
+        let sensed_rad = key.motion.theta_rad + veer_rad_per_m * key.path_m;
         let heading = wrap(next.theta_rad - key.pose.theta_rad - turn * sensed_rad) / turn;
         let [ahead_m, aside_m] = [forward - distance * key.motion.x_m, left - distance * key.motion.y_m];
         let robust = if key.is_jolted() {
@@ -140,7 +140,7 @@ impl Odometry {
             1.0
         };
         let weight = robust / position_m2;
-        let by_turn = [(TURN, -(sensed_rad + heading) / turn), (VEER, -key.ahead_m()), NONE];
+        let by_turn = [(TURN, -(sensed_rad + heading) / turn), (VEER, -key.path_m), NONE];
         [
             row(ahead_m, weight, [-c, -s, left], [c, s, 0.0], by_scale(key.motion.x_m)),
             row(aside_m, weight, [s, -c, -forward], [-s, c, 0.0], by_scale(key.motion.y_m)),

@@ -29,7 +29,7 @@ pub fn thin(
     let span = |key: &Keyframe| key.path_m + key.turning_rad / RAD_PER_M;
     let first = 1 + keyframes.iter().take_while(|key| key.holds_map()).count();
     let inner = keyframes.len().saturating_sub(1);
-    let settled = keyframes.iter().take(inner).take_while(|key| key.serial() <= placed).count();
+    let settled = keyframes.iter().take(inner).take_while(|key| key.serial <= placed).count();
     let pairs_of = if settled >= 3 { settled } else { inner };
     let pairs = keyframes.iter().zip(keyframes.iter().skip(1)).take(pairs_of.saturating_sub(1)).enumerate().skip(first);
     let shortest = pairs.min_by(|(_, a), (_, b)| (span(a.0) + span(a.1)).total_cmp(&(span(b.0) + span(b.1))));
@@ -46,8 +46,7 @@ pub fn thin(
     let gone = join(seen, first.groups.into(), gains, &Frame::of(&apart));
     groups.retain(|group| group.hits > 0);
     let groups = first.groups + second.groups - gone;
-    let mut one = first.over(&second, calibration, heading_rad2);
-    one.groups = groups;
+    let one = Keyframe { groups, ..first.over(&second, calibration, heading_rad2) };
     if let Some(key) = keyframes.get_mut(at) {
         *key = one;
     }

@@ -285,7 +285,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
         }
         self.turn_since(to, self.keyframes.len(), by_rad, &sides);
         self.forget_strays(to, &sides);
-        let since = self.keyframes.get(to).map_or(0, |key| key.serial());
+        let since = self.keyframes.get(to).map_or(0, |key| key.serial);
         self.turned = Turned { is_new: true, since, by_rad };
     }
 
@@ -293,7 +293,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
     /// keyframe with the number `end`: it is where it was drawn. False where it was not.
     pub(crate) fn leave_wing(&mut self, by_rad: f32, end: usize) -> bool {
         let Turned { since, by_rad: last_rad, .. } = self.turned;
-        let to = self.keyframes.iter().position(|key| key.serial() >= since);
+        let to = self.keyframes.iter().position(|key| key.serial >= since);
         let Some(to) = to.filter(|to| *to < end && last_rad != 0.0 && wrap(by_rad + last_rad).abs() < ALIKE_RAD) else {
             return false;
         };

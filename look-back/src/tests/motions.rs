@@ -58,20 +58,13 @@ fn end(stretches: impl Iterator<Item = [f64; 2]>) -> [f64; 3] {
     })
 }
 
-fn drives() -> [(&'static str, Vec<[f64; 2]>); 5] {
+fn drives() -> [(&'static str, Vec<[f64; 2]>); 4] {
     let straight = std::vec![[0.25, 0.0]; 64];
     let out_and_back = (0..64).map(|i| [0.25, if i == 31 { std::f64::consts::PI } else { 0.0 }]).collect();
-    let back_again = (0..64).map(|i| [if i < 32 { 0.25 } else { -0.25 }, 0.02]).collect();
     let rounds = std::vec![[0.25, 0.2]; 128];
     let mut random = Random(5);
     let wander = (0..256).map(|_| [0.25, 0.5 * random.normal()]);
-    [
-        ("straight", straight),
-        ("out and back", out_and_back),
-        ("back again", back_again),
-        ("rounds", rounds),
-        ("wander", wander.collect()),
-    ]
+    [("straight", straight), ("out and back", out_and_back), ("rounds", rounds), ("wander", wander.collect())]
 }
 
 #[test]
@@ -109,10 +102,8 @@ fn many_stretches_end_where_the_calibration_has_them_whole_turns_and_all() {
         for in_pairs in [false, true] {
             let key = one(&stretches, in_pairs, &calibration);
             let next = Pose::new(x as f32, y as f32, turned as f32);
-            // The share of a path that went ahead is rounded each time that two become one.
-            let most = if name == "back again" { 6e-3 } else { 2e-3 };
             for row in Odometry::of(&DRIVE).rows(&key, &next, &calibration) {
-                assert!(row.residual.abs() < most, "{name}, in pairs: {in_pairs}: {}", row.residual);
+                assert!(row.residual.abs() < 2e-3, "{name}, in pairs: {in_pairs}: {}", row.residual);
             }
         }
     }
@@ -152,29 +143,5 @@ fn where_nothing_was_sensed_the_scale_is_left_alone() {
             assert_eq!(by_scale, 0.0, "{row:?}");
         }
         assert!((ahead.residual - next.x_m).abs() < 1e-6 && (aside.residual - next.y_m).abs() < 1e-6);
-    }
-}
-
-/// Unequal wheels turn a robot one way ahead and the other way back, and not where it goes aside.
-#[test]
-fn a_way_back_takes_back_what_unequal_wheels_turned_ahead() {
-    let ahead_m = |moves: &[[f32; 2]]| {
-        let mut diary: Diary<4, 4, 1> = Diary::new(&DRIVE, Pose::ORIGIN);
-        for [forward_m, left_m] in moves {
-            diary.travel(&Increment { forward_m: *forward_m, left_m: *left_m, turn_rad: 0.0 });
-        }
-        let last = diary.keyframes.last().expect("the first");
-        (last.path_m, last.ahead_m())
-    };
-    let steps = |forward_m: f32, left_m: f32| std::vec![[forward_m, left_m]; 500];
-    assert_eq!(ahead_m(&steps(4e-4, 0.0)).1, ahead_m(&steps(4e-4, 0.0)).0);
-    assert_eq!(ahead_m(&steps(-4e-4, 0.0)).1, -ahead_m(&steps(4e-4, 0.0)).0);
-    for (moves, wanted_m) in [
-        (steps(0.0, 4e-4), 0.0),
-        ([steps(4e-4, 0.0), steps(-4e-4, 0.0)].concat(), 0.0),
-        ([steps(4e-4, 0.0), steps(-1e-4, 0.0)].concat(), 0.15),
-    ] {
-        let (path_m, ahead_m) = ahead_m(&moves);
-        assert!((ahead_m - wanted_m).abs() < 0.005 * path_m, "{ahead_m} of {path_m} for {wanted_m}");
     }
 }

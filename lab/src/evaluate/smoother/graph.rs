@@ -48,7 +48,7 @@ pub struct Graph {
     /// Identifier of each wall, in order.
     ids: Vec<u16>,
     on_grid: Vec<bool>,
-    /// Of each keyframe but the last: the sensed motion to the next, how far forward it went in metres, its noise.
+    /// Of each keyframe but the last: the sensed motion to the next, its length in metres, its noise.
     stretches: Vec<(Pose2, f64, StretchNoise)>,
     sightings: Vec<Sighting>,
     /// 1-sigma of the scales of distance and of turning, and of the veer, radians per metre.
@@ -99,7 +99,7 @@ impl Graph {
         state[calibration + 1] = 1.0;
         state[calibration + 2] = 1.0;
         let stretches = keyframes.stretches.iter();
-        let stretches = stretches.map(|s| (s.motion, s.ahead_m, stretch_noise(&rig.drive, s)));
+        let stretches = stretches.map(|s| (s.motion, s.path_m, stretch_noise(&rig.drive, s)));
         (!ids.is_empty() && keys > 1).then(|| Self {
             state,
             keys,
@@ -163,7 +163,7 @@ impl Graph {
         for (i, value) in [self.first.x_m, self.first.y_m, self.first.theta_rad].into_iter().enumerate() {
             normal.add(self.state[i] - value, 1.0 / 1e-12, &[(i, 1.0)]);
         }
-        for (key, (sensed, ahead_m, noise)) in self.stretches.iter().enumerate() {
+        for (key, (sensed, path_m, noise)) in self.stretches.iter().enumerate() {
             let (a, b) = (3 * key, 3 * key + 3);
             let (s, c) = self.state[a + 2].sin_cos();
             let (dx, dy) = (self.state[b] - self.state[a], self.state[b + 1] - self.state[a + 1]);
@@ -178,9 +178,9 @@ impl Graph {
                 (a + 2, -1.0 / turn),
                 (b + 2, 1.0 / turn),
                 (scales + 1, -turned / (turn * turn)),
-                (scales + 2, -ahead_m),
+                (scales + 2, -path_m),
             ];
-            let residual = wrap(turned / turn - veer * ahead_m - sensed.theta_rad);
+            let residual = wrap(turned / turn - veer * path_m - sensed.theta_rad);
             normal.add(residual, 1.0 / noise.heading_rad2, &terms);
         }
         for (i, (nominal, sigma)) in [1.0, 1.0, 0.0].into_iter().zip(self.scale_sigmas).enumerate() {

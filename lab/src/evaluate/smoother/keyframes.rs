@@ -15,8 +15,6 @@ pub struct Stretch {
     pub motion: Pose2,
     /// Length of the path, metres.
     pub path_m: f64,
-    /// How far forward it went, back taken off, metres.
-    pub ahead_m: f64,
     /// All turning, radians, either way.
     pub turning_rad: f64,
     /// How far off its end is, 1-sigma, metres and radians, where the motion was lost.
@@ -57,7 +55,6 @@ impl Keyframes {
                 continue;
             }
             so_far.path_m += moved.x_m.hypot(moved.y_m);
-            so_far.ahead_m += moved.x_m;
             so_far.turning_rad += moved.theta_rad.abs();
             let is_last = index + 1 == recording.steps.len();
             if so_far.path_m >= SPACING_M || so_far.turning_rad >= SPACING_RAD || is_last {
