@@ -123,6 +123,17 @@ impl Shared {
         }
     }
 
+    /// Hands a command to the drive task, if there is room. A [`Command::Stop`] makes room for itself: of all that wait, it is what counts.
+    pub fn push_command(&self, command: Command) {
+        if self.commands.try_send(command).is_err() {
+            self.faults.count(|faults| &mut faults.commands_dropped);
+            if command == Command::Stop {
+                self.commands.clear();
+                let _ = self.commands.try_send(command);
+            }
+        }
+    }
+
     /// Hands a frame to the telemetry, if there is room.
     pub fn push_frame(&self, frame: Frame) {
         if self.frames.try_send(frame).is_err() {
@@ -159,6 +170,12 @@ mod tests {
             shared.push_frame(Frame::Command(Command::Stop));
         }
         assert_eq!(shared.faults.get().frames_dropped, 2);
+        for command in [Command::Start; 5].into_iter().chain([Command::Stop]) {
+            shared.push_command(command);
+        }
+        assert_eq!(shared.faults.get().commands_dropped, 2);
+        assert_eq!(shared.commands.try_receive(), Ok(Command::Stop), "a stop is never dropped");
+        assert!(shared.commands.try_receive().is_err());
     }
 
     extern crate std;

@@ -355,9 +355,10 @@ mod tests {
     #[test]
     fn a_robot_is_set_down_on_the_floor_that_it_swept() {
         // Beyond a wall there is a place that nothing leads to.
-        let text = "[start]\nx_m = 1.0\ny_m = 1.0\n[[room]]\nname = \"all\"\nmin_m = [0.0, 0.0]\nmax_m = [6.0, 3.0]\n\
-            [[outline]]\npoints_m = [[0.0, 0.0], [6.0, 0.0], [6.0, 3.0], [0.0, 3.0]]\n\
-            [[box]]\nmin_m = [5.0, 0.0]\nmax_m = [5.1, 3.0]\n";
+        let text = "[start]\nx_m = 1.0\ny_m = 1.0\n[[room]]\nname = \"here\"\nmin_m = [0.0, 0.0]\nmax_m = [11.0, 3.0]\n\
+            [[room]]\nname = \"beyond\"\nmin_m = [11.1, 0.0]\nmax_m = [12.0, 3.0]\n\
+            [[outline]]\npoints_m = [[0.0, 0.0], [12.0, 0.0], [12.0, 3.0], [0.0, 3.0]]\n\
+            [[box]]\nmin_m = [11.0, 0.0]\nmax_m = [11.1, 3.0]\n";
         let plan = crate::plan_file::parse("home.toml", "home", text).expect("a plan");
         let (mut rng, world) = (Rng::stream(48, "places", 0), World::new(&plan));
         let from_m2 = |place: Option<Pose2>| floor_m2(&plan, place.expect("there is room"));
@@ -365,7 +366,7 @@ mod tests {
         let anywhere_m2 = least(&mut || from_m2(free_place(&plan.rooms, &mut rng, &world, &SimOptions::default())));
         let elsewhere_m2 = least(&mut || from_m2(elsewhere(&plan, &mut rng)));
         let reached_m2 = floor_m2(&plan, plan.start);
-        assert!(anywhere_m2 < 0.2 * reached_m2, "{anywhere_m2} of {reached_m2} m2");
+        assert!(anywhere_m2 < 0.1 * reached_m2, "{anywhere_m2} of {reached_m2} m2");
         assert!(elsewhere_m2 > 0.95 * reached_m2, "{elsewhere_m2} of {reached_m2} m2");
     }
 

@@ -1,11 +1,10 @@
 //! The estimator's side: what one step of the filter writes down.
 
+use slam_core::hand_over::MOST_GAINS;
 use slam_core::{
     BUILT_RELIEF_M, Displaced, Increment, JOLT, Outcome, Pose, RangeModel, RangeSensor, ReadingReport, SURFACE_M, Slam,
     StepReport,
 };
-
-use slam_core::hand_over::MOST_GAINS;
 
 use crate::diary::{Diary, Hit};
 use crate::frame::{Frame, relative};
@@ -54,10 +53,7 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
                 *last_m = reading.range_m.unwrap_or(before_m);
                 before_m
             });
-            let gain = slam.gain(number);
-            // What the sensor reported, before the filter's gain, where gains are found here, too.
-            let reported = if number < MOST_GAINS { gain } else { 1.0 };
-            let known = Known { gain, reported, last_m, output_level: slam.output_level() };
+            let known = Known { gain: slam.gain(number), last_m, output_level: slam.output_level() };
             if let Some(hit) = hit(&robot, &known, number as u8, sensor, reading) {
                 self.hit(&hit);
             }
@@ -124,8 +120,6 @@ impl<const K: usize, const G: usize, const W: usize> Diary<K, G, W> {
 pub(crate) struct Known {
     /// Its gain.
     pub gain: f32,
-    /// What a range is to be multiplied by for the diary.
-    pub reported: f32,
     /// What it read last, metres.
     pub last_m: f32,
     /// Factor of the variance of its output, where it is an analogue one.
@@ -135,7 +129,7 @@ pub(crate) struct Known {
 /// What a reading ended on, seen from the robot; none where it ended on nothing.
 pub(crate) fn hit(
     robot: &Frame,
-    &Known { gain, reported, last_m, output_level }: &Known,
+    &Known { gain, last_m, output_level }: &Known,
     number: u8,
     sensor: &RangeSensor,
     reading: &ReadingReport,
@@ -159,6 +153,8 @@ pub(crate) fn hit(
         }
     };
     let [x, y] = [sensor.mount.x_m, sensor.mount.y_m];
+    // What the sensor reported, before the filter's gain, where gains are found here, too.
+    let reported = if usize::from(number) < MOST_GAINS { gain } else { 1.0 };
     let end_m = [x + reported * (end_m[0] - x), y + reported * (end_m[1] - y)];
     Some(Hit { from_m: [x, y], end_m, variance_m2, alike, sensor: number, wall })
 }

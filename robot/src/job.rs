@@ -85,8 +85,6 @@ pub struct Job<const S: usize> {
     known: Option<(u32, u32, u8, bool)>,
     /// The pilot stands until it is told to explore.
     pauses: bool,
-    /// It stood in the last step.
-    paused: bool,
     /// How far what is to be known after a reset is written down.
     notes: Notes,
     lift: Lift,
@@ -100,7 +98,6 @@ impl<const S: usize> Job<S> {
             bearings: Bearings::new(),
             known: None,
             pauses: false,
-            paused: false,
             notes: Notes::NEW,
             lift: Lift::NONE,
         }
@@ -245,10 +242,11 @@ impl<const S: usize> Job<S> {
                 if is_elsewhere {
                     pilot.forget();
                 }
-                if core::mem::replace(&mut self.paused, self.pauses) && !self.pauses {
-                    pilot.go_on(senses.time_us);
+                if self.pauses {
+                    pilot.stand(senses.time_us);
+                    return WheelSpeeds::STOP;
                 }
-                if self.pauses { WheelSpeeds::STOP } else { pilot.step(senses) }
+                pilot.step(senses)
             }
             Driver::Floor(job) => self.bearings.step(job, senses, whereabouts),
         }

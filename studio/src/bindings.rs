@@ -55,19 +55,6 @@ macro_rules! grows {
     };
 }
 
-macro_rules! tells_again {
-    ($source:ident) => {
-        #[wasm_bindgen]
-        impl $source {
-            pub fn tell_again(&mut self) {
-                self.0.tell_again();
-            }
-        }
-    };
-}
-
-tells_again!(Replay);
-tells_again!(Robot);
 grows!(Simulation);
 grows!(Replay);
 grows!(Robot);
@@ -182,6 +169,10 @@ impl Replay {
         self.0.is_over()
     }
 
+    pub fn tell_again(&mut self) {
+        self.0.tell_again();
+    }
+
     pub fn maps(&self) -> String {
         self.0.maps().to_string()
     }
@@ -204,6 +195,10 @@ impl Robot {
     #[wasm_bindgen(constructor)]
     pub fn new(rig: &str) -> Result<Robot, String> {
         Watched::new(rig).map(Robot)
+    }
+
+    pub fn tell_again(&mut self) {
+        self.0.tell_again();
     }
 
     pub fn take(&mut self, bytes: &[u8]) {

@@ -3,6 +3,8 @@
 //! Pose, walls and calibration are what the robot says. What became of its readings is known from an estimator of the robot's
 //! size that gets the same samples here, as long as it says the same bits as the robot's.
 
+mod words;
+
 use std::collections::BTreeMap;
 
 use lab::input::log::{Row, writer};
@@ -12,15 +14,15 @@ use lab::recording::{CalibrationSnapshot, MapSnapshot, Pose2, Recording, Step};
 use lab::run::{begun, parameter_name};
 use lab::show::report::growing::Growing;
 use lab::show::report::{self};
-use robot::FloorState;
 use serde_json::{Value, json};
 use slam_core::{Config, RangeInput, ReadingReport, RobotSlam, WallView};
-use wire::{Command, DecodeError, Decoder, Estimate, Faults, Floor, Frame, Place, PlaceState, SENSORS, encode};
+use wire::{Command, DecodeError, Decoder, Estimate, Faults, Floor, Frame, Place, SENSORS, encode};
 
 use crate::errands::Errands;
 use crate::looking_back::LookingBack;
 use crate::rig::robot_of;
 use crate::simulated::LONGEST_S;
+use words::{floor_words, place_words};
 
 /// Most samples that are kept: an hour at 25 a second.
 const LONGEST: usize = (25.0 * LONGEST_S) as usize;
@@ -367,28 +369,6 @@ fn shadow_of(robot: &Robot) -> Result<Box<RobotSlam>, String> {
 fn prior(slam: &RobotSlam, robot: &Robot, name: &str) -> f32 {
     let found = slam.calibration().find(|(parameter, ..)| parameter_name(*parameter, &robot.names) == name);
     found.map_or(0.0, |(_, _, sigma)| sigma)
-}
-
-/// What a robot says of its place in its kept map.
-fn place_words(place: &Place) -> String {
-    let kept = format!("its kept map, number {}", place.sequence);
-    match place.state {
-        PlaceState::Fresh => {
-            "It keeps no map yet: it saves one when it has mapped a room, or has driven for three metres and stands."
-                .to_owned()
-        }
-        PlaceState::Searching => format!("It looks for itself in {kept}."),
-        PlaceState::Probation => format!("It takes itself to be in {kept}, on probation."),
-        PlaceState::Tracking => format!("It knows where it is in {kept}."),
-        PlaceState::Doubtful => format!("Its readings contradict {kept}."),
-    }
-}
-
-/// What a robot says of the floor that it sweeps.
-fn floor_words(floor: &Floor) -> String {
-    let doing = floor.state().map_or("something that this page does not know", FloorState::name);
-    let (swept_m2, share, minutes) = (floor.swept_m2, 100.0 * floor.share(), f64::from(floor.seconds) / 60.0);
-    format!("The floor: {doing}; {swept_m2:.1} m² swept, {share:.0} % of what it saw, in {minutes:.1} minutes.")
 }
 
 fn step_of(estimate: &Estimate, t_s: f64) -> Step {

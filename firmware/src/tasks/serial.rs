@@ -53,12 +53,7 @@ pub async fn commands(line: &mut impl Read, shared: &Shared) -> ! {
 fn take(command: Command, shared: &Shared) {
     if command == Command::ResetMap {
         shared.reset_map.signal(());
-    } else if shared.commands.try_send(command).is_err() {
-        shared.faults.count(|faults| &mut faults.commands_dropped);
-        if command == Command::Stop {
-            // Of all that wait, it is what counts.
-            shared.commands.clear();
-            let _ = shared.commands.try_send(command);
-        }
+    } else {
+        shared.push_command(command);
     }
 }

@@ -3,7 +3,7 @@
 //! A save leaves the record before it as it is until its own CRC is written, which comes last. A file of one record alone, as a first save
 //! leaves it, is the same as that record.
 
-use std::fs::{File, OpenOptions};
+use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::Path;
 
@@ -44,18 +44,10 @@ pub fn newest(bytes: &[u8]) -> &[u8] {
 /// # Errors
 /// The file cannot be read, or has none: why the first one is not.
 pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
-    let failed = |cause: &io::Error| FileError::system(path, "read", cause);
-    let file = File::open(path).map_err(|cause| failed(&cause))?;
-    let mut store = Store::new(MapFile(file), SLOT_BYTES);
-    let mut bytes = vec![ERASED; SLOT_BYTES as usize];
-    match store.read(&mut bytes).map_err(|Failed(cause)| failed(&cause))? {
-        Some(_) => Ok(bytes),
-        None => {
-            store.flash().read(0, &mut bytes).map_err(|Failed(cause)| failed(&cause))?;
-            let why = Record::parse(&bytes).err();
-            Err(FileError::new(path, why.map_or_else(|| "is no kept map".to_owned(), |refused| refused.to_string())))
-        }
-    }
+    let bytes = fs::read(path).map_err(|cause| FileError::system(path, "read", &cause))?;
+    let newest = newest(&bytes);
+    Record::parse(newest).map_err(|refused| FileError::new(path, refused.to_string()))?;
+    Ok(newest.to_vec())
 }
 
 /// Saves a map, the bytes of a record of the robot with this [`rig_hash`](kept_map::rig_hash), into a file, which is made where it is

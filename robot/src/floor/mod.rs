@@ -203,10 +203,7 @@ impl<const S: usize> FloorJob<S> {
             self.trail = Trail::new();
             self.tally.clear();
             self.last = None;
-            self.route.clear();
-            self.target = None;
-            self.is_noted = false;
-            self.areas.draw_anew();
+            self.rename_cells();
         }
     }
 
@@ -284,11 +281,7 @@ impl<const S: usize> FloorJob<S> {
     /// Takes in what the sensors show.
     fn look(&mut self, senses: &Senses<S>, pose: &Pose) {
         if self.sheet.keep_around(pose) {
-            self.is_noted = false;
-            self.route.clear();
-            // Its cell is another place now.
-            self.target = None;
-            self.areas.draw_anew();
+            self.rename_cells();
             if let Phase::Transit { aim, .. } | Phase::Trace { aim, .. } | Phase::Plan { aim, .. } = self.phase {
                 let aim = if let Aim::Place(_) = aim { self.aim_home() } else { aim };
                 self.plan(aim, senses.time_us);

@@ -36,6 +36,14 @@ const DOUBTED_RETURNS: u8 = 4;
 const HOME_M: f32 = 0.03;
 
 impl<const S: usize> FloorJob<S> {
+    /// What cells were called before they are other places by now.
+    pub(super) fn rename_cells(&mut self) {
+        self.route.clear();
+        self.target = None;
+        self.is_noted = false;
+        self.areas.draw_anew();
+    }
+
     pub(super) fn plan(&mut self, aim: Aim, time_us: u64) {
         self.begin(Phase::Plan { aim, escape: 2, begun: false }, time_us);
     }

@@ -175,8 +175,8 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
         self.look_anew();
     }
 
-    /// Goes on after a pause, in which somebody may have carried it.
-    pub(crate) fn go_on(&mut self, now_us: u64) {
+    /// Stands in a pause, in which somebody may carry it: after it, it looks anew where to go.
+    pub(crate) fn stand(&mut self, now_us: u64) {
         self.confinement.forget();
         self.insistence = Insistence::NONE;
         self.patience.renew(now_us);

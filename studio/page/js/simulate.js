@@ -2,8 +2,6 @@
 
 // Samples that are asked for at once; a frame's time is looked at between.
 const CHUNK = 4;
-// No file of a map is longer, bytes: it may have two, of which the newer one counts.
-const LARGEST_MAP = 1024 * 1024;
 const KNOBS = ["sensors", "reach", "noise", "gain_sigma", "wheel_sigma"];
 
 class Simulate {
@@ -253,7 +251,7 @@ class Simulate {
 
   async giveMap(file) {
     await this.studio.attemptLater(async () => {
-      if (file.size > LARGEST_MAP) throw new Error(`${file.name}: is larger than any map of a robot; it must be a map.bin`);
+      if (file.size > LONGEST_MAP) throw new Error(`${file.name}: is larger than any map of a robot; it must be a map.bin`);
       this.beginAnew({ name: file.name, content: new Uint8Array(await file.arrayBuffer()) });
     });
   }

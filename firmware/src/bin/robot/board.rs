@@ -178,7 +178,7 @@ fn clocks() -> Config {
     config
 }
 
-/// Starts the clocks. At 168 MHz each read of the flash takes six cycles: prefetching and caches, which are off then, spare most of them.
+/// Starts the clocks. At 168 MHz a read of the flash takes six cycles: prefetch and caches, which are off then, are for that.
 fn start() -> Peripherals {
     let peripherals = embassy_stm32::init(clocks());
     FLASH.acr().modify(|access| {
