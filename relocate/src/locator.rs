@@ -42,6 +42,9 @@ const DOUBT_M: f32 = 1.0;
 /// Readings are held against the map once on so much path, metres: a robot that stands sees the same thing again.
 const COUNTED_EVERY_M: f32 = 0.05;
 
+/// Path after which it is counted anew, metres. Up to there a 32-bit float keeps steps of a twentieth of a millimetre.
+const LONG_M: f32 = 1024.0;
+
 /// What a robot knows of where it is in the kept map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
@@ -233,7 +236,7 @@ impl Locator {
     /// Takes in a step of the robot with its map, the one that it is to find itself in if there is one, and about how many comparisons
     /// of two matches may be made now. Where there is something to do, it is taken for done.
     pub fn step(&mut self, own: &dyn Kept, kept: Option<&dyn Kept>, step: &Step, comparisons: u32) -> Option<Event> {
-        self.path_m += step.travelled_m;
+        self.count(step.travelled_m);
         self.dock.step(step.is_docked, step.before_dock_m);
         let Some(kept) = kept else { return self.watch(own, step.elsewhere.since, comparisons) };
         if self.state == State::Searching {
@@ -267,6 +270,17 @@ impl Locator {
             _ => {}
         }
         self.watch(own, step.elsewhere.since, comparisons)
+    }
+
+    /// Adds to the path. Once it has become long it is counted from here: a long sum swallows small terms.
+    fn count(&mut self, travelled_m: f32) {
+        self.path_m += travelled_m;
+        if self.path_m > LONG_M {
+            let so_far_m = core::mem::take(&mut self.path_m);
+            for mark_m in [&mut self.since_m, &mut self.next_search_m, &mut self.counted_m] {
+                *mark_m -= so_far_m;
+            }
+        }
     }
 
     /// Looks for a second copy of the walls in the robot's own map, which may be what was drawn since the wall of an identifier.

@@ -1,6 +1,6 @@
 //! Range sensors that are frozen are found, and not believed.
 
-use crate::holds::frozen::View;
+use crate::holds::outputs::View;
 use crate::measurement::sensor::Sensor;
 use crate::report::{Outcome, StepReport};
 use crate::sample::RangeInput;

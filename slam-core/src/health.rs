@@ -225,6 +225,11 @@ impl HealthMonitor {
         (self.fitted, self.hidden, self.passed, self.news, self.moved_m) = (0, 0, 0, 0, 0.0);
     }
 
+    /// The path is counted anew from what it is by now, metres.
+    pub fn count_anew(&mut self, path_m: f32) {
+        self.silent_from_m -= path_m;
+    }
+
     /// What this step shows, after so long a path, in which beams moved by so much, metres: why the map is to begin anew, where it is.
     /// `heading_variance` is that against the map, rad^2, where there is one; `is_sound` says whether every variance is one.
     pub fn judge(

@@ -7,6 +7,7 @@
 
 pub mod claim;
 pub mod frozen;
+pub mod outputs;
 pub mod stillness;
 
 use crate::filter::density::density;

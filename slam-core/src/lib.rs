@@ -40,6 +40,7 @@ extern crate std;
 mod births;
 mod clock;
 pub mod config;
+mod counted;
 mod displacement;
 mod dock;
 mod filter;

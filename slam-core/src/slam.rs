@@ -222,6 +222,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     pub fn step(&mut self, sample: &Sample<S>) -> StepReport<S> {
         let mut report = StepReport::NOTHING;
         self.forget_if_due();
+        self.count_anew_if_due();
         self.counters.add_step();
         let Some(tick) = self.clock.tick(sample.time_us) else {
             self.counters.add_motion(true);

@@ -57,3 +57,15 @@ fn a_searching_robot_that_comes_to_stand_in_a_dock_begins_its_fresh_map_there_on
     let mut knows = Locator::new(State::Tracking);
     assert_eq!(knows.step(&map, Some(&map), &step(true), 0), None);
 }
+
+#[test]
+fn a_robot_with_a_hundred_kilometres_behind_it_still_counts_its_path() {
+    let map = Map { bend_m: 0.0, sigma_m: 0.0, is_common: true };
+    let step = |readings, by_m| Step { readings, ..Step::moved([0.0; 2], by_m) };
+    let mut locator = Locator::new(State::Tracking);
+    locator.step(&map, Some(&map), &step([3, 1], 1e5), 0);
+    for _ in 0..6000 {
+        locator.step(&map, Some(&map), &step([1, 3], 0.001), 0);
+    }
+    assert_eq!(locator.state(), State::Doubtful, "after six metres of readings that do not agree");
+}

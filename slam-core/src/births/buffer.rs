@@ -1,6 +1,6 @@
 //! The ring buffer of readings that fit no wall (Rousse & Qiu 3.3).
 
-use crate::motion::dead_reckoning::ByFactor;
+use crate::motion::dead_reckoning::{ByFactor, DeadReckoning};
 use heapless::Deque;
 
 /// A reading that fitted no wall, in the frame of dead reckoning, which never jumps.
@@ -56,6 +56,18 @@ impl<const B: usize> OutlierBuffer<B> {
     /// Readings are so many times as noisy as was said.
     pub fn widen(&mut self, times: f32) {
         self.points.iter_mut().for_each(|point| point.sigma_m *= times);
+    }
+
+    /// Path, noise and calibration of dead reckoning are counted anew from where they have come to so far.
+    pub fn count_anew(&mut self, so_far: &DeadReckoning) {
+        for point in &mut self.points {
+            point.position_variance -= so_far.position_variance;
+            point.heading_variance -= so_far.heading_variance;
+            let by_factor = so_far.by_factor(point.hit_m);
+            for (own, so_far) in point.by_factor.iter_mut().flatten().zip(by_factor.as_flattened()) {
+                *own -= so_far;
+            }
+        }
     }
 
     /// Number of points.

@@ -50,6 +50,12 @@ impl<const B: usize> Candidates<B> {
         self.last_clustered = 0;
     }
 
+    /// Path, noise and calibration of dead reckoning are counted anew from where they have come to so far.
+    pub fn count_anew(&mut self, so_far: &DeadReckoning) {
+        self.buffer.count_anew(so_far);
+        self.doubts.count_anew(so_far.path_m);
+    }
+
     /// Distance between buffered hits of one sensor at which the buffer holds a stretch twice as long as the shortest
     /// wall for every one of so many sensors at once, metres.
     pub fn spacing_m(sensors: usize) -> f32 {

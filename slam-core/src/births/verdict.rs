@@ -83,6 +83,13 @@ impl Doubts {
     /// None yet.
     pub const NONE: Self = Self(None);
 
+    /// The path is counted anew from what it is by now, metres.
+    pub fn count_anew(&mut self, path_m: f32) {
+        if let Some(line) = &mut self.0 {
+            line.path_m -= path_m;
+        }
+    }
+
     /// Whether this line and the last one agree on how far the heading is off, its variance against the grid being
     /// `heading`. Each alone may well stand askew; that two walls of different directions do so by the same angle is less
     /// likely than that the robot does not know its own. The angle between the two must be known as well as that of walls

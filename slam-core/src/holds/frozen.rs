@@ -15,22 +15,19 @@
 //!
 //! A range that goes with the robot (its own body, a thing that it pushes) is as good as frozen: no wall is to be drawn of it.
 
-use crate::geometry::pose::Pose;
-use crate::holds::stillness::{CHANGED, LOOK_RAD, Look, NEAR, SWING_M, log_odds};
+use crate::holds::outputs::{
+    FARTHEST, Kept, PER_M, PER_M_OFF, PER_NAT, PER_RAD, Seen, View, is_another, is_near, off_m,
+};
+use crate::holds::stillness::LOOK_RAD;
 use crate::jolts::confirmation::SURE;
-use crate::measurement::data_association::change;
 use crate::measurement::sensor::Sensor;
 use crate::motion::step::MIDDLE_M;
-use crate::rig::{RangeModel, RangeSensor, Rig};
 use crate::sample::RangeInput;
-use core::f32::consts::{FRAC_PI_2, PI, TAU};
+use core::f32::consts::FRAC_PI_2;
 
 /// Log odds from which on a sensor is frozen: once in 250 hours of cleaning beforehand, with four thousand looks in each, and twenty to one
 /// after.
 const FROZEN: f32 = 13.8 + SURE;
-
-/// And by outputs that repeat: of eight sensors there are a hundred and sixty in a second, 1.4e8 in that time.
-const REPEATED: f32 = 18.8 + SURE;
 
 /// What one look says of an output that changes: it is as seldom that one that is frozen does so as that a wall does not.
 const ONE_LOOK: f32 = 3.9;
@@ -47,38 +44,8 @@ const OTHERS: u32 = 2;
 /// What changed is of late for once to twice such a way of the beams' middles, metres.
 const LATELY_M: f32 = 0.25;
 
-/// Units in which headings, radians, ranges and positions, metres, and log odds are kept, in eight bytes a sensor.
-const PER_RAD: f32 = 256.0 / TAU;
-const PER_M: f32 = 4000.0;
-const PER_M_DRIVEN: f32 = 100.0;
-const PER_M_OFF: f32 = 250.0;
-const PER_NAT: f32 = 12.0;
-
-/// So far a look is from the one before, and from the first at most, units: beyond that a wall that was met at right angles is met at none.
-const LOOK: u8 = (PER_RAD * LOOK_RAD) as u8 + 1;
-const FARTHEST: u8 = 50;
-
 /// What is near is looked at after so much of a turn, units: a quarter of one.
 const QUARTER: u8 = (PER_RAD * FRAC_PI_2) as u8;
-
-/// A robot turns on the spot where it drives no farther than such a share of the way of what it turns past, and this, metres.
-const SPOT: f32 = 0.5;
-const SPOT_M: f32 = 0.02;
-
-/// What a sensor read since its output last changed.
-#[derive(Clone, Copy, Debug)]
-struct Kept {
-    /// The range that is to stay, none where that is zero: the first one since anything spoke for it.
-    first: u16,
-    /// The position and the heading from which looks are taken, by the wheels.
-    at: [u8; 2],
-    heading: u8,
-    /// From there, the heading of the last look, none where that is zero, and by how much its range differed.
-    last_at: i8,
-    last_off: i8,
-    /// What it says for being frozen, as log odds.
-    says: u8,
-}
 
 /// Which sensors changed, a bit each.
 #[derive(Clone, Copy, Debug)]
@@ -103,20 +70,6 @@ pub struct Frozen<const S: usize> {
     since_heading: u8,
     /// Whether none was looked at in the last step.
     is_behind: bool,
-}
-
-/// What a sensor's output is seen by.
-pub struct View<'a, const S: usize> {
-    /// The robot.
-    pub rig: &'a Rig<S>,
-    /// How much larger the variance of outputs is than stated, and the same where it is less.
-    pub noise: f32,
-    pub true_noise: f32,
-    /// The pose by the wheels alone, which nothing holds, and the length of the path, metres.
-    pub wheels: &'a Pose,
-    pub path_m: f32,
-    /// The reading met the wall that the map has there.
-    pub fits: bool,
 }
 
 impl<const S: usize> Frozen<S> {
@@ -155,6 +108,11 @@ impl<const S: usize> Frozen<S> {
     /// All were looked at in this step.
     pub fn settle(&mut self) {
         self.is_behind = false;
+    }
+
+    /// The path is counted anew from what it is by now, metres.
+    pub fn count_anew(&mut self, path_m: f32) {
+        self.since_m -= path_m;
     }
 
     /// Looks at what a sensor says; whether it was found frozen just now.
@@ -243,18 +201,15 @@ impl<const S: usize> Frozen<S> {
         let Some(kept) = self.kept.get(sensor.index).copied() else { return };
         let off_m = off_m(range_m, kept.first);
         let variance_m2 = 2.0 * noise_m2;
-        let was_near = is_near(sensor.limits, f32::from(kept.first) * (1.0 / PER_M));
+        let was_near = kept.was_near(sensor.limits);
         if was_near || is_another((range_m, noise_m2), kept.first) {
             self.change(sensor.index, !was_near, view.fits);
             self.begin(sensor.index, range_m, view);
             return;
         }
-        let now = view.heading().wrapping_sub(kept.heading) as i8;
-        let driven_m = kept.driven_m(view.at());
-        // Of a robot that drives meanwhile nothing is told: it may follow what it sees.
+        let now = kept.turned(view);
         let from_m = sensor.state.past_axle_m(range_m, 0.0);
-        let is_on_spot = driven_m <= SPOT_M + SPOT * from_m * f32::from(now.unsigned_abs()) * (1.0 / PER_RAD);
-        if !is_on_spot || now.unsigned_abs() > FARTHEST {
+        if !kept.is_on_spot(from_m, view) || now.unsigned_abs() > FARTHEST {
             self.begin(sensor.index, range_m, view);
         } else if kept.is_look(now) {
             self.stayed |= 1 << (sensor.index & 15);
@@ -273,19 +228,15 @@ impl<const S: usize> Frozen<S> {
     /// after a quarter turn on the spot: a wall is met at 45 degrees then, before it or after it, and of a corner the corner.
     fn weigh_near(&mut self, sensor: &Sensor, range: (f32, f32), view: &View<S>) {
         let Some(kept) = self.kept.get(sensor.index).copied() else { return };
-        let was_near = is_near(sensor.limits, f32::from(kept.first) * (1.0 / PER_M));
-        let is_other = kept.first > 0 && (!was_near || is_another(range, kept.first));
+        let is_other = kept.first > 0 && (!kept.was_near(sensor.limits) || is_another(range, kept.first));
         self.stayed &= !(1 << (sensor.index & 15));
         if is_other {
             self.change(sensor.index, false, false);
         }
-        let now = view.heading().wrapping_sub(kept.heading) as i8;
-        let from_m = sensor.state.past_axle_m(range.0, 0.0);
-        let is_on_spot =
-            kept.driven_m(view.at()) <= SPOT_M + SPOT * from_m * f32::from(now.unsigned_abs()) * (1.0 / PER_RAD);
+        let is_on_spot = kept.is_on_spot(sensor.state.past_axle_m(range.0, 0.0), view);
         if self.is_behind || kept.first == 0 || is_other || !is_on_spot {
             self.begin(sensor.index, range.0, view);
-        } else if now.unsigned_abs() >= QUARTER && self.is_told() {
+        } else if kept.turned(view).unsigned_abs() >= QUARTER && self.is_told() {
             self.say(sensor.index, ONE_LOOK);
             self.begin(sensor.index, range.0, view);
         }
@@ -303,100 +254,6 @@ impl<const S: usize> Frozen<S> {
     }
 }
 
-/// Whether the output of an analogue sensor hardly changes with the range, or folds back: it stays though what is seen does not.
-fn is_near(limits: &RangeSensor, range_m: f32) -> bool {
-    matches!(limits.model, RangeModel::Sharp { .. }) && range_m < NEAR * limits.min_m
-}
-
-/// How far a range is from the one that is to stay, metres.
-fn off_m(range_m: f32, first: u16) -> f32 {
-    range_m - f32::from(first) * (1.0 / PER_M)
-}
-
-/// Whether a range, metres, of this variance, m^2, is another one than that which is to stay.
-fn is_another((range_m, noise_m2): (f32, f32), first: u16) -> bool {
-    let beyond_m = off_m(range_m, first).abs() - SWING_M;
-    beyond_m > 0.0 && beyond_m * beyond_m > CHANGED * CHANGED * 2.0 * noise_m2
-}
-
 impl Changes {
     const NONE: Self = Self { changed: 0, fitted: 0 };
-}
-
-impl<const S: usize> View<'_, S> {
-    /// The range that an output says, within the sensor's limits or not, metres, and its variance, m^2; none where it says none.
-    fn range(&self, limits: &RangeSensor, input: RangeInput) -> Option<(f32, f32)> {
-        match (input, &limits.model, &self.rig.adc) {
-            (RangeInput::Counts(counts), &RangeModel::Sharp { scale_m, exponent, noise_v }, Some(adc))
-                if counts > 0 =>
-            {
-                let volts = adc.volts(counts);
-                let range_m = scale_m * float::powf(volts, exponent);
-                let sigma_m = exponent * range_m / volts * noise_v;
-                Some((range_m, self.noise * sigma_m * sigma_m))
-            }
-            (RangeInput::Metres(range_m), &RangeModel::Metric { noise_m, noise_rel }, _) => {
-                Some((range_m, noise_m * noise_m + noise_rel * noise_rel * range_m * range_m))
-            }
-            _ => None,
-        }
-    }
-
-    /// Whether an analogue sensor's output repeats as that of a live one does not: the difference of two outputs that do, but for a
-    /// count, is one of three among those that their noise spreads over, 2 sqrt(pi) of its standard deviations.
-    fn repeats(&self, sensor: &Sensor) -> bool {
-        let repeats = sensor.state.front_end.repeats();
-        let (&RangeModel::Sharp { noise_v, .. }, Some(adc), true) = (&sensor.limits.model, &self.rig.adc, repeats > 3)
-        else {
-            return false;
-        };
-        let spread = 2.0 * float::sqrtf(PI * self.true_noise.min(1.0)) * noise_v / adc.volts(1);
-        f32::from(repeats) * libm::logf(spread * (1.0 / 3.0)) > REPEATED
-    }
-
-    fn heading(&self) -> u8 {
-        (PER_RAD * self.wheels.theta_rad) as i32 as u8
-    }
-
-    fn at(&self) -> [u8; 2] {
-        [self.wheels.x_m, self.wheels.y_m].map(|m| (PER_M_DRIVEN * m) as i32 as u8)
-    }
-}
-
-impl Kept {
-    /// Whether this is a look farther than the last one.
-    fn is_look(&self, now: i8) -> bool {
-        now.abs_diff(self.last_at) >= LOOK && now.unsigned_abs() > self.last_at.unsigned_abs()
-    }
-
-    /// How far the robot is from where looks are taken from, metres: no less than along one axis, which at worst is two thirds of it.
-    fn driven_m(&self, [x, y]: [u8; 2]) -> f32 {
-        let along = |now: u8, then: u8| (now.wrapping_sub(then) as i8).unsigned_abs();
-        f32::from(along(x, self.at[0]).max(along(y, self.at[1]))) * (1.0 / PER_M_DRIVEN)
-    }
-
-    /// Log odds of a sensor that is frozen against one that sees a surface, by a look after the robot turned on the spot: as if it were held,
-    /// but what it would see out of the sensor's reach tells, too.
-    fn log_odds(&self, now: i8, seen: Seen, limits: &RangeSensor) -> f32 {
-        let Seen { range_m, off_m, variance_m2, from_m } = seen;
-        let [now_rad, last_rad] = [now, self.last_at].map(|at| f32::from(at) * (1.0 / PER_RAD));
-        let turn_rad = (now_rad - last_rad).abs();
-        if self.last_at == 0 {
-            // The slope of the surface may be any. A range that stays may be its foot, one that does not is none of a sensor that is frozen.
-            let slope_m = from_m * now_rad;
-            let moves = (off_m, variance_m2 + slope_m * slope_m, change(MIDDLE_M * turn_rad));
-            return log_odds(moves, (off_m, variance_m2), limits.span_m()).min(0.0);
-        }
-        let last_m = f32::from(self.last_off) * (1.0 / PER_M_OFF);
-        Look { now_rad, last_rad, turn_rad, range_m, off_m, last_m, variance_m2, from_m, limits }.log_odds(false)
-    }
-}
-
-/// A range that stayed: itself, how far it is from the first, metres, with its variance, m^2, and how far what is seen is from the middle of a
-/// turn on the spot, metres.
-struct Seen {
-    range_m: f32,
-    off_m: f32,
-    variance_m2: f32,
-    from_m: f32,
 }

@@ -55,6 +55,12 @@ impl DeadReckoning {
         self.heading_variance += step.noise[2][2];
     }
 
+    /// Counts path, variances and derivatives from here; returns what they were.
+    pub fn count_anew(&mut self) -> Self {
+        let here = Self { pose: self.pose, ..Self::START };
+        core::mem::replace(self, here)
+    }
+
     /// Moves the position, and makes it less certain by a 1-sigma vector, metres: the motion so far turns out to have been another.
     pub fn displace(&mut self, moved_m: [f32; 2], sigma_m: [f32; 2]) {
         let Pose { x_m, y_m, theta_rad } = self.pose;

@@ -39,6 +39,11 @@ impl Bends {
         (0.5 + 0.5 * squares).clamp(1.0, f32::MAX)
     }
 
+    /// The path is counted anew from what it is by now, metres.
+    pub fn count_anew(&mut self, path_m: f32) {
+        self.path_m -= path_m;
+    }
+
     /// A wall's reading turned the robot by so much, radians, and took so much from the variance of its heading.
     pub fn note(&mut self, wall: u16, path_m: f32, turned_rad: f32, taken_rad2: f32) {
         let driven_m = path_m - self.path_m;

@@ -234,6 +234,12 @@ impl FrontEnd {
         }
     }
 
+    /// The path is counted anew from what it is by now, metres; a fold from here.
+    pub fn count_anew(&mut self, path_m: f32) {
+        self.last_m.1 -= path_m;
+        self.folded_at_m = self.folded_at_m.min(f32::MIN_POSITIVE);
+    }
+
     /// The output of a sensor that holds its readings, volts, where it is a new one.
     fn new_output(&mut self, adc: &Adc, counts: u16, dt_s: f32) -> Result<f32, Refusal> {
         if u32::from(counts) > adc.full_scale() {

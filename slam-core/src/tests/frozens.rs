@@ -1,7 +1,8 @@
 //! Sensors whose output stays the same.
 
 use crate::geometry::pose::Pose;
-use crate::holds::frozen::{Frozen, View};
+use crate::holds::frozen::Frozen;
+use crate::holds::outputs::View;
 use crate::measurement::sensor::{Sensor, SensorState};
 use crate::{DriveModel, Mount, RangeInput, RangeModel, RangeSensor, Rig};
 

@@ -9,6 +9,7 @@ mod births;
 mod buffers;
 mod clusters;
 mod clutter;
+mod counted;
 mod covariances;
 mod exactness;
 mod filter;

@@ -232,6 +232,11 @@ impl MapView {
         let _ = self.walls.push(wall);
     }
 
+    /// The path is counted anew from what it is by now, metres.
+    pub fn count_anew(&mut self, path_m: f32) {
+        self.walls.iter_mut().for_each(|wall| wall.seen_at_m -= path_m);
+    }
+
     /// The identifier of the next wall.
     pub fn next_id(&self) -> u16 {
         self.next_id
