@@ -45,6 +45,9 @@ impl Areas {
     /// It has less than three corners, or there is no room for it.
     pub fn add(&mut self, kind: u8, corners: &[[f32; 2]]) -> Result<(), BadArea> {
         let count = u8::try_from(corners.len()).ok().filter(|count| *count >= 3).ok_or(BadArea)?;
+        if self.corners().filter(|corner| corner.is_first).count() == AREAS {
+            return Err(BadArea);
+        }
         let room = self.words.get_mut(self.len..self.len + 1 + 2 * corners.len()).ok_or(BadArea)?;
         let head = u32::from_le_bytes([kind, count, 0, 0]);
         let words = core::iter::once(head).chain(corners.iter().flatten().map(|value_m| value_m.to_bits()));
@@ -74,11 +77,15 @@ impl Areas {
     }
 }
 
-/// The corners that words tell of.
+/// The corners that words tell of, of as many areas as there may be.
 pub(crate) fn corners(word: impl Fn(usize) -> Option<u32>) -> impl Iterator<Item = Corner> {
-    let (mut place, mut kind, mut left, mut is_first) = (0, 0, 0_u8, false);
+    let (mut place, mut kind, mut left, mut is_first, mut areas) = (0, 0, 0_u8, false, 0);
     core::iter::from_fn(move || {
         if left == 0 {
+            areas += 1;
+            if areas > AREAS {
+                return None;
+            }
             [kind, left, ..] = word(place)?.to_le_bytes();
             is_first = true;
             place += 1;

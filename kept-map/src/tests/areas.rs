@@ -69,6 +69,9 @@ fn what_is_too_much_or_damaged_is_refused() {
     assert_eq!(areas.add(0, &SQUARE[..2]), Err(BadArea));
     assert_eq!(areas.add(0, &[[0.0; 2]; 60]), Err(BadArea));
     assert_eq!(areas, Areas::NONE);
+    (0..8).for_each(|_| areas.add(0, &SQUARE[..3]).expect("there is room"));
+    assert_eq!(areas.add(0, &SQUARE[..3]), Err(BadArea), "a robot remembers eight");
+    assert_eq!(areas.corners().count(), 24);
     let good = bytes_of(&Map(4), &two());
     for place in 12..good.len() {
         let mut bytes = good.clone();
@@ -78,4 +81,11 @@ fn what_is_too_much_or_damaged_is_refused() {
     let mut longer = good.clone();
     longer[12..16].copy_from_slice(&(good.len() as u32 / 4 + 200).to_le_bytes());
     assert_eq!(Record::parse(&longer).expect_err("no record"), Refused::Corrupt);
+}
+
+#[test]
+fn corners_of_more_areas_than_a_robot_remembers_are_not_told() {
+    let triangle = || [0x0300].into_iter().chain(SQUARE[..3].iter().flatten().map(|m| m.to_bits()));
+    let words: Vec<u32> = (0..9).flat_map(|_| triangle()).collect();
+    assert_eq!(crate::areas::corners(|place| words.get(place).copied()).count(), 24);
 }
