@@ -3,7 +3,7 @@
 use crate::body::Body;
 use crate::fault::Fault;
 use crate::options::SimOptions;
-use crate::plan::Room;
+use crate::plan::{Plan, Room};
 use crate::pose::Pose2;
 use crate::rng::Rng;
 use crate::world::World;
@@ -144,9 +144,13 @@ impl Fate {
         self.mishaps.rugs.extend(more.rugs);
     }
 
-    /// The rooms in which free places are drawn from now on.
-    pub(crate) fn furnish(&mut self, rooms: &[Room]) {
-        self.rooms = rooms.to_vec();
+    /// From now on the robot, which is here, is in this plan: its rooms, rugs and sills. What is due at a time stays so.
+    pub(crate) fn furnish(&mut self, plan: &Plan, here: &Pose2) {
+        self.rooms.clone_from(&plan.rooms);
+        self.mishaps.rugs.clone_from(&plan.mishaps.rugs);
+        self.mishaps.sills.clone_from(&plan.mishaps.sills);
+        self.on_rug = self.mishaps.rugs.iter().map(|rug| is_within(here, rug.min_m, rug.max_m)).collect();
+        self.on_sill = self.mishaps.sills.iter().map(|sill| is_within(here, sill.min_m, sill.max_m)).collect();
     }
 
     /// Whether nothing ever happens.

@@ -81,6 +81,22 @@ impl World {
         world
     }
 
+    /// This world in the place of another one at this time (seconds since the start): people who are in both go on as they walked.
+    pub fn in_place_of(mut self, other: &World, time_s: f64) -> Self {
+        for (person, ahead_s) in self.people.iter().zip(&mut self.ahead_s) {
+            let same = other.people.iter().zip(&other.ahead_s).find(|(old, _)| *old == person);
+            *ahead_s = same.map_or(0.0, |(_, ahead_s)| *ahead_s);
+        }
+        self.set_time(time_s);
+        self
+    }
+
+    /// Where each of the people is, metres, and their radii.
+    pub fn people(&self) -> impl Iterator<Item = ([f64; 2], f64)> + '_ {
+        let discs = self.centre_x.iter().zip(&self.centre_y).zip(&self.radius).skip(self.rounds);
+        discs.map(|((x_m, y_m), radius_m)| ([*x_m, *y_m], *radius_m))
+    }
+
     /// Whether a point is in the home, and not in a box.
     pub fn is_inside(&self, point_m: [f64; 2]) -> bool {
         is_inside(&self.closed, self.closes_in, point_m)

@@ -191,3 +191,44 @@ fn a_fault_that_cannot_be_is_named() {
     let refused = Simulation::new(&plan.expect("a plan"), &default_rig(), SimOptions::default(), 1).unwrap_err();
     assert_eq!(refused.to_string(), "fault[0].sensor is 8; the rig has 8 range sensors, counted from 0");
 }
+
+#[test]
+fn rugs_and_sills_of_a_home_that_is_rebuilt_are_those_of_the_new_plan() {
+    let plan = |things: &str| plan_file::parse("test", "test", &format!("{HALL}{things}")).expect("a plan");
+    let sill = "[[sill]]\nmin_m = [1.5, 1.0]\nmax_m = [2.0, 3.0]\n";
+    let rug = "[[rug]]\nmin_m = [2.5, 0.0]\nmax_m = [3.5, 4.0]\n";
+    let mut simulation = hall(sill, 1);
+    simulation.rebuild(&plan(rug));
+    let mut lifted = 0;
+    for _ in 0..250 {
+        simulation.step(AHEAD);
+        lifted += usize::from(simulation.contacts().lifted);
+    }
+    let pose = simulation.pose_in_plan();
+    assert_eq!(lifted, 0, "the sill was taken away");
+    assert!(pose.theta_rad.abs() > 0.02, "a rug was put there: {pose:?}");
+    // It is on the new one from the start: no edge is met.
+    simulation.rebuild(&plan("[[rug]]\nmin_m = [0.0, 0.0]\nmax_m = [6.0, 4.0]\n"));
+    for _ in 0..10 {
+        simulation.step(AHEAD);
+    }
+    assert!((simulation.pose_in_plan().theta_rad - pose.theta_rad).abs() < 0.01);
+}
+
+#[test]
+fn people_go_on_as_they_walked_in_a_home_that_is_rebuilt() {
+    let person = "[[person]]\nradius_m = 0.15\nspeed_mps = 0.5\npath_m = [[2.0, 2.0], [5.0, 2.0]]\ngives_way = true\n";
+    let plan = |things: &str| plan_file::parse("test", "test", &format!("{HALL}{things}")).expect("a plan");
+    let mut simulation = hall(person, 1);
+    let place = |simulation: &Simulation| simulation.people().next().expect("somebody").0;
+    // They meet the robot, which stands before them, and turn round.
+    for _ in 0..500 {
+        simulation.step(AHEAD);
+    }
+    let by_time = plan(person).people[0].position(simulation.time_s());
+    let before = place(&simulation);
+    assert!((before[0] - by_time[0]).abs() > 0.05, "they turned round: {before:?} {by_time:?}");
+    simulation.rebuild(&plan(&format!("{person}[[wall]]\nfrom_m = [1.0, 0.5]\nto_m = [2.0, 0.5]\n")));
+    let after = place(&simulation);
+    assert!((before[0] - after[0]).abs() < 1e-9, "{before:?} {after:?}");
+}

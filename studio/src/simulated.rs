@@ -238,10 +238,7 @@ impl Simulated {
         let swept = (self.job == Job::Clean).then(|| self.drive.floor().now());
         let simulation = self.drive.simulation();
         let (pose, contacts, time_s) = (simulation.pose(), simulation.contacts(), simulation.time_s());
-        let people = self.plan.people.iter().map(|person| {
-            let [x_m, y_m] = person.position(time_s);
-            [x_m, y_m, person.radius_m]
-        });
+        let people = simulation.people().map(|([x_m, y_m], radius_m)| [x_m, y_m, radius_m]);
         let is_closed = |door: &&hal_sim::plan::Door| (door.closes_at_s..door.opens_at_s).contains(&time_s);
         let doors = self.plan.doors.iter().filter(is_closed).map(|door| [door.from_m, door.to_m].concat());
         json!({

@@ -49,14 +49,18 @@ impl Simulation {
         self.sensors.iter().map(|sensor| sensor.is_covered)
     }
 
-    /// Puts this plan's walls, things, doors, people and cliffs in the place of those that are there. The robot stays where it
+    /// Puts this plan's walls, things, doors, people, cliffs, rugs and sills in the place of those that are there. The robot stays where it
     /// is, and truths stay in the frame of the first plan's start. What was seen of walls so far is forgotten.
     pub fn rebuild(&mut self, plan: &Plan) {
-        self.world = World::new(plan);
-        self.world.set_time(self.time_s);
+        self.world = World::new(plan).in_place_of(&self.world, self.time_s);
         self.cliffs.clone_from(&plan.cliffs);
         self.coverage = Coverage::new(&plan.faces);
-        self.fate.furnish(&plan.rooms);
+        self.fate.furnish(plan, &self.body.pose);
+    }
+
+    /// Where each of the plan's people is, metres, and their radii.
+    pub fn people(&self) -> impl Iterator<Item = ([f64; 2], f64)> + '_ {
+        self.world.people()
     }
 
     /// The frame of truths in the plan's frame: where the first plan's start is.
