@@ -60,6 +60,12 @@ fn parts_make_the_whole_and_nothing_is_done_twice() {
     place.lab().args(["experiment", "merge", "--out", "both", "part1", "part2"]).assert().success();
     assert_eq!(rows(&place, "both"), rows(&place, "whole"));
     assert_ne!(rows(&place, "part1"), rows(&place, "whole"));
+    // What is merged is only read.
+    std::fs::create_dir(place.path("nothing")).expect("a folder");
+    let merge = |part: &str| place.lab().args(["experiment", "merge", "--out", "more", "part1", part]).assert();
+    merge("nothing").failure().stderr(contains("nothing/experiment.toml: cannot read"));
+    assert!(!place.path("nothing/experiment.toml").exists() && !place.path("more").exists());
+    merge("gone").failure().stderr(contains("gone: is no folder; name the folders that --shard wrote"));
     let before = place.get("whole/runs.csv");
     // Stopped while a row was being written: that one is done again, and only that one.
     place.put("whole/runs.csv", &before[..before.len() - 10]);
@@ -77,6 +83,29 @@ fn other_rows_are_not_mixed_in() {
     place.lab().args(["experiment", "other.toml", "--out", "out"]).assert().success();
     let refused = place.lab().args(["experiment", "small.toml", "--out", "out"]).assert().failure();
     refused.stderr(contains("out: holds rows of another experiment"));
+}
+
+#[test]
+fn files_that_no_experiment_wrote_stay_as_they_are() {
+    let place = Place::new();
+    place.put("small.toml", SMALL);
+    for (name, content) in [
+        ("runs.csv", &b"name,laps\nmine,3"[..]),
+        ("samples.csv", b"t,x\n0,1"),
+        ("index.html", b"my page"),
+        ("table.csv", b"a,b"),
+        ("table.md", b"|a|"),
+        ("experiment.toml", b"\xff\xfe"),
+        ("build.txt", b"\xe9t\xe9"),
+    ] {
+        let folder = place.path("mine");
+        std::fs::create_dir_all(&folder).expect("a folder");
+        std::fs::write(folder.join(name), content).expect("a file");
+        let refused = place.lab().args(["experiment", "small.toml", "--out", "mine"]).assert().failure();
+        refused.stderr(contains(format!("mine/{name}:")));
+        assert_eq!(std::fs::read(folder.join(name)).expect("the file"), content, "{name}");
+        std::fs::remove_dir_all(folder).expect("the folder goes");
+    }
 }
 
 #[test]

@@ -18,6 +18,13 @@ figure{margin:2rem 0}figure svg{max-width:100%;height:auto}pre{overflow-x:auto;b
 .no{color:#cf222e;font-weight:600}@media(prefers-color-scheme:dark){body{color:#e6edf3;background:#0d1117}\
 th,td{border-color:#30363d}pre{background:#161b22}.no{color:#ff7b72}}";
 
+const TABLE_CSV: &str = "table.csv";
+const TABLE_MD: &str = "table.md";
+const PAGE: &str = "index.html";
+
+/// The files beside those of the rows.
+pub const FILES: [&str; 3] = [TABLE_CSV, TABLE_MD, PAGE];
+
 /// What was made of an experiment's rows.
 pub struct Written {
     /// The table.
@@ -42,13 +49,13 @@ pub fn write(folder: &Path, experiment: &Experiment) -> Result<Written, FileErro
         let file = folder.join(name);
         std::fs::write(&file, text).map_err(|cause| FileError::system(&file, "write", &cause))
     };
-    put("table.csv", &table::csv(&lines))?;
+    put(TABLE_CSV, &table::csv(&lines))?;
     let mut text = format!("# {}\n\n{}\n\n{}", experiment.title, experiment.about.trim(), table::markdown(&lines));
     if !verdicts.is_empty() {
         let _ = write!(text, "\n{}", table::verdicts_markdown(&verdicts));
     }
-    put("table.md", &text)?;
-    put("index.html", &page(experiment, &lines, &verdicts, &figures))?;
+    put(TABLE_MD, &text)?;
+    put(PAGE, &page(experiment, &lines, &verdicts, &figures))?;
     Ok(Written { lines, verdicts })
 }
 

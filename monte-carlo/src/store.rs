@@ -2,10 +2,11 @@
 
 use std::collections::HashSet;
 use std::fs::{File, OpenOptions, TryLockError};
-use std::io::Write as _;
+use std::io::{ErrorKind, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use crate::file::Experiment;
+use crate::page;
 use crate::row::{RunKey, RunRow};
 use crate::samples::ErrorSample;
 use input_file::FileError;
@@ -33,14 +34,16 @@ impl Store {
     /// # Errors
     /// The folder holds something else, or cannot be used.
     pub fn open(folder: &Path, experiment: &Experiment) -> Result<Self, FileError> {
+        Self::open_of(folder, experiment, &build())
+    }
+
+    /// The same for rows of the program that says `build` of itself.
+    fn open_of(folder: &Path, experiment: &Experiment, build: &str) -> Result<Self, FileError> {
         std::fs::create_dir_all(folder).map_err(|cause| FileError::system(folder, "create", &cause))?;
-        keep_same(&folder.join(EXPERIMENT), &experiment.text, "rows of another experiment")?;
-        keep_same(&folder.join(BUILD), &build(), "rows that another build of this program made")?;
-        let runs = folder.join(RUNS);
-        drop_half_line(&runs)?;
-        drop_half_line(&folder.join(SAMPLES))?;
-        let finished = if runs.exists() { read(&runs)? } else { Vec::new() };
-        let rows = append(&runs, &RunRow::header())?;
+        refuse_foreign(folder)?;
+        let (runs, samples) = (folder.join(RUNS), folder.join(SAMPLES));
+        let mut rows = open(&runs)?;
+        // Before anything is read or written: what another run writes just now is not to be judged.
         match rows.try_lock() {
             // A file system without locks is used without.
             Ok(()) | Err(TryLockError::Error(_)) => {}
@@ -49,9 +52,14 @@ impl Store {
                 return Err(FileError::new(&runs, what));
             }
         }
+        let finished = parse(&runs, &begin(&runs, &mut rows, &RunRow::header())?)?;
+        keep_same(&folder.join(EXPERIMENT), &experiment.text, "rows of another experiment")?;
+        keep_same(&folder.join(BUILD), build, "rows that another build of this program made")?;
+        let mut errors = open(&samples)?;
+        begin(&samples, &mut errors, &ErrorSample::header())?;
         Ok(Self {
             runs: rows,
-            samples: append(&folder.join(SAMPLES), &ErrorSample::header())?,
+            samples: errors,
             folder: folder.to_owned(),
             finished: finished.into_iter().map(|row| row.key).collect(),
         })
@@ -87,11 +95,14 @@ impl Store {
 /// # Errors
 /// The file cannot be read, or a line is no row.
 pub fn read(file: &Path) -> Result<Vec<RunRow>, FileError> {
-    let text = input_file::read(file)?;
+    parse(file, &input_file::read(file)?)
+}
+
+fn parse(file: &Path, text: &str) -> Result<Vec<RunRow>, FileError> {
     let mut lines = text.lines().enumerate();
     match lines.next() {
         Some((_, header)) if header == RunRow::header() => {}
-        _ => return Err(FileError::new(file, format!("must begin with the line {}", RunRow::header())).at_line(1)),
+        _ => return Err(foreign(file, &RunRow::header())),
     }
     let mut rows = Vec::new();
     for (i, line) in lines {
@@ -124,20 +135,17 @@ pub fn merge(folder: &Path, parts: &[PathBuf]) -> Result<Experiment, FileError> 
     let Some(first) = parts.first() else {
         return Err(FileError::new(folder, "nothing to merge; name the folders that --shard wrote"));
     };
+    if let Some(missing) = parts.iter().find(|part| !part.is_dir()) {
+        return Err(FileError::new(missing, "is no folder; name the folders that --shard wrote"));
+    }
     let experiment = Experiment::read(&first.join(EXPERIMENT))?;
     let first_build = input_file::read(&first.join(BUILD))?;
-    std::fs::create_dir_all(folder).map_err(|cause| FileError::system(folder, "create", &cause))?;
-    keep_same(&folder.join(EXPERIMENT), &experiment.text, "rows of another experiment")?;
-    keep_same(&folder.join(BUILD), &first_build, "rows that another build of this program made")?;
-    let mut store = Store {
-        runs: append(&folder.join(RUNS), &RunRow::header())?,
-        samples: append(&folder.join(SAMPLES), &ErrorSample::header())?,
-        folder: folder.to_owned(),
-        finished: read(&folder.join(RUNS))?.into_iter().map(|row| row.key).collect(),
-    };
+    for part in &parts[1..] {
+        is_same(&part.join(EXPERIMENT), &experiment.text, "rows of another experiment than the first part")?;
+        is_same(&part.join(BUILD), &first_build, "rows of another build of this program than the first part's")?;
+    }
+    let mut store = Store::open_of(folder, &experiment, &first_build)?;
     for part in parts {
-        keep_same(&part.join(EXPERIMENT), &experiment.text, "rows of another experiment than the first part")?;
-        keep_same(&part.join(BUILD), &first_build, "rows of another build of this program than the first part's")?;
         let rows = read(&part.join(RUNS))?;
         let new: Vec<RunRow> = rows.into_iter().filter(|row| !store.has(&row.key)).collect();
         let keys: HashSet<&RunKey> = new.iter().map(|row| &row.key).collect();
@@ -159,34 +167,63 @@ fn write(file: &mut File, text: &str, path: &Path) -> Result<(), FileError> {
 
 /// Writes `text` where there is no file, and otherwise checks that the file holds just that.
 fn keep_same(file: &Path, text: &str, otherwise: &str) -> Result<(), FileError> {
-    match std::fs::read_to_string(file) {
-        Ok(present) if present == text => Ok(()),
-        Ok(_) => Err(FileError::new(
-            file.parent().unwrap_or(file),
-            format!("holds {otherwise}; choose another --out folder or remove this one"),
-        )),
-        Err(_) => std::fs::write(file, text).map_err(|cause| FileError::system(file, "write", &cause)),
+    if std::fs::metadata(file).is_err_and(|cause| cause.kind() == ErrorKind::NotFound) {
+        return std::fs::write(file, text).map_err(|cause| FileError::system(file, "write", &cause));
     }
+    is_same(file, text, &format!("{otherwise}; choose another --out folder or remove this one"))
 }
 
-/// Opens a file for appending; a new one begins with `header`.
-fn append(path: &Path, header: &str) -> Result<File, FileError> {
-    let system = |cause: std::io::Error| FileError::system(path, "write", &cause);
-    let mut file = OpenOptions::new().create(true).append(true).open(path).map_err(system)?;
-    if file.metadata().map_err(system)?.len() == 0 {
-        write(&mut file, &format!("{header}\n"), path)?;
-    }
-    Ok(file)
-}
-
-/// A run that was stopped while it wrote leaves half a line.
-fn drop_half_line(path: &Path) -> Result<(), FileError> {
-    let Ok(text) = std::fs::read_to_string(path) else { return Ok(()) };
-    if text.is_empty() || text.ends_with('\n') {
+/// Checks that a file holds just `text`.
+fn is_same(file: &Path, text: &str, otherwise: &str) -> Result<(), FileError> {
+    if input_file::read(file)? == text {
         return Ok(());
     }
-    let whole = text.rfind('\n').map_or("", |end| &text[..=end]);
-    std::fs::write(path, whole).map_err(|cause| FileError::system(path, "write", &cause))
+    Err(FileError::new(file.parent().unwrap_or(file), format!("holds {otherwise}")))
+}
+
+/// Refuses a folder in which no experiment ran before and where its results would take the place of somebody's files.
+fn refuse_foreign(folder: &Path) -> Result<(), FileError> {
+    if folder.join(BUILD).exists() {
+        return Ok(());
+    }
+    match page::FILES.into_iter().chain([SAMPLES]).find(|name| folder.join(name).exists()) {
+        None => Ok(()),
+        Some(name) => Err(FileError::new(
+            &folder.join(name),
+            "was not written by an experiment and would be lost; choose another --out folder or remove it",
+        )),
+    }
+}
+
+/// Opens a file for reading and appending.
+fn open(path: &Path) -> Result<File, FileError> {
+    let options = OpenOptions::new().create(true).read(true).append(true).open(path);
+    options.map_err(|cause| FileError::system(path, "write", &cause))
+}
+
+/// What a file of lines holds; a new one begins with `header`, and the half line that a run left that was stopped while it
+/// wrote is dropped.
+fn begin(path: &Path, file: &mut File, header: &str) -> Result<String, FileError> {
+    let mut text = String::new();
+    file.read_to_string(&mut text).map_err(|cause| FileError::system(path, "read", &cause))?;
+    let first = format!("{header}\n");
+    if !text.starts_with(&first) && !first.starts_with(&text) {
+        return Err(foreign(path, header));
+    }
+    let whole = text.rfind('\n').map_or(0, |end| end + 1);
+    if whole < text.len() {
+        file.set_len(whole as u64).map_err(|cause| FileError::system(path, "write", &cause))?;
+        text.truncate(whole);
+    }
+    if text.is_empty() {
+        write(file, &first, path)?;
+        text = first;
+    }
+    Ok(text)
+}
+
+fn foreign(file: &Path, header: &str) -> FileError {
+    FileError::new(file, format!("must begin with the line {header}")).at_line(1)
 }
 
 /// The program's version and a hash (FNV-1a) of its binary: rows of two builds must not be mixed.
