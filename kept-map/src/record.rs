@@ -29,7 +29,10 @@ use crate::refused::Refused;
 pub const VERSION: u32 = 2;
 pub(crate) const WITHOUT_AREAS: u32 = 1;
 
-const MAGIC: [u32; 2] = [u32::from_le_bytes(*b"wall"), u32::from_le_bytes(*b"map\0")];
+const MAGIC: [u32; 2] = {
+    let [a, b, c, d, e, f, g, h] = Record::MAGIC;
+    [u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h])]
+};
 
 /// Words before the walls.
 const HEAD: usize = 22;
@@ -215,6 +218,11 @@ pub struct Record<'a> {
 impl<'a> Record<'a> {
     /// The record that bytes begin with; what follows it is passed over.
     ///
+impl Record<'_> {
+    /// The bytes that every record begins with.
+    pub const MAGIC: [u8; 8] = *b"wallmap\0";
+}
+
     /// # Errors
     /// They are not a whole record of this version.
     pub fn parse(bytes: &'a [u8]) -> Result<Self, Refused> {

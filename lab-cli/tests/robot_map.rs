@@ -41,3 +41,18 @@ fn what_is_no_map_is_refused_before_a_robot_is_looked_for() {
     put("no-map.bin").stderr(contains("no-map.bin: is no kept map"));
     put("not-there.bin").stderr(contains("not-there.bin"));
 }
+
+#[test]
+fn a_fetched_map_takes_no_other_files_place() {
+    let place = Place::new();
+    let get = |file: &str| place.lab().args(["map", "get", "--port", "no-port", "--out", file]).assert().failure();
+    place.put("letter.txt", "wall by wall");
+    get("letter.txt").stderr(contains("letter.txt: is no kept map and would be overwritten"));
+    assert_eq!(place.get("letter.txt"), "wall by wall");
+    std::fs::create_dir(place.path("folder")).unwrap();
+    get("folder").stderr(contains("folder: "));
+    for free in ["empty", "map.bin"] {
+        place.put(free, if free == "empty" { "" } else { "wallmap\0 of old" });
+        get(free).stderr(contains("no-port: "));
+    }
+}

@@ -1,9 +1,12 @@
 //! `lab map`: the robot's kept map as a file, and back.
 
-use std::path::PathBuf;
+use std::fs::File;
+use std::io::{ErrorKind, Read as _};
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::{Args, Subcommand};
+use kept_map::Record;
 use wire::Frame;
 
 use super::errand::{AGAIN_MS, Done, Errand, MapErrand};
@@ -51,6 +54,8 @@ impl MapArgs {
     pub fn run(&self) -> Result<(), String> {
         match &self.what {
             What::Get { port, out } => {
+                // A file that is no map is somebody's; that is said before the robot is asked.
+                free_for_a_map(out)?;
                 let Done::Got(bytes) = at(port, Errand::Get)? else { return Ok(()) };
                 std::fs::write(out, &bytes).map_err(|error| format!("{}: {error}", out.display()))?;
                 println!("{}: {} bytes", out.display(), bytes.len());
@@ -71,6 +76,22 @@ impl MapArgs {
         }
         Ok(())
     }
+}
+
+/// That a file may be written: it is not there, empty, or a kept map.
+fn free_for_a_map(file: &Path) -> Result<(), String> {
+    let failed = |error: std::io::Error| format!("{}: {error}", file.display());
+    let mut begin = Vec::new();
+    match File::open(file) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
+        Err(error) => return Err(failed(error)),
+        // Reading a folder fails, too.
+        Ok(present) => present.take(Record::MAGIC.len() as u64).read_to_end(&mut begin).map_err(failed)?,
+    };
+    if begin.is_empty() || begin == Record::MAGIC {
+        return Ok(());
+    }
+    Err(format!("{}: is no kept map and would be overwritten; name another file with --out", file.display()))
 }
 
 /// Runs an errand with the robot at a port.
