@@ -79,3 +79,20 @@ fn a_line_of_another_rate_is_told_apart_from_a_silent_one() {
     doctor("garbage").stderr(contains("3000 bytes arrive and no whole frame"));
     doctor("silence").stderr(contains("nothing arrives"));
 }
+
+#[test]
+fn what_was_recorded_before_stays_until_a_robot_of_the_rig_speaks() {
+    let place = Place::new();
+    std::fs::write(place.path("line"), recorded(8, |step, i| Range::Counts(900 + step + i))).unwrap();
+    std::fs::write(place.path("other"), recorded(8, |_, _| Range::Metres(0.5))).unwrap();
+    place.put("silence", "");
+    let monitor =
+        |line: &str| place.lab().args(["monitor", "--port", line, "--out", "seen", "--mcap", "seen.mcap"]).assert();
+    monitor("line").success();
+    let files = || ["seen/log.csv", "seen.mcap"].map(|file| std::fs::read(place.path(file)).unwrap());
+    let before = files();
+    for line in ["silence", "other"] {
+        monitor(line).failure();
+        assert!(files() == before, "{line}");
+    }
+}

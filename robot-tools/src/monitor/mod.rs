@@ -8,6 +8,7 @@ use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 
 use clap::Args;
+use lab::input::rig_file::Robot;
 use wire::{Command, Frame};
 
 use crate::port::{self, Heard, Port};
@@ -71,14 +72,8 @@ impl Monitor {
         if let Some(file) = &self.mcap {
             foxglove_file::check(file).map_err(|error| error.to_string())?;
         }
-        // What was recorded before makes room when there is a line.
-        let line = self.line()?;
-        let mut log = Recorder::begin(&self.out, &robot, &rig_toml)?;
-        let mut film = self.mcap.as_deref().map(Film::create).transpose()?;
-        let mut port = Port::new(line);
-        if let Some(start) = self.start {
-            port.send(&Frame::Command(start))?;
-        }
+        let mut port = Port::new(self.line()?);
+        let mut files = None;
         let mut view = View::default();
         let mut drawn_us = 0;
         loop {
@@ -90,31 +85,48 @@ impl Monitor {
                 }
                 Heard::End => break,
             };
-            if let Frame::Sample(sample) = &frame {
-                log.take(sample, &robot)?;
+            if files.is_none()
+                && let Frame::Sample(sample) = &frame
+            {
+                // What was recorded before makes room when a robot of this rig speaks; it starts when it is recorded.
+                port::row(sample, &robot, None)?;
+                files = Some(self.files(&robot, &rig_toml)?);
+                if let Some(start) = self.start {
+                    port.send(&Frame::Command(start))?;
+                }
             }
-            if let Some(film) = &mut film {
-                film.take(&frame)?;
+            if let Some((log, film)) = &mut files {
+                if let Frame::Sample(sample) = &frame {
+                    log.take(sample, &robot)?;
+                }
+                film.as_mut().map_or(Ok(()), |film| film.take(&frame))?;
             }
             view.take(frame);
             view.damaged = port.damaged();
             if view.time_us() >= drawn_us + DRAW_US || view.time_us() < drawn_us {
                 drawn_us = view.time_us();
-                log.flush()?;
+                files.as_mut().map_or(Ok(()), |(log, _)| log.flush())?;
                 draw(&view);
             }
         }
-        log.close()?;
-        film.map_or(Ok(()), Film::finish)?;
         if view.is_empty() {
             return Err(format!("{}: {}", self.port, port.trouble()));
         }
+        let (log, film) = files.ok_or_else(|| format!("{}: the robot told nothing of what it senses", self.port))?;
+        log.close()?;
+        film.map_or(Ok(()), Film::finish)?;
         let _ = writeln!(std::io::stdout(), "{view}the line has ended; results in {}", self.out.display());
         Ok(())
     }
 }
 
 impl Monitor {
+    /// The files of what the robot says.
+    fn files(&self, robot: &Robot, rig_toml: &str) -> Result<(Recorder, Option<Film>), String> {
+        let log = Recorder::begin(&self.out, robot, rig_toml)?;
+        Ok((log, self.mcap.as_deref().map(Film::create).transpose()?))
+    }
+
     /// The robot's line, shared with pages where that is asked for.
     fn line(&self) -> Result<port::Line, String> {
         let line = port::open(&self.port)?;
