@@ -1,5 +1,8 @@
 //! The record: little-endian words of 32 bits.
 //!
+//! Walls, means and covariance are in the filter's frame, which `start` and `anchor` put into the map frame ([`KeptFrame`]); areas are
+//! in the map frame. States have their numbers in the filter: the mean of state i is the (i - 3)th.
+//!
 //! | words | what they are |
 //! |---|---|
 //! | 2 | magic |
@@ -13,7 +16,7 @@
 //! | 3 | where the first drive started: x, y, theta |
 //! | 9 | the anchor: x, y, theta; covariance xx, xy, xt, yy, yt, tt |
 //! | 8 a wall | identifier and state of rho; kind (0 free, 1 snapped, 2 on the grid, 3 near it, 4 as built), quarter and state of the direction; lo; hi; updates; score, nothing, drawn; line as it was drawn: rho, beta |
-//! | 1 a state but for the pose's | means |
+//! | 1 a state but for the pose's | means: grid, motion, gains, age, stamp (those that are estimated), walls |
 //! | n (n + 1) / 2 | covariance of those n, upper triangle by rows |
 //! | 1 an area and 2 a corner of it | [areas](crate::Areas), in version 2 alone: without any, a record is one of version 1 |
 //! | 1 | CRC-32 (ISO-HDLC) of all words before |
@@ -215,14 +218,14 @@ pub struct Record<'a> {
     layout: Layout,
 }
 
-impl<'a> Record<'a> {
-    /// The record that bytes begin with; what follows it is passed over.
-    ///
 impl Record<'_> {
     /// The bytes that every record begins with.
     pub const MAGIC: [u8; 8] = *b"wallmap\0";
 }
 
+impl<'a> Record<'a> {
+    /// The record that bytes begin with; what follows it is passed over.
+    ///
     /// # Errors
     /// They are not a whole record of this version.
     pub fn parse(bytes: &'a [u8]) -> Result<Self, Refused> {
