@@ -181,7 +181,7 @@ pub fn write_file(file: &Path, recording: &Recording) -> Result<(), FileError> {
 /// What the system says.
 pub fn write<W: Write + Seek>(output: &mut Output<W>, recording: &Recording) -> Result<(), McapError> {
     if !recording.true_walls.is_empty() {
-        output.plan(0.0, &recording.true_walls)?;
+        output.plan(0.0, &recording.true_walls_in_map())?;
     }
     let (mut maps, mut written) = (recording.maps.iter().enumerate().peekable(), Vec::new());
     let mut hits: Vec<[f32; 2]> = Vec::new();

@@ -5,7 +5,7 @@ use std::io::Cursor;
 
 use foxglove_file::{Output, SCHEMAS, write};
 use lab::input::built_in_robot;
-use lab::recording::Recording;
+use lab::recording::{Pose2, Recording};
 use lab::run::{Drive, Session};
 use serde_json::Value;
 use slam_core::Config;
@@ -51,7 +51,9 @@ fn misfit(schema: &Value, value: &Value, place: &str) -> Option<String> {
 
 #[test]
 fn every_message_fits_its_schema_and_says_what_the_run_was() {
-    let recording = driven();
+    let mut recording = driven();
+    // A robot that learns where it started moves the plan with the true path.
+    recording.steps.iter_mut().for_each(|step| step.start = Pose2::new(0.5, -1.0, 0.25));
     let mut bytes = Vec::new();
     let mut output = Output::new(Cursor::new(&mut bytes)).unwrap();
     write(&mut output, &recording).unwrap();
@@ -77,6 +79,12 @@ fn every_message_fits_its_schema_and_says_what_the_run_was() {
     // Numbers are read to their last bit but one.
     let x_m = last["/pose"]["pose"]["position"]["x"].as_f64().expect("a number");
     assert!((x_m - end.pose.x_m).abs() < 1e-12, "{x_m} {}", end.pose.x_m);
+    let corner = &last["/plan"]["entities"][0]["lines"][0]["points"][0];
+    let expected_m = recording.start().transform(recording.true_walls[0].from_m);
+    for (axis, expected_m) in ["x", "y"].into_iter().zip(expected_m) {
+        let is_m = corner[axis].as_f64().expect("a number");
+        assert!((is_m - expected_m).abs() < 1e-6, "{axis} {is_m} {expected_m}");
+    }
     let lines = last["/walls"]["entities"][0]["lines"].as_array().unwrap();
     let points: usize = lines.iter().map(|line| line["points"].as_array().unwrap().len()).sum();
     assert_eq!(points, 2 * recording.walls().len());

@@ -237,6 +237,13 @@ impl Recording {
         self.steps.last().map_or_else(Pose2::default, |step| step.start)
     }
 
+    /// The true walls, in the map frame as it is in the end.
+    pub fn true_walls_in_map(&self) -> Vec<Segment> {
+        let start = self.start();
+        let place = |at_m: [f64; 2]| start.transform(at_m);
+        self.true_walls.iter().map(|s| Segment { from_m: place(s.from_m), to_m: place(s.to_m) }).collect()
+    }
+
     /// The final map.
     pub fn walls(&self) -> &[WallView] {
         self.maps.last().map_or(&[], |map| &map.walls)

@@ -45,7 +45,7 @@ impl Frame {
         let (s, c) = ((alpha / FRAC_PI_2).round() * FRAC_PI_2 - alpha).sin_cos();
         let turned = |[x, y]: [f64; 2]| [c * x - s * y, s * x + c * y];
         let mut points: Vec<[f64; 2]> = recording.steps.iter().map(|s| [s.pose.x_m, s.pose.y_m]).collect();
-        points.extend(recording.true_walls.iter().flat_map(|s| [s.from_m, s.to_m]));
+        points.extend(recording.true_walls_in_map().iter().flat_map(|s| [s.from_m, s.to_m]));
         for [x0, y0, x1, y1] in recording.walls().iter().map(wall_ends) {
             points.extend([[x0, y0], [x1, y1]]);
         }
@@ -118,7 +118,8 @@ pub fn map_svg(recording: &Recording) -> String {
         svg.line_break();
         legend.push((name, colour, width));
     };
-    let plan = recording.true_walls.iter().map(|s| frame.line([s.from_m[0], s.from_m[1], s.to_m[0], s.to_m[1]]));
+    let plan = recording.true_walls_in_map();
+    let plan = plan.iter().map(|s| frame.line([s.from_m[0], s.from_m[1], s.to_m[0], s.to_m[1]]));
     layer("True plan", PLAN, 8.0, &[("stroke-opacity", "0.4")], plan.collect());
     layer("Hits", HITS, HIT, &[("stroke-linecap", "square"), ("stroke-opacity", "0.8")], hits(recording, &frame));
     let steps = &recording.steps;
@@ -216,11 +217,28 @@ fn add_legend(svg: &mut Svg, entries: &[(&str, &str, f64)], y: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::recording::{Segment, Step};
 
     #[test]
     fn an_empty_recording_makes_an_empty_picture() {
         let svg = map_svg(&Recording::default());
         assert!(svg.starts_with("<svg") && svg.ends_with("</svg>\n"));
         assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    }
+
+    #[test]
+    fn the_plan_is_drawn_from_where_the_start_ended_up() {
+        let at = |start: Pose2, from_m: [f64; 2], to_m: [f64; 2]| {
+            // Without dead reckoning, which moves with the start as well.
+            let dead_reckoning = Pose2 { x_m: f64::NAN, ..Pose2::default() };
+            let step = Step { start, pose: Pose2::new(1.0, 2.0, 0.0), dead_reckoning, ..Step::default() };
+            map_svg(&Recording {
+                steps: vec![step],
+                true_walls: vec![Segment { from_m, to_m }],
+                ..Recording::default()
+            })
+        };
+        let moved = at(Pose2::new(0.25, -0.5, 0.0), [0.0, 0.0], [3.0, 4.0]);
+        assert_eq!(moved, at(Pose2::default(), [0.25, -0.5], [3.25, 3.5]));
     }
 }
