@@ -108,6 +108,7 @@ fn analogue_sensors_need_a_converter_and_possible_values() {
         ("bits = 12", "bits = 12.5", "adc.bits: is 12.5; it must be a whole number"),
         ("vref_v = 3.3", "vref_v = 0.0", "adc.vref_v: is 0.0; it must be a number above 0"),
         ("exponent = -1.16", "exponent = 1.16", "range_sensor[0].exponent: is 1.16; it must be"),
+        ("vref_v = 3.3", "vref_v = 3300", "rig.toml:9: adc.vref_v: is 3300; it must be a number from 0.1 to 50"),
         ("exponent = -1.16", "exponent = -5", "range_sensor[0].exponent: is -5; it must be a number from -4"),
         ("exponent = -1.16", "exponent = 0", "range_sensor[0].exponent: is 0; it must be"),
         ("noise_v = 0.012", "noise_v = 0", "range_sensor[0].noise_v: is 0; it must be a number above 0"),

@@ -66,7 +66,11 @@ impl Robot {
             return Err(toml.error("adc", format!("is missing; {} is an analogue sensor", names[first])));
         }
         rig.validate().map_err(|RigError { sensor, key, allowed }| {
-            let table = sensor.map_or_else(|| drive_key.to_owned(), |index| format!("range_sensor[{index}]"));
+            let table = match sensor {
+                Some(index) => format!("range_sensor[{index}]"),
+                None if ["bits", "vref_v"].contains(&key) => "adc".to_owned(),
+                None => drive_key.to_owned(),
+            };
             let place = format!("{table}.{key}");
             let is = toml.given(&place).map_or(String::new(), |given| format!("is {given}; it "));
             toml.error(&place, format!("{is}must be {allowed}"))
