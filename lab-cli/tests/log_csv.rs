@@ -181,6 +181,15 @@ fn a_truth_file_is_found_beside_the_log_or_where_it_is_named() {
     assert_eq!(place.summary("out")["poses_compared"], 20);
     place.put("truth.csv", truth.replace("0.5,", "zero,"));
     place.replay("log.csv").assert().failure().stderr(contains("truth.csv:7: t_s: is \"zero\""));
+    for (from, to, expected) in [
+        ("0.5,0.125,0,0", "0.5,0.125,0,0,0", "truth.csv:7: columns: there are 5; the header names 4"),
+        ("x_m,y_m", "x_m,x_m,y_m", "truth.csv:1: x_m: is there twice"),
+        ("t_s,x_m,y_m,theta_rad\n", "", "truth.csv:1: has no header"),
+    ] {
+        assert!(truth.contains(from), "{truth}");
+        place.put("truth.csv", truth.replace(from, to));
+        place.replay("log.csv").assert().failure().stderr(contains(expected));
+    }
     place.replay("log.csv").args(["--truth", "none.csv"]).assert().failure().stderr(contains("none.csv: cannot read"));
 }
 
@@ -269,6 +278,12 @@ fn headers_that_do_not_fit_the_robot_say_which_column() {
         (SHARP_RIG, "t_s,left_ticks,right_ticks,range_0_m", "log.csv:1: adc_0: is missing"),
         (SHARP_RIG, "t_s,left_ticks,right_ticks,adc_0,adc_1", "log.csv:1: adc_1: has no place"),
         (SHARP_RIG, "t_s,left_ticks,right_ticks,adc_0,t_s", "log.csv:1: t_s: is there twice"),
+        (SHARP_RIG, "0.0,0,0,511", "log.csv:1: has no header; its first line must name the columns"),
+        (
+            SHARP_RIG,
+            "t_s,left_ticks,right_ticks,adc_0\r0.0,0,0,511\r0.1,0,0,511\r",
+            "log.csv:1: its lines end with CR alone",
+        ),
         (SHARP_RIG, "t_s,left_ticks,right_ticks,adc_0,true_x_m", "log.csv:1: true_y_m: is missing"),
         (ODOMETRY_RIG, "t_s,left_ticks,right_ticks,range_0_m", "log.csv:1: odom_x_m: is missing"),
     ];

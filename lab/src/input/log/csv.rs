@@ -56,7 +56,8 @@ impl Reader {
     pub fn new(mut lines: Lines, robot: &Robot) -> Result<Self, FileError> {
         let columns = match lines.next_content()? {
             Some((number, header)) => {
-                Columns::find(&header, robot).map_err(|(column, what)| lines.error(number, what).at(column))?
+                let names = names(&lines, number, &header)?;
+                Columns::find(&names, robot).map_err(|(column, what)| lines.error(number, what).at(column))?
             }
             None => return Err(FileError::new(lines.file(), "is empty")),
         };
@@ -66,10 +67,7 @@ impl Reader {
     fn row(&mut self, line: &str) -> Result<Row, Fault> {
         let cells: Vec<&str> = line.split(',').map(str::trim).collect();
         let columns = &self.columns;
-        if cells.len() != columns.count {
-            let what = format!("there are {}; the header names {}", cells.len(), columns.count);
-            return Err(("columns".to_owned(), what));
-        }
+        count_cells(&cells, columns.count)?;
         let t_s = seconds(cells[columns.time.index]).ok_or_else(|| bad(&cells, &columns.time, SECONDS))?;
         let time_us = self.clock.tick(t_s).ok_or_else(|| {
             let what = format!("is {}; it must be above the row before", cells[columns.time.index]);
@@ -132,14 +130,8 @@ impl Rows for Reader {
 
 impl Columns {
     /// Finds the columns that the robot needs; an error is a column and what is wrong with it.
-    fn find(header: &str, robot: &Robot) -> Result<Self, Fault> {
-        let names: Vec<&str> = header.split(',').map(str::trim).collect();
-        let mut unused: Vec<&str> = names.clone();
-        for (i, name) in names.iter().enumerate() {
-            if names[..i].contains(name) {
-                return Err(((*name).to_owned(), "is there twice; each column has its own name".to_owned()));
-            }
-        }
+    fn find(names: &[&str], robot: &Robot) -> Result<Self, Fault> {
+        let mut unused: Vec<&str> = names.to_vec();
         let mut find = |name: &str, why: &str| match names.iter().position(|found| *found == name) {
             Some(index) => {
                 unused.retain(|left| *left != name);
@@ -147,7 +139,7 @@ impl Columns {
             }
             None => Err((
                 name.to_owned(),
-                format!("is missing from the header; {}", spelling(&names, name).unwrap_or(why.to_owned())),
+                format!("is missing from the header; {}", spelling(names, name).unwrap_or(why.to_owned())),
             )),
         };
         let time = find("t_s", "every log has it")?;
@@ -189,6 +181,29 @@ impl Columns {
         let ignored = unused.into_iter().map(str::to_owned).collect();
         Ok(Self { count: names.len(), time, motion, ranges, truth, lifted, docked, ignored })
     }
+}
+
+/// The columns that a file's first line names, each of them once.
+pub(super) fn names<'h>(lines: &Lines, number: usize, header: &'h str) -> Result<Vec<&'h str>, FileError> {
+    if header.contains('\r') {
+        return Err(lines.error(number, "its lines end with CR alone; they must end with LF or CR LF"));
+    }
+    let names: Vec<&str> = header.split(',').map(str::trim).collect();
+    if names.iter().all(|name| name.is_empty() || name.parse::<f64>().is_ok()) {
+        return Err(lines.error(number, "has no header; its first line must name the columns"));
+    }
+    match names.iter().enumerate().find(|(i, name)| names[..*i].contains(name)) {
+        Some((_, name)) => Err(lines.error(number, "is there twice; each column has its own name").at(*name)),
+        None => Ok(names),
+    }
+}
+
+/// Checks that a line has as many cells as the header.
+pub(super) fn count_cells(cells: &[&str], named: usize) -> Result<(), Fault> {
+    if cells.len() == named {
+        return Ok(());
+    }
+    Err(("columns".to_owned(), format!("there are {}; the header names {named}", cells.len())))
 }
 
 /// What is there in place of a column that is missing.

@@ -3,7 +3,7 @@
 use std::io::Cursor;
 use std::path::Path;
 
-use super::csv::spelling;
+use super::csv::{count_cells, names, spelling};
 use super::lines::Lines;
 use super::{SECONDS, seconds};
 use crate::recording::Pose2;
@@ -37,7 +37,7 @@ fn parse(mut lines: Lines, file: &Path) -> Result<Truth, FileError> {
     let Some((number, header)) = lines.next_content()? else {
         return Err(FileError::new(file, format!("is empty; its header must name {}", COLUMNS.join(", "))));
     };
-    let names: Vec<&str> = header.split(',').map(str::trim).collect();
+    let names = names(&lines, number, &header)?;
     let mut places = [0; 4];
     for (place, column) in places.iter_mut().zip(COLUMNS) {
         *place = names.iter().position(|name| *name == column).ok_or_else(|| {
@@ -48,15 +48,14 @@ fn parse(mut lines: Lines, file: &Path) -> Result<Truth, FileError> {
     let mut truth: Truth = Vec::new();
     while let Some((number, line)) = lines.next_content()? {
         let cells: Vec<&str> = line.split(',').map(str::trim).collect();
+        count_cells(&cells, names.len()).map_err(|(column, what)| lines.error(number, what).at(column))?;
         let mut values = [0.0f64; 4];
         for ((value, place), column) in values.iter_mut().zip(places).zip(COLUMNS) {
-            *value = match cells.get(place).map(|cell| (cell, cell.parse::<f64>())) {
-                Some((_, Ok(number))) if number.is_finite() => number,
-                Some((cell, _)) => {
-                    return Err(lines.error(number, format!("is {cell:?}; it must be a finite number")).at(column));
-                }
-                None => return Err(lines.error(number, "is missing from this line").at(column)),
-            };
+            let cell = cells[place];
+            *value =
+                cell.parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| {
+                    lines.error(number, format!("is {cell:?}; it must be a finite number")).at(column)
+                })?;
         }
         if seconds(cells[places[0]]).is_none() {
             return Err(lines.error(number, format!("is {:?}; it must be {SECONDS}", cells[places[0]])).at("t_s"));
