@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use slam_core::{Outcome, Refusal};
 
-use super::{Recording, Step};
+use super::{Pose2, Recording, Step};
 use crate::evaluate::statistics;
 use crate::show::output::summary::refusal_name;
 
@@ -16,6 +16,9 @@ const NO_SECONDS_S: f64 = 5.0;
 /// No robot with wheels drives faster, m/s, and a row is not off by more than this, metres.
 const FASTEST_MPS: f64 = 10.0;
 const OFF_M: f64 = 1.0;
+/// None turns faster, rad/s, and a row is not off by more than this, radians.
+const FASTEST_RADPS: f64 = 10.0;
+const OFF_RAD: f64 = 0.5;
 
 /// Of fewer readings than these it is no wonder if none was used.
 const MANY: usize = 500;
@@ -23,7 +26,7 @@ const MANY: usize = 500;
 impl Recording {
     /// What a user should know of the run though it is no error.
     pub fn findings(&self) -> Vec<String> {
-        let one = [self.never_found(), self.slow_rows(), self.jump(), self.bad_motion()];
+        let one = [self.never_found(), self.slow_rows(), self.jump(), self.spin(), self.bad_motion()];
         one.into_iter().flatten().chain(self.sensor_findings()).collect()
     }
 
@@ -51,20 +54,35 @@ impl Recording {
 
     /// A motion that no wheels make.
     fn jump(&self) -> Option<String> {
-        let moved_m = |[before, after]: &[Step; 2]| {
-            let moved = before.dead_reckoning.relative(&after.dead_reckoning);
-            moved.x_m.hypot(moved.y_m)
-        };
-        let is_jump = |pair: &&[Step; 2]| moved_m(pair) > FASTEST_MPS * (pair[1].t_s - pair[0].t_s) + OFF_M;
-        let pairs = || self.steps.windows(2).filter_map(|pair| <&[Step; 2]>::try_from(pair).ok());
-        let first = pairs().find(is_jump)?;
+        let moved_m = |moved: &Pose2| moved.x_m.hypot(moved.y_m);
+        let (first, apart_s, moved, count) = self.beyond(|moved, s| moved_m(moved) > FASTEST_MPS * s + OFF_M)?;
         Some(format!(
-            "at t_s = {} the odometry goes {:.0} m in {:.2} s, the first of {} such leaps: are counts or poses damaged or set anew there?",
-            first[1].t_text,
-            moved_m(first),
-            first[1].t_s - first[0].t_s,
-            pairs().filter(is_jump).count()
+            "at t_s = {} the odometry goes {:.0} m in {apart_s:.2} s, the first of {count} such leaps: are counts or poses damaged or set anew there?",
+            first.t_text,
+            moved_m(&moved)
         ))
+    }
+
+    /// A turn that no wheels make.
+    fn spin(&self) -> Option<String> {
+        let (first, apart_s, moved, count) =
+            self.beyond(|moved, s| moved.theta_rad.abs() > FASTEST_RADPS * s + OFF_RAD)?;
+        Some(format!(
+            "at t_s = {} the odometry turns {:.1} rad in {apart_s:.2} s, the first of {count} such turns: are headings in degrees, or damaged there?",
+            first.t_text,
+            moved.theta_rad.abs()
+        ))
+    }
+
+    /// The first step whose motion from the one before is too far for the seconds between: these, the motion, and how many there are.
+    fn beyond(&self, is_too_far: impl Fn(&Pose2, f64) -> bool) -> Option<(&Step, f64, Pose2, usize)> {
+        let mut found = self.steps.windows(2).filter_map(|pair| {
+            let moved = pair[0].dead_reckoning.relative(&pair[1].dead_reckoning);
+            let apart_s = pair[1].t_s - pair[0].t_s;
+            is_too_far(&moved, apart_s).then_some((&pair[1], apart_s, moved))
+        });
+        let (step, apart_s, moved) = found.next()?;
+        Some((step, apart_s, moved, 1 + found.count()))
     }
 
     fn bad_motion(&self) -> Option<String> {
@@ -157,7 +175,7 @@ impl Readings {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recording::{Pose2, SensorInfo};
+    use crate::recording::SensorInfo;
     use slam_core::ReadingReport;
 
     /// Rows so far apart in time of a robot that drives a centimetre from one to the next.
@@ -193,6 +211,21 @@ mod tests {
         let mut leaping = drive(100, 0.04);
         leaping.steps[50..].iter_mut().for_each(|step| step.dead_reckoning.y_m = 445.0);
         only(&leaping, "at t_s = 50 the odometry goes 445 m in 0.04 s, the first of 1");
+    }
+
+    #[test]
+    fn headings_in_degrees_are_told() {
+        let mut turning = drive(100, 0.04);
+        // A robot that turns 30 degrees a second.
+        turning.steps.iter_mut().for_each(|step| step.dead_reckoning.theta_rad = (30.0 * step.t_s).to_radians());
+        assert!(turning.findings().is_empty());
+        turning.steps.iter_mut().for_each(|step| {
+            step.dead_reckoning = Pose2::new(step.dead_reckoning.x_m, 0.0, 30.0 * step.t_s);
+        });
+        only(
+            &turning,
+            "at t_s = 1 the odometry turns 1.2 rad in 0.04 s, the first of 99 such turns: are headings in degrees",
+        );
     }
 
     #[test]
