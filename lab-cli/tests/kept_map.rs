@@ -167,3 +167,15 @@ fn a_robot_that_was_switched_off_finds_itself_sooner_where_it_was() {
     place.lab().args(lost).assert().success();
     assert!(!place.path("from-first/pose.bin").exists(), "it does not know where it is");
 }
+
+#[test]
+fn a_robot_that_never_found_itself_leaves_the_map_as_it_was() {
+    let place = with_map();
+    let map = || fs::read(place.path("first/map.bin")).expect("a map");
+    let before = map();
+    place.lab().args(["run", "--seed", "2", "--minutes", "0.1", "--out", "short"]).assert().success();
+    // A job in the map counts as long as the map has its check sum.
+    let replay = ["replay", "short/log.csv", "--rig", "short/rig.toml", "--map", "first/map.bin", "--out", "first"];
+    place.lab().args(replay).assert().success().stderr(contains("map.bin is as it was"));
+    assert!(map() == before);
+}

@@ -14,6 +14,8 @@ use kept_map::{ReceiveError, Record, Refused, SaveError, Saved, Store};
 /// Bytes of a slot: more than the record of the largest map on the desk.
 const SLOT_BYTES: u32 = 512 * 1024;
 const SLOTS: u32 = 2;
+/// Where a record has the number of its save, bytes.
+const SEQUENCE_AT: usize = 16;
 /// What erased cells hold.
 const ERASED: u8 = 0xFF;
 
@@ -51,12 +53,16 @@ pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
 }
 
 /// Saves a map, the bytes of a record of the robot with this [`rig_hash`](kept_map::rig_hash), into a file, which is made where it is
-/// not there. The record gets a number of the file's own.
+/// not there. The record gets a number of the file's own. The map that the file's newest record holds is not saved again: what is kept of a
+/// place in it stays good.
 ///
 /// # Errors
 /// What the system says. What was saved before is as it was then.
 pub fn save(path: &Path, map: &[u8], rig: u32) -> Result<(), FileError> {
     let failed = |cause: &io::Error| FileError::system(path, "write", cause);
+    if fs::read(path).is_ok_and(|bytes| is_same_map(newest(&bytes), map)) {
+        return Ok(());
+    }
     let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path);
     let mut store = Store::new(MapFile(file.map_err(|cause| failed(&cause))?), SLOT_BYTES);
     let saved = put(&mut store, map, rig).map_err(|error| match error {
@@ -68,6 +74,15 @@ pub fn save(path: &Path, map: &[u8], rig: u32) -> Result<(), FileError> {
         ReceiveError::Save(SaveError::Flash(Failed(cause))) => failed(&cause),
     });
     saved.and_then(|_| store.flash().0.sync_all().map_err(|cause| failed(&cause)))
+}
+
+/// Whether two records are one map, whatever the numbers of their saves.
+fn is_same_map(a: &[u8], b: &[u8]) -> bool {
+    let content = |record: &[u8]| {
+        let words = 4 * Record::parse(record).ok()?.words();
+        Some([record.get(..SEQUENCE_AT)?.to_vec(), record.get(SEQUENCE_AT + 4..words - 4)?.to_vec()])
+    };
+    content(a).is_some_and(|a| content(b).is_some_and(|b| a == b))
 }
 
 fn put(store: &mut Store<MapFile>, map: &[u8], rig: u32) -> Result<Saved, ReceiveError<Failed>> {
