@@ -18,6 +18,8 @@ fn summary(place: &Place, folder: &str, change: impl Fn(&mut Value)) {
         "ate_m": 0.2,
         "mean_nis": 0.5,
         "walls": 4,
+        "lost": 0.0,
+        "floor": { "swept": 0.9, "time_s": { "lanes": 250.0 } },
         "consistency": { "entropy_nats": -1.5, "odometry_entropy_nats": -1.0, "widest_gap_m": null },
         "readings": { "all": 200, "shares": { "used": 0.6, "outside_gate": 0.2, "too_far": 0.1 } },
         "counters": { "refused": { "too_far": 20 }, "births": 5 },
@@ -51,6 +53,9 @@ fn each_score_says_which_is_better_where_that_has_a_meaning() {
         value["readings"]["shares"]["used"] = json!(0.8);
         value["readings"]["shares"]["floor"] = json!(0.05);
         value["counters"]["births"] = json!(9);
+        value["lost"] = json!(0.25);
+        value["floor"]["swept"] = json!(0.95);
+        value["floor"]["time_s"]["lanes"] = json!(200.0);
     });
     let scores = compare(&place);
     let better = |key: &str| score(&scores, key)["better"].as_str();
@@ -59,6 +64,7 @@ fn each_score_says_which_is_better_where_that_has_a_meaning() {
     assert_eq!(better("/consistency/entropy_nats"), Some("a"));
     assert_eq!(better("/readings/shares/used"), Some("b"));
     assert_eq!((better("/walls"), better("/counters/births")), (None, None));
+    assert_eq!((better("/lost"), better("/floor/swept"), better("/floor/time_s/lanes")), (Some("a"), Some("b"), None));
     let difference = score(&scores, "/ate_m")["difference"].as_f64().expect("a number");
     assert!((difference + 0.1).abs() < 1e-12);
     let below = score(&scores, "/consistency/odometry_entropy_nats - /consistency/entropy_nats");
@@ -93,6 +99,7 @@ fn what_cannot_be_compared_fairly_is_said() {
     summary(&place, "b", |value| {
         value["title"] = json!("elsewhere/log.csv");
         value["path_m"] = json!(10.5);
+        value["lost"] = json!(0.25);
         value["finished"] = json!(false);
         value["error"] = json!("log.csv:7: t_s: is missing");
         value["configuration"]["rig_toml"] = json!("[wheels]");
@@ -104,6 +111,9 @@ fn what_cannot_be_compared_fairly_is_said() {
         .success()
         .stdout(contains(
             "warning: different logs: somewhere/log.csv (10.0 m, 20 s) and elsewhere/log.csv (10.5 m, 20 s)",
+        ))
+        .stdout(contains(
+            "warning: scores against the truth are of other rows: A claims no place in 0.0 %, B in 25.0 %",
         ))
         .stdout(contains("warning: B ended early: log.csv:7: t_s: is missing"))
         .stdout(contains("warning: the rig files differ"));
@@ -139,8 +149,8 @@ fn a_run_and_its_replay_are_the_same() {
     let scores = compare(&place);
     assert!(scores.len() > 30, "{}", scores.len());
     for score in scores.iter().filter(|score| !["/estimator_s"].contains(&score["key"].as_str().expect("a key"))) {
-        // The plan's own walls are known to the run only.
-        let of_plan = score["key"].as_str().is_some_and(|key| key.starts_with("/map/"));
+        // The plan's own walls and floor are known to the run only.
+        let of_plan = score["key"].as_str().is_some_and(|key| key.starts_with("/map/") || key.starts_with("/floor/"));
         assert!(of_plan || score["difference"] == 0.0, "{score}");
     }
     place.lab().args(["compare", "a", "b"]).assert().success().stdout(contains("different logs").not());

@@ -54,12 +54,14 @@ pub struct Row {
 const CONSISTENCY: &str = "map against itself";
 const BACK: &str = "looking back";
 const READINGS: &str = "readings";
+const FLOOR: &str = "floor";
 
 type Score = (&'static str, &'static str, &'static str, Unit, Better);
 
-const SCORES: [Score; 45] = [
+const SCORES: [Score; 55] = [
     ("log", "rows", "/rows", Unit::Count, Better::Neither),
     ("log", "path by dead reckoning", "/path_m", Unit::Metres, Better::Neither),
+    ("log", "rows without a place", "/lost", Unit::Share, Better::Less),
     (TRUTH, "position, best alignment (RMSE)", "/ate_m", Unit::Metres, Better::Less),
     (TRUTH, "  odometry's", "/odometry/ate_m", Unit::Metres, Better::Neither),
     (TRUTH, "position, start frame (RMSE)", "/start_m", Unit::Metres, Better::Less),
@@ -101,6 +103,15 @@ const SCORES: [Score; 45] = [
     (READINGS, "  of those that met a wall", REFUSED_BY_GATE, Unit::Share, Better::Less),
     (READINGS, "unexplained", "/readings/shares/unexplained", Unit::Share, Better::Less),
     (READINGS, "refused", "/readings/shares/refused", Unit::Share, Better::Neither),
+    (FLOOR, "floor that it can reach, m2", "/floor/floor_m2", Unit::Plain, Better::Neither),
+    (FLOOR, "swept", "/floor/swept", Unit::Share, Better::More),
+    (FLOOR, "swept again later", "/floor/twice", Unit::Share, Better::Less),
+    (FLOOR, "largest piece missed, m2", "/floor/largest_hole_m2", Unit::Plain, Better::Less),
+    (FLOOR, "true path", "/floor/path_m", Unit::Metres, Better::Less),
+    (FLOOR, "path over swept floor", "/floor/overlap", Unit::Plain, Better::Less),
+    (FLOOR, "bumps", "/floor/bumps", Unit::Count, Better::Less),
+    (FLOOR, "bumps per m2", "/floor/bumps_per_m2", Unit::Plain, Better::Less),
+    (FLOOR, "end of the drive from its start", "/floor/home_m", Unit::Metres, Better::Less),
     ("map", "walls", "/walls", Unit::Count, Better::Neither),
     ("map", "estimator's time, s", "/estimator_s", Unit::Plain, Better::Neither),
 ];
@@ -146,8 +157,9 @@ pub fn rows(a: &Value, b: &Value) -> Vec<Row> {
     };
     let shares = named(READINGS, "/readings/shares", Unit::Share, &["used", "outside_gate", "unexplained", "refused"]);
     let counters = named("map", "/counters", Unit::Count, &["refused"]);
+    let times = named(FLOOR, "/floor/time_s", Unit::Plain, &[]);
     let mut rows: Vec<Row> =
-        fixed.chain(shares).chain(counters).filter(|row| row.a.is_some() || row.b.is_some()).collect();
+        fixed.chain(times).chain(shares).chain(counters).filter(|row| row.a.is_some() || row.b.is_some()).collect();
     let mut groups: Vec<&str> = Vec::new();
     for row in &rows {
         if !groups.contains(&row.group) {

@@ -61,6 +61,14 @@ impl Summary {
             };
             doubts.push(format!("different logs: {} and {}", side(self), side(other)));
         }
+        let lost = |summary: &Self| 100.0 * summary.value["lost"].as_f64().unwrap_or(0.0);
+        if lost(self) != lost(other) {
+            doubts.push(format!(
+                "scores against the truth are of other rows: A claims no place in {:.1} %, B in {:.1} %",
+                lost(self),
+                lost(other)
+            ));
+        }
         for (name, summary) in [("A", self), ("B", other)] {
             if summary.value["finished"] != true {
                 let why = summary.value["error"].as_str().unwrap_or("not finished");
