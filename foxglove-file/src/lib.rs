@@ -9,7 +9,7 @@ mod messages;
 mod schemas;
 
 use std::collections::BTreeMap;
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{BufWriter, ErrorKind, Read as _, Seek, Write};
 use std::path::Path;
 
@@ -143,11 +143,15 @@ const LIBRARY: &str = "wall-slam";
 /// The header's first bytes, which have both.
 const HEADER_BYTES: u64 = 64;
 
-/// Checks that a file can be written without loss: it is not there, or empty, or an MCAP file of this program.
+/// Checks that a file can be written without loss: it is not there, or empty, or an MCAP file of this program. Its folder is made
+/// where it is not there.
 ///
 /// # Errors
-/// It is another file, or cannot be read.
+/// It is another file or cannot be read, or its folder cannot be made.
 pub fn check(file: &Path) -> Result<(), FileError> {
+    if let Some(folder) = file.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        fs::create_dir_all(folder).map_err(|cause| FileError::system(folder, "create", &cause))?;
+    }
     let mut header = Vec::new();
     match File::open(file).and_then(|open| open.take(HEADER_BYTES).read_to_end(&mut header)) {
         Err(cause) if cause.kind() == ErrorKind::NotFound => return Ok(()),

@@ -179,6 +179,11 @@ impl<'de> Visitor<'de> for GivenVisitor {
         Ok(Given::Whole(number))
     }
 
+    // What no narrower integer holds is outside every limit.
+    fn visit_i128<E>(self, number: i128) -> Result<Given, E> {
+        Ok(Given::Number(number as f64))
+    }
+
     fn visit_u64<E>(self, number: u64) -> Result<Given, E> {
         Ok(Given::Number(number as f64))
     }

@@ -135,6 +135,11 @@ fn mistakes_are_named_with_file_line_and_key() {
         ),
         ("at_most = 1.0", "", "bar[0].at_most: one limit is needed"),
         ("at_most = 1.0", "at_most = 1.0\nplans = [\"flat\"]", "bar[0].plans: has \"flat\""),
+        (
+            "[[bar]]",
+            "[[variant]]\nname = \"wide\"\ngate = 200\n[[bar]]",
+            "bad.toml:16: variant[0].gate: is 200; it must be a squared innovation of 1 to 100",
+        ),
         ("metric = \"ate_m\"", "metric = \"ate\"", "bar[0].metric: is not known; known are path_m"),
     ] {
         place.put("bad.toml", SMALL.replacen(from, to, 1));

@@ -219,6 +219,19 @@ fn a_run_and_its_replay_are_written_for_foxglove() {
         place.lab().args(replay).assert().failure().stderr(contains(reason));
         assert_eq!(place.get(file), before, "{file}");
     }
-    let nowhere = ["run", "--minutes", "0.1", "--out", "other", "--mcap", "no/such/folder/run.mcap"];
-    place.lab().args(nowhere).assert().failure().stderr(contains("no/such/folder/run.mcap: cannot write"));
+    // Its folder is made, or is said before the drive to be impossible.
+    let to = |file| place.lab().args(["run", "--minutes", "0.1", "--out", "other", "--mcap", file]).assert();
+    to("run.mcap/in/a/file.mcap").failure().stderr(contains("run.mcap/in/a: cannot create"));
+    assert!(!place.path("other").exists());
+    to("new/folder/run.mcap").success();
+    assert!(place.path("new/folder/run.mcap").exists());
+}
+
+#[test]
+fn a_fault_of_a_sensor_that_is_not_there_is_the_plans() {
+    let place = Place::new();
+    let plan = hal_sim::plan_file::BUILT_IN.iter().find(|(name, _)| *name == "room").expect("the room").1;
+    place.put("plan.toml", format!("{plan}\n[[fault]]\npart = \"sensor\"\nsensor = 8\n"));
+    let run = place.lab().args(["run", "--plan", "plan.toml", "--minutes", "0.1", "--out", "run"]).assert();
+    run.failure().stderr(contains("plan.toml: fault[0].sensor is 8; the rig has 8 range sensors, counted from 0"));
 }

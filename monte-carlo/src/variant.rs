@@ -1,6 +1,6 @@
 //! The estimators that an experiment compares.
 
-use slam_core::{Config, Linearisation, WallPolicy};
+use slam_core::{Config, Linearisation, RigError, WallPolicy};
 
 use hal_sim::scanner::ScannerKind;
 use relatives::Kind;
@@ -120,6 +120,11 @@ impl Variant {
             };
             config = Part::of_name(name.as_ref()).ok_or_else(error)?.off(config);
         }
+        config.validate().map_err(|RigError { key, allowed, .. }| {
+            let place = format!("{place}.{key}");
+            let given = toml.given(&place).unwrap_or_default();
+            toml.error(&place, format!("is {given}; it must be {allowed}"))
+        })?;
         let buffer = match keys.buffer.map(Whole::get) {
             Some(32) => Buffer::B32,
             Some(64) => Buffer::B64,

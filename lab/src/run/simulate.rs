@@ -121,7 +121,8 @@ impl Run {
     /// What cannot be simulated, as an error in the file that is at fault.
     fn simulation_error(&self, rig: &Path, error: &SimError) -> FileError {
         let plan = Path::new(&self.plan);
-        let is_of_plan = matches!(error, SimError::StartBlocked(..) | SimError::PlaceBlocked(..));
+        let is_of_plan =
+            matches!(error, SimError::StartBlocked(..) | SimError::PlaceBlocked(..) | SimError::NoSuchSensor(..));
         FileError::new(if is_of_plan { plan } else { rig }, error.to_string())
     }
 
