@@ -110,7 +110,7 @@ struct ReplayArgs {
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
     /// Another system instead of the estimator, for comparison (docs/reference/relatives.md).
-    #[arg(long, value_name = "NAME", value_parser = Kind::of_name, conflicts_with_all = ["map", "trace"])]
+    #[arg(long, value_name = "NAME", value_parser = Kind::of_name, conflicts_with_all = ["map", "trace", "VariantArgs"])]
     with: Option<Kind>,
     /// Also write readings.csv: what became of every reading.
     #[arg(long)]
@@ -258,11 +258,8 @@ fn replay(args: ReplayArgs) -> Result<(), Box<dyn Error>> {
         None => replay.run(|progress| show(&bar, progress)),
     };
     bar.finish_and_clear();
-    let Replayed { recording, notes, error } = replayed?;
-    // Another system's record has none of its own.
-    for note in if recording.notes.is_empty() { &notes } else { &recording.notes } {
-        eprintln!("note: {}: {note}", replay.log.display());
-    }
+    let Replayed { recording, error, .. } = replayed?;
+    recording.notes.iter().for_each(|note| eprintln!("note: {}: {note}", replay.log.display()));
     film(mcap.as_deref(), &recording)?;
     let said = say(&recording, &replay.out);
     error.map_or(said, |error| Err(error.into()))

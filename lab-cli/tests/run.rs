@@ -189,6 +189,30 @@ fn another_system_replays_a_log_into_the_same_outputs() {
     assert!(summary["walls"].as_u64().is_some_and(|walls| walls >= 3), "{summary}");
     assert!(summary["consistency"]["entropy_nats"].is_number());
     assert!(place.path("choi/report.html").exists());
+    // Ranges of a robot in the air do not count: it maps no wall.
+    let log = place.get("one/log.csv");
+    let column = log.lines().next().and_then(|header| header.split(',').position(|name| name == "lifted"));
+    let lift = |(i, line): (usize, &str)| {
+        let mut cells: Vec<&str> = line.split(',').collect();
+        cells[column.expect("the column")] = if i == 0 { "lifted" } else { "1" };
+        cells.join(",") + "\n"
+    };
+    let lifted: String = log.lines().enumerate().map(lift).collect();
+    place.put("one/lifted.csv", lifted);
+    place.put("one/empty.csv", format!("{}\n", log.lines().next().expect("a header")));
+    let of = |log: &str, more: &[&str]| {
+        let replay = ["replay", log, "--rig", "one/rig.toml", "--out", "of", "--with", "choi-2008"];
+        place.lab().args(replay).args(more).assert()
+    };
+    of("one/lifted.csv", &[]).success();
+    assert_eq!(place.summary("of")["walls"], 0);
+    of("one/empty.csv", &[]).failure().code(1).stderr(contains("one/empty.csv: has a header but no rows"));
+    of("one/log.csv", &["--without", "grid"]).failure().stderr(contains("cannot be used with"));
+    of("one/log.csv", &["--hand-overs", "true"]).failure().stderr(contains("cannot be used with"));
+    let slow = log.lines().enumerate().filter(|(i, _)| *i == 0 || i % 50 == 1).map(|(_, line)| format!("{line}\n"));
+    place.put("one/slow.csv", slow.collect::<String>());
+    of("one/slow.csv", &[]).success().stderr(contains("rows a second; three are needed"));
+    assert_eq!(place.summary("of")["notes"].as_array().map(Vec::len), Some(1));
     replay("nobody", "none").failure().stderr(contains("it must be one of dead-reckoning, abrate"));
 }
 

@@ -11,7 +11,7 @@ use serde_json::json;
 use slam_core::{Config, ReadingReport, WallKind, WallView};
 
 use super::Progress;
-use super::replay::{Replayed, title_of, truth_of};
+use super::replay::{Replayed, notes, title_of, truth_of, without_rows};
 use super::session::sensor_info;
 use crate::evaluate::score::{self, path};
 use crate::evaluate::smoother;
@@ -100,7 +100,8 @@ impl RelativeSession {
             reach: SCAN_REACH_M,
         });
         let before = Instant::now();
-        let input = self.front.read(&row.sample, dense);
+        let sample = if row.lifted { row.sample.without_ranges() } else { row.sample };
+        let input = self.front.read(&sample, dense.filter(|_| !row.lifted));
         let motion = input.motion;
         let output = self.relative.step(&input);
         self.time += before.elapsed();
@@ -204,9 +205,12 @@ impl RelativeReplay {
                 Err(bad) => error = Some(bad),
             }
         }
+        let error = error.or_else(|| without_rows(&self.log, &times_s));
         streams.close()?;
         let (mut recording, path) = session.finish();
         score::score(&mut recording, &times_s, truth.as_ref());
+        let notes = notes(&*rows, &times_s, truth.as_ref());
+        recording.notes = notes.iter().cloned().chain(recording.findings()).collect();
         let back = path.map(|path| look_back(&mut recording, &path));
         let arguments = vec![
             ("command", json!("replay")),
@@ -225,6 +229,6 @@ impl RelativeReplay {
             error: said,
         };
         output::finish(&mut folder, &recording, back.as_ref(), &origin)?;
-        Ok(Replayed { recording, notes: rows.notes(), error })
+        Ok(Replayed { recording, notes, error })
     }
 }

@@ -68,15 +68,13 @@ impl Replay {
         let mut streams = Streams::create(&folder)?;
         let mut times_s = Vec::new();
         let error = feed(&mut *rows, &mut session, &mut streams, &mut times_s, &mut progress)?;
-        let is_empty = error.is_none() && times_s.is_empty();
-        let error = if is_empty { Some(FileError::new(&self.log, "has a header but no rows")) } else { error };
+        let error = error.or_else(|| without_rows(&self.log, &times_s));
         streams.close()?;
         keep(&folder, &session)?;
         let mut recording = session.finish();
         recording.truth_frame = if self.map.is_some() { TruthFrame::Unknown } else { TruthFrame::FirstPose };
         score::score(&mut recording, &times_s, truth.as_ref());
-        let notes: Vec<String> =
-            rows.notes().into_iter().chain(truth.and_then(|truth| truth::without_pairs(&times_s, &truth))).collect();
+        let notes = notes(&*rows, &times_s, truth.as_ref());
         recording.notes = notes.iter().cloned().chain(recording.findings()).collect();
         let origin = Origin {
             arguments: vec![
@@ -97,6 +95,16 @@ impl Replay {
         output::finish(&mut folder, &recording, looking_back.as_ref(), &origin)?;
         Ok(Replayed { recording, notes, error })
     }
+}
+
+/// That a log has no rows, if it has none.
+pub(super) fn without_rows(log: &Path, times_s: &[f64]) -> Option<FileError> {
+    times_s.is_empty().then(|| FileError::new(log, "has a header but no rows"))
+}
+
+/// What a user should know about a log and its truth though it is no error.
+pub(super) fn notes(rows: &dyn Rows, times_s: &[f64], truth: Option<&Truth>) -> Vec<String> {
+    rows.notes().into_iter().chain(truth.and_then(|truth| truth::without_pairs(times_s, truth))).collect()
 }
 
 /// The true poses of a log: of a file, or of `truth.csv` beside it.
