@@ -107,7 +107,7 @@ fn a_floor_job_of_a_robot_that_reports_metres_replays_to_the_same_bits() {
     let without = [&replay[..3], &["swept/rig.toml", "--hand-overs", "false", "--out", "without"]].concat();
     place.lab().args(without).assert().success();
     assert_ne!(place.get("swept/estimate.csv"), place.get("without/estimate.csv"));
-    // Who says otherwise says so to the replay, too, as with any other setting.
+    // What the default is need not be said.
     place.lab().args([&job[..9], &["--out", "told", "--hand-overs", "false"]].concat()).assert().success();
     assert!(!place.get("told/rig.toml").contains("hand_overs"));
     assert_eq!(place.summary("told")["hand_overs"], serde_json::json!([]));

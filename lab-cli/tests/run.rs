@@ -252,6 +252,20 @@ fn a_run_and_its_replay_are_written_for_foxglove() {
 }
 
 #[test]
+fn the_rig_file_of_a_run_says_what_is_taken_over_where_that_is_not_the_default() {
+    let place = Place::new();
+    let run = ["run", "--plan", "room", "--minutes", "1", "--hand-overs"];
+    place.lab().args(run).args(["false", "--out", "run"]).assert().success();
+    assert!(place.get("run/rig.toml").starts_with("hand_overs = false\n\n["));
+    place.lab().args(["replay", "run/log.csv", "--rig", "run/rig.toml", "--out", "again"]).assert().success();
+    assert_eq!(place.summary("again")["configuration"]["estimator"]["hand_overs"], false);
+    assert_eq!(place.get("again/estimate.csv"), place.get("run/estimate.csv"));
+    place.lab().args(run).args(["true", "--rig", "run/rig.toml", "--out", "other"]).assert().success();
+    let rig = place.get("other/rig.toml");
+    assert!(rig.starts_with("hand_overs = true\n\n[") && rig.matches("hand_overs").count() == 1, "{rig}");
+}
+
+#[test]
 fn a_fault_of_a_sensor_that_is_not_there_is_the_plans() {
     let place = Place::new();
     let plan = hal_sim::plan_file::BUILT_IN.iter().find(|(name, _)| *name == "room").expect("the room").1;

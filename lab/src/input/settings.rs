@@ -156,10 +156,18 @@ pub fn on_a_floor(robot: &Robot) -> Config {
 /// A robot for a floor job, and its rig file's text, which says what it takes over to who replays the drive.
 pub fn for_a_floor((robot, rig_toml): (Robot, String)) -> (Robot, String) {
     let hand_overs = on_a_floor(&robot).hand_overs;
+    handing_over((robot, rig_toml), hand_overs)
+}
+
+/// A robot that takes over what look backs find, or does not, and its rig file's text, which says so where that is not its default.
+pub fn handing_over((robot, rig_toml): (Robot, String), hand_overs: bool) -> (Robot, String) {
     if hand_overs == by_default(&robot).hand_overs {
         return (robot, rig_toml);
     }
-    (Robot { hand_overs: Some(hand_overs), ..robot }, format!("hand_overs = {hand_overs}\n\n{rig_toml}"))
+    let says_so = |line: &&str| line.trim_start_matches([' ', '\t', '"', '\'']).starts_with("hand_overs");
+    let rest: String = rig_toml.split_inclusive('\n').filter(|line| !says_so(line)).collect();
+    let text = format!("hand_overs = {hand_overs}\n\n{}", rest.trim_start_matches(['\u{feff}', '\n', '\r']));
+    (Robot { hand_overs: Some(hand_overs), ..robot }, text)
 }
 
 impl VariantArgs {

@@ -14,7 +14,7 @@ use super::map_file::MapId;
 use super::session::Session;
 use crate::evaluate::smoother;
 use crate::input::rig_file::{Robot, rig_error};
-use crate::input::settings::{Settings, for_a_floor};
+use crate::input::settings::{Settings, for_a_floor, handing_over};
 use crate::input::{self, log::writer};
 use crate::recording::{Job, Recording};
 use crate::show::output::folder::Folder;
@@ -71,7 +71,10 @@ impl Run {
         };
         let (robot, rig_toml) = match self.job {
             Job::Clean if self.settings.leaves_hand_overs() => for_a_floor((robot, rig_toml)),
-            Job::Clean | Job::Explore => (robot, rig_toml),
+            Job::Clean | Job::Explore => {
+                let hand_overs = self.settings.config(&robot).hand_overs;
+                handing_over((robot, rig_toml), hand_overs)
+            }
         };
         let rig_name = self.rig.clone().unwrap_or_else(|| PathBuf::from("built-in rig"));
         let drive = match self.job {
