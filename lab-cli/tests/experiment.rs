@@ -162,6 +162,19 @@ fn a_sensor_is_fitted() {
     let done = place.lab().args(fit).arg("out").assert().success();
     done.stdout(contains("0.6000 m x volts^-1.200"));
     assert!(place.get("out/figures/sensor-curve.svg").starts_with("<svg"));
+    let good = place.get("log.csv");
+    let of = |log: String| {
+        place.put("log.csv", log);
+        place.lab().args(fit).arg("out").assert()
+    };
+    // As a spreadsheet writes it, with two lines that say nothing.
+    of(format!("\u{feff}{good}200,nan,1\n200.05,0.5,-1\n")).success().stdout(contains("| left out | 2 lines"));
+    of(format!("{good}200,0.5\n")).failure().stderr(contains("log.csv:2002: columns: there are 2; the header names 3"));
+    let table = place.get("out/sensor.md");
+    place.put("out/sensor.md", "my notes");
+    of(good).failure().stderr(contains("out/sensor.md: is no table of this command"));
+    assert_eq!(place.get("out/sensor.md"), "my notes");
+    place.put("out/sensor.md", table);
     let refused = place.lab().args(fit).arg("raw").assert().failure();
     refused.stderr(contains("log.csv:1: raw: is not in the header; there are time, range, out"));
 }

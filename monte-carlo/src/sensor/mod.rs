@@ -18,6 +18,9 @@ use lab::show::chart::{Axis, Panel, svg};
 const WIDTH: f64 = 860.0;
 const HEIGHT: f64 = 300.0;
 
+/// What the table begins with.
+const HEAD: &str = "| figure | value |\n|---|---|\n";
+
 /// Most points of a figure.
 const POINTS: usize = 1500;
 
@@ -75,11 +78,17 @@ impl SensorArgs {
     /// # Errors
     /// The log cannot be used, or a file cannot be written.
     pub fn run(&self) -> Result<(), FileError> {
-        let readings = log::read(&self.log, [&self.time, &self.range, &self.volts])?;
+        let file = self.out.join("sensor.md");
+        if !std::fs::read(&file).map_or(true, |present| present.is_empty() || present.starts_with(HEAD.as_bytes())) {
+            return Err(FileError::new(
+                &file,
+                "is no table of this command and would be lost; name another --out folder",
+            ));
+        }
+        let (readings, left_out) = log::read(&self.log, [&self.time, &self.range, &self.volts])?;
         let found = self.find(&readings)?;
         figures::write(&self.out, &self.figures(&readings, &found))?;
-        let text = self.table(readings.len(), &found);
-        let file = self.out.join("sensor.md");
+        let text = self.table(readings.len(), left_out, &found);
         std::fs::write(&file, &text).map_err(|cause| FileError::system(&file, "write", &cause))?;
         let _ = writeln!(std::io::stdout(), "{text}results in {}", self.out.display());
         Ok(())
@@ -118,14 +127,17 @@ impl SensorArgs {
         })
     }
 
-    fn table(&self, readings: usize, found: &Found) -> String {
+    fn table(&self, readings: usize, left_out: usize, found: &Found) -> String {
         let Found { fit, sigma_v, tails, correlation, lags, floor_v, residuals_v } = found;
         let best = lags.iter().min_by(|a, b| a.1.total_cmp(&b.1));
-        let mut text = "| figure | value |\n|---|---|\n".to_owned();
+        let mut text = HEAD.to_owned();
         let mut put = |name: &str, value: String| {
             let _ = writeln!(text, "| {name} | {value} |");
         };
         put("readings", format!("{readings}, of which {} from {} to {} m", residuals_v.len(), self.min, self.max));
+        if left_out > 0 {
+            put("left out", format!("{left_out} lines without a time, or a range and an output above 0"));
+        }
         put("range", format!("{:.4} m x volts^{:.3}", fit.scale_m, fit.exponent));
         put("noise, 1-sigma", format!("{:.1} mV", 1000.0 * sigma_v));
         put("beyond 3 sigma", format!("{:.2} % (normal: 0.27 %)", 100.0 * tails[0]));
