@@ -140,6 +140,27 @@ fn mistakes_are_named_with_file_line_and_key() {
             "[[variant]]\nname = \"wide\"\ngate = 200\n[[bar]]",
             "bad.toml:16: variant[0].gate: is 200; it must be a squared innovation of 1 to 100",
         ),
+        ("minutes = 0.5", "minutes = 0.5\nsensors = 5", "bad.toml:9: setting.sensors: is 5; it must be 8, 6, 4 or 2"),
+        (
+            "minutes = 0.5",
+            "minutes = 0.5\n[setting.draw]\nsensors = [4, 8]",
+            "bad.toml:10: setting.draw.sensors: cannot be drawn: there are 8, 6, 4 or 2",
+        ),
+        (
+            "minutes = 0.5",
+            "minutes = 0.5\nage_ms = 10\n[setting.draw]\nage_ms = [10, 20]",
+            "setting: has age_ms both set and drawn",
+        ),
+        (
+            "minutes = 0.5",
+            "minutes = 0.5\n[[sweep]]\nkey = \"rate_hz\"\nvalues = [25]\nrate_hz = 10",
+            "bad.toml:10: sweep[0].key: is \"rate_hz\", which the table also sets or draws",
+        ),
+        (
+            "[[bar]]",
+            "[[variant]]\nname = \"rays\"\nrays = 8\n[[bar]]",
+            "bad.toml:16: variant[0].rays: is there without senses = \"laser\"",
+        ),
         ("metric = \"ate_m\"", "metric = \"ate\"", "bar[0].metric: is not known; known are path_m"),
     ] {
         place.put("bad.toml", SMALL.replacen(from, to, 1));

@@ -181,9 +181,12 @@ fn sweep(
         let message = format!("is missing or empty; it must be a list of {}", allowed.words);
         return Err(toml.error(&at("values"), message));
     }
-    if let Some((i, value)) = keys.values.iter().enumerate().find(|(_, value)| !allowed.holds(value.get())) {
+    if let Some((i, value)) = keys.values.iter().enumerate().find(|(_, value)| !key.holds(value.get())) {
         let message = format!("is {}; it must be {}", value.get(), allowed.words);
         return Err(toml.error(&at(&format!("values[{i}]")), message));
+    }
+    if keys.setting.get(key).is_some() || keys.setting.draws.contains_key(&key) {
+        return Err(toml.error(&at("key"), format!("is {name:?}, which the table also sets or draws, to no effect")));
     }
     let plans = own_plans(toml, place, keys.plans, plans)?;
     // Whatever else the table sets holds at every point of the sweep.

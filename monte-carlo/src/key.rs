@@ -175,9 +175,14 @@ impl Key {
         self.facts().1
     }
 
-    /// What its values may be.
+    /// The limits of its values.
     pub const fn allowed(self) -> Allowed {
         self.facts().2
+    }
+
+    /// Whether it can have this value.
+    pub fn holds(self, value: f64) -> bool {
+        self.allowed().holds(value) && (self != Self::Sensors || value % 2.0 == 0.0)
     }
 
     /// The key of this name.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::marker::PhantomData;
 
-use input_file::{Allowed, FileError, Finite, NotNegative, Number, Positive, Text, TomlFile, Whole};
+use input_file::{FileError, Finite, NotNegative, Number, Positive, Text, TomlFile, Whole};
 use lab::input::settings::{Groups, Jacobians, Walls};
 use serde::de::{DeserializeSeed, Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
@@ -172,11 +172,17 @@ impl<'de, K: Kind> Visitor<'de> for ConditionsVisitor<K> {
                 },
                 quantity => {
                     let key = key(quantity, K::OWN)?;
-                    conditions.setting.values.insert(key, table.next_value_seed(key.allowed())?);
+                    conditions.setting.values.insert(key, table.next_value_seed(ValueOf(key))?);
                 }
             }
         }
-        Ok(conditions)
+        let Setting { values, draws, .. } = &conditions.setting;
+        match values.keys().find(|key| draws.contains_key(key)) {
+            Some(key) => {
+                Err(A::Error::custom(format!("has {} both set and drawn; one of them has no effect", key.name())))
+            }
+            None => Ok(conditions),
+        }
     }
 }
 
@@ -187,6 +193,22 @@ fn key<E: Error>(name: &str, own: &[&str]) -> Result<Key, E> {
         let known: Vec<String> = known.map(|known| format!("`{known}`")).collect();
         E::custom(format!("unknown field `{name}`, expected one of {}", known.join(", ")))
     })
+}
+
+/// Reads a value of a quantity.
+#[derive(Clone, Copy)]
+struct ValueOf(Key);
+
+impl<'de> DeserializeSeed<'de> for ValueOf {
+    type Value = f64;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<f64, D::Error> {
+        let value = self.0.allowed().deserialize(deserializer)?;
+        if self.0.holds(value) {
+            return Ok(value);
+        }
+        Err(D::Error::custom(format!("is {value}; it must be {}", self.0.allowed().words)))
+    }
 }
 
 /// Reads `[setting.draw]` and its like: the least and the most of each quantity.
@@ -211,18 +233,21 @@ impl<'de> Visitor<'de> for Draws {
         let mut draws = BTreeMap::new();
         while let Some(name) = table.next_key::<String>()? {
             let key = key(&name, &[])?;
-            draws.insert(key, table.next_value_seed(LeastAndMost(key.allowed()))?);
+            draws.insert(key, table.next_value_seed(LeastAndMost(key))?);
         }
         Ok(draws)
     }
 }
 
-struct LeastAndMost(Allowed);
+struct LeastAndMost(Key);
 
 impl<'de> DeserializeSeed<'de> for LeastAndMost {
     type Value = [f64; 2];
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<[f64; 2], D::Error> {
+        if self.0 == Key::Sensors {
+            return Err(D::Error::custom("cannot be drawn: there are 8, 6, 4 or 2"));
+        }
         deserializer.deserialize_seq(self)
     }
 }
@@ -231,14 +256,14 @@ impl<'de> Visitor<'de> for LeastAndMost {
     type Value = [f64; 2];
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "the least and the most: two {}", self.0.words)
+        write!(f, "the least and the most: two {}", self.0.allowed().words)
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<[f64; 2], A::Error> {
-        let short = || A::Error::custom(format!("must be the least and the most: two {}", self.0.words));
-        let least = list.next_element_seed(self.0)?.ok_or_else(short)?;
-        let most = list.next_element_seed(self.0)?.ok_or_else(short)?;
-        match list.next_element_seed(self.0)? {
+        let short = || A::Error::custom(format!("must be the least and the most: two {}", self.0.allowed().words));
+        let least = list.next_element_seed(ValueOf(self.0))?.ok_or_else(short)?;
+        let most = list.next_element_seed(ValueOf(self.0))?.ok_or_else(short)?;
+        match list.next_element_seed(ValueOf(self.0))? {
             Some(_) => Err(short()),
             None => Ok([least, most]),
         }

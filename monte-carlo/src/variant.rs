@@ -139,6 +139,10 @@ impl Variant {
             Kind::of_name(name.as_ref()).map_err(|allowed| toml.error(&format!("{place}.relative"), allowed))
         });
         let method = kind.transpose()?.map_or(Method::Slam(config, buffer), Method::Relative);
+        if keys.rays.is_some() && keys.senses != Some(SensesName::Laser) {
+            let message = "is there without senses = \"laser\", whose rays these are";
+            return Err(toml.error(&format!("{place}.rays"), message));
+        }
         let rays = keys.rays.map_or(LASER_RAYS, |rays| rays.get() as usize);
         let senses = match keys.senses {
             None | Some(SensesName::Rig) => Senses::Rig,
