@@ -32,10 +32,7 @@ use crate::refused::Refused;
 pub const VERSION: u32 = 2;
 pub(crate) const WITHOUT_AREAS: u32 = 1;
 
-const MAGIC: [u32; 2] = {
-    let [a, b, c, d, e, f, g, h] = Record::MAGIC;
-    [u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h])]
-};
+const MAGIC: [u32; 2] = [u32::from_le_bytes(*b"wall"), u32::from_le_bytes(*b"map\0")];
 
 /// Words before the walls.
 const HEAD: usize = 22;
@@ -216,11 +213,6 @@ fn words_of(wall: &KeptWall) -> [u32; WALL] {
 pub struct Record<'a> {
     bytes: &'a [u8],
     layout: Layout,
-}
-
-impl Record<'_> {
-    /// The bytes that every record begins with.
-    pub const MAGIC: [u8; 8] = *b"wallmap\0";
 }
 
 impl<'a> Record<'a> {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::{Args, Subcommand};
-use kept_map::Record;
+use kept_map::{Record, Refused};
 use wire::Frame;
 
 use super::errand::{AGAIN_MS, Done, Errand, MapErrand};
@@ -78,6 +78,9 @@ impl MapArgs {
     }
 }
 
+/// Bytes of a file that tell whether it is a kept map.
+const MAGIC_BYTES: u64 = 8;
+
 /// That a file may be written: it is not there, empty, or a kept map.
 fn free_for_a_map(file: &Path) -> Result<(), String> {
     let failed = |error: std::io::Error| format!("{}: {error}", file.display());
@@ -86,9 +89,9 @@ fn free_for_a_map(file: &Path) -> Result<(), String> {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
         Err(error) => return Err(failed(error)),
         // Reading a folder fails, too.
-        Ok(present) => present.take(Record::MAGIC.len() as u64).read_to_end(&mut begin).map_err(failed)?,
+        Ok(present) => present.take(MAGIC_BYTES).read_to_end(&mut begin).map_err(failed)?,
     };
-    if begin.is_empty() || begin == Record::MAGIC {
+    if begin.is_empty() || Record::parse(&begin).err() != Some(Refused::Foreign) {
         return Ok(());
     }
     Err(format!("{}: is no kept map and would be overwritten; name another file with --out", file.display()))
