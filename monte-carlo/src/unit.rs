@@ -192,9 +192,7 @@ impl Driven {
         let visited = self.rooms_visited();
         row.set(Metric::RoomsVisited, visited as f64);
         row.set(Metric::RoomsMissed, (self.plan.rooms.len() - visited) as f64);
-        let pairs: Vec<(Pose2, Pose2)> =
-            track.steps.iter().filter_map(|step| Some((step.pose, step.claimed_truth()?))).collect();
-        let Some(score) = path::score(&pairs) else { return row };
+        let Some(score) = path::of_estimate(&track.steps) else { return row };
         row.set(Metric::Ate, score.ate_m);
         row.set(Metric::Start, score.start_m);
         row.set(Metric::Heading, score.heading_deg);
@@ -202,7 +200,7 @@ impl Driven {
         if variant.method == Method::DeadReckoning {
             return row;
         }
-        row.set(Metric::Nees, path::mean_nees(&track.steps).unwrap_or(f64::NAN));
+        row.set(Metric::Nees, score.nees.unwrap_or(f64::NAN));
         if variant.method == Method::Robot {
             let lost = track.steps.iter().filter(|step| step.searching).count();
             row.set(Metric::Lost, lost as f64 / track.steps.len().max(1) as f64);

@@ -41,15 +41,7 @@ pub fn score(recording: &mut Recording, times_s: &[f64], truth: Option<&Truth>) 
 /// The scores of both paths, the estimate's first, against true poses in the frame that the estimate should be in; none where
 /// none is known. The estimate's is without steps at which the robot claims no place; dead reckoning claims one always.
 pub fn against_truth(recording: &Recording) -> (Option<PathScore>, Option<PathScore>) {
-    let pairs = |path: fn(&Step) -> Pose2, truth: fn(&Step) -> Option<Pose2>| -> Vec<(Pose2, Pose2)> {
-        recording.steps.iter().filter_map(|step| Some((path(step), truth(step)?))).collect()
-    };
-    let against_truth = |path: fn(&Step) -> Pose2| pairs(path, Step::claimed_truth);
-    let estimate = path::score(&against_truth(|step| step.pose)).map(|mut score| {
-        score.nees = path::mean_nees(&recording.steps);
-        let from_start = path::score(&against_truth(Step::pose_from_start));
-        score.start_m = from_start.map_or(score.start_m, |from_start| from_start.start_m);
-        score
-    });
-    (estimate, path::score(&pairs(|step| step.dead_reckoning, |step| step.truth)))
+    let pairs = |step: &Step| Some((step.dead_reckoning, step.truth?));
+    let odometry: Vec<(Pose2, Pose2)> = recording.steps.iter().filter_map(pairs).collect();
+    (path::of_estimate(&recording.steps), path::score(&odometry))
 }

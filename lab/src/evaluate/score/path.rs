@@ -24,6 +24,15 @@ pub fn score(pairs: &[(Pose2, Pose2)]) -> Option<PathScore> {
     })
 }
 
+/// Scores a drive's estimate where its truth is known and the robot claims a place; none where that is nowhere.
+pub fn of_estimate(steps: &[Step]) -> Option<PathScore> {
+    let pairs = |path: fn(&Step) -> Pose2| -> Vec<(Pose2, Pose2)> {
+        steps.iter().filter_map(|step| Some((path(step), step.claimed_truth()?))).collect()
+    };
+    let PathScore { start_m, .. } = score(&pairs(Step::pose_from_start))?;
+    Some(PathScore { start_m, nees: mean_nees(steps), ..score(&pairs(|step| step.pose))? })
+}
+
 /// The rotation and translation that take the estimated positions nearest to the true ones in the least-squares sense
 /// (Umeyama 1991 without scale, in the plane).
 pub fn align(pairs: &[(Pose2, Pose2)]) -> Pose2 {
@@ -112,6 +121,16 @@ mod tests {
             square_path().iter().map(|p| (Pose2 { x_m: 1.1 * p.x_m, y_m: 1.1 * p.y_m, ..*p }, *p)).collect();
         let score = score(&pairs).expect("there are poses");
         assert!(score.ate_m > 0.1, "{score:?}");
+    }
+
+    #[test]
+    fn an_estimate_is_scored_from_where_the_robot_started_in_its_map() {
+        let start = Pose2::new(0.3, -0.1, 0.2);
+        let step = |truth: &Pose2| Step { pose: start.compose(truth), start, truth: Some(*truth), ..Step::default() };
+        let mut steps: Vec<Step> = square_path().iter().map(step).collect();
+        steps.push(Step { searching: true, truth: Some(Pose2::new(9.0, 9.0, 0.0)), ..Step::default() });
+        let score = of_estimate(&steps).expect("there are poses");
+        assert!(score.poses == 40 && score.start_m < 1e-12 && score.ate_m < 1e-12, "{score:?}");
     }
 
     #[test]
