@@ -194,7 +194,7 @@ impl Driven {
         row.set(Metric::RoomsMissed, (self.plan.rooms.len() - visited) as f64);
         let Some(score) = path::of_estimate(&track.steps) else { return row };
         row.set(Metric::Ate, score.ate_m);
-        row.set(Metric::Start, score.start_m);
+        row.set(Metric::Start, score.start_m.unwrap_or(f64::NAN));
         row.set(Metric::Heading, score.heading_deg);
         row.set(Metric::EndPoints, self.end_points_m(track, &score.alignment).unwrap_or(f64::NAN));
         if variant.method == Method::DeadReckoning {

@@ -56,7 +56,7 @@ fn simulated(text: &mut String) -> std::fmt::Result {
             middle(&|f| Some(f.path_m)),
             100.0 * middle(&|f| Some(f.estimate?.ate_m)),
             100.0 * middle(&|f| Some(f.odometry?.ate_m)),
-            100.0 * middle(&|f| Some(f.estimate?.start_m)),
+            100.0 * middle(&|f| f.estimate?.start_m),
             middle(&|f| Some(f.estimate?.heading_deg)),
             middle(&|f| f.estimate?.nees),
             middle(&|f| f.mean_nis),

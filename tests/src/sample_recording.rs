@@ -260,12 +260,12 @@ fn figures(seconds: f64, walls: usize) -> Figures {
     let estimate = PathScore {
         poses: 100,
         ate_m: 0.0083,
-        start_m: 0.0112,
+        start_m: Some(0.0112),
         heading_deg: 0.31,
         nees: Some(3.4),
         alignment: Pose2 { x_m: 0.01, y_m: -0.005, theta_rad: 0.01 },
     };
-    let odometry = PathScore { ate_m: 0.216, start_m: 0.309, heading_deg: 6.2, nees: None, ..estimate };
+    let odometry = PathScore { ate_m: 0.216, start_m: Some(0.309), heading_deg: 6.2, nees: None, ..estimate };
     Figures {
         lost: 0.0,
         floor: None,

@@ -82,7 +82,7 @@ fn figures_are_the_committed_ones_within_what_drives_differ_by() {
         let values = vec![
             of(&|figures| figures.path_m),
             of(&|figures| score(figures).ate_m),
-            of(&|figures| score(figures).start_m),
+            of(&|figures| score(figures).start_m.expect("a start frame")),
             of(&|figures| score(figures).heading_deg),
             of(&|figures| figures.mean_nis.expect("there are updates")),
             of(&|figures| figures.map.expect("there is a plan").offset_m),

@@ -137,8 +137,8 @@ pub struct PathScore {
     pub poses: usize,
     /// RMSE of position after the best rigid alignment (rotation and translation, no scale), metres.
     pub ate_m: f64,
-    /// RMSE of position in the start frame, metres.
-    pub start_m: f64,
+    /// RMSE of position in the start frame, metres; none where the truth does not tell where the robot started.
+    pub start_m: Option<f64>,
     /// RMSE of heading after removing the alignment's rotation, degrees.
     pub heading_deg: f64,
     /// Mean normalised pose error squared in the map frame (3 is ideal); of the estimate only.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use slam_core::{Outcome, Refusal};
 
-use super::{Pose2, Recording, Step};
+use super::{Pose2, Recording, Step, TruthFrame};
 use crate::evaluate::statistics;
 use crate::show::output::summary::refusal_name;
 
@@ -20,13 +20,24 @@ const OFF_M: f64 = 1.0;
 const FASTEST_RADPS: f64 = 10.0;
 const OFF_RAD: f64 = 0.5;
 
+/// A way, metres, and a turn, radians, over which odometry that is a few percent off is still good for millimetres.
+const LEFT_M: f64 = 0.1;
+const LEFT_RAD: f64 = 0.1;
+
 /// Of fewer readings than these it is no wonder if none was used.
 const MANY: usize = 500;
 
 impl Recording {
     /// What a user should know of the run though it is no error.
     pub fn findings(&self) -> Vec<String> {
-        let one = [self.never_found(), self.slow_rows(), self.jump(), self.spin(), self.bad_motion()];
+        let one = [
+            self.never_found(),
+            self.late_truth(),
+            self.slow_rows(),
+            self.jump(),
+            self.spin(),
+            self.bad_motion(),
+        ];
         one.into_iter().flatten().chain(self.sensor_findings()).collect()
     }
 
@@ -38,6 +49,23 @@ impl Recording {
              is it another home's map? If it is this one's, a longer drive past more of its walls helps"
                 .to_owned()
         })
+    }
+
+    /// Whether the first true pose is of a robot that had left its start, so that the truth's frame is not known in the map's.
+    pub(crate) fn truth_begins_late(&self) -> bool {
+        let Some(first) = self.steps.iter().position(|step| step.truth.is_some()) else { return false };
+        let has_left =
+            |Step { dead_reckoning: at, .. }: &Step| at.x_m.hypot(at.y_m) > LEFT_M || at.theta_rad.abs() > LEFT_RAD;
+        self.truth_frame == TruthFrame::FirstPose && self.steps[..=first].iter().any(has_left)
+    }
+
+    pub(crate) fn late_truth(&self) -> Option<String> {
+        let first = self.steps.iter().find(|step| step.truth.is_some()).filter(|_| self.truth_begins_late())?;
+        Some(format!(
+            "the first true pose is of t_s = {}, when the robot had left its start: true poses are moved to fit the estimate best, and \
+             there is no error in the start frame and no NEES",
+            first.t_text
+        ))
     }
 
     fn slow_rows(&self) -> Option<String> {

@@ -31,13 +31,14 @@ fn write_paths(text: &mut String, recording: &Recording) -> std::fmt::Result {
         return writeln!(text, "  no truth to score against");
     };
     writeln!(text, "  {:<34}{:>12}{:>18}", "error against truth", "estimate", "dead reckoning")?;
-    let mut row = |name: &str, unit: &str, value: fn(&PathScore) -> f64| {
-        let (ours, theirs) = (format!("{:.3} {unit}", value(estimate)), format!("{:.3} {unit}", value(odometry)));
+    let mut row = |name: &str, unit: &str, value: fn(&PathScore) -> Option<f64>| {
+        let (Some(ours), Some(theirs)) = (value(estimate), value(odometry)) else { return Ok(()) };
+        let (ours, theirs) = (format!("{ours:.3} {unit}"), format!("{theirs:.3} {unit}"));
         writeln!(text, "  {name:<34}{ours:>12}{theirs:>18}")
     };
-    row("position, best alignment (RMSE)", "m", |score| score.ate_m)?;
+    row("position, best alignment (RMSE)", "m", |score| Some(score.ate_m))?;
     row("position, start frame (RMSE)", "m", |score| score.start_m)?;
-    row("heading (RMSE)", "deg", |score| score.heading_deg)?;
+    row("heading (RMSE)", "deg", |score| Some(score.heading_deg))?;
     match estimate.nees {
         Some(nees) => writeln!(text, "  {:<34}{nees:>12.2}   3 is ideal", "pose NEES (mean)"),
         None => Ok(()),

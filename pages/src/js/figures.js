@@ -64,8 +64,8 @@ function honesty(nees) {
 }
 
 function truthFigures({ estimate, odometry }) {
-  const compare = (key, text) => ({ estimate: estimate[key], odometry: odometry?.[key], value: text(estimate[key]), text });
-  return [
+  const compare = (key, text) => ({ estimate: estimate[key], odometry: odometry?.[key], value: text(estimate[key] ?? NaN), text });
+  const cards = [
     { id: "ate", name: "Path error", ...compare("ate_m", length),
       note: "ATE: root mean square distance from the true path after the best rigid alignment. The shape of the path." },
     { id: "start", name: "Error from the start", ...compare("start_m", length),
@@ -73,6 +73,7 @@ function truthFigures({ estimate, odometry }) {
     { id: "heading", name: "Heading error", ...compare("heading_deg", degrees),
       note: "Root mean square, the alignment's rotation removed." },
   ];
+  return cards.filter(({ estimate: known }) => Number.isFinite(known));
 }
 
 function visitsNote({ revisited, widest_gap_m: widest, closure_m: closure }) {
@@ -114,8 +115,9 @@ function showFigures(run) {
   cards.push({ id: "nis", name: "NIS", value: plain(f.mean_nis ?? NaN),
     note: "Mean squared surprise of the readings used, in units of its expected size; 1 is ideal, more means sensors worse than the rig file says." });
   cards.push(...consistencyFigures(f.consistency));
+  const offset = Number.isFinite(f.map?.offset_m) ? ` within ${length(f.map.offset_m)} (RMS)` : "";
   const against = f.map
-    ? `${f.map.matched} match the true plan within ${length(f.map.offset_m)} (RMS); ${f.map.missed} missed, ${f.map.invented} invented.`
+    ? `${f.map.matched} match the true plan${offset}; ${f.map.missed} missed, ${f.map.invented} invented.`
     : "Straight pieces in the finished map.";
   cards.push(
     { id: "walls", name: "Walls", value: whole(f.walls), note: against },

@@ -116,7 +116,7 @@ impl Outcome {
             "identical": self.identical,
             "differences": self.differences.len(),
             "ate_m": self.estimate.map(|score| score.ate_m),
-            "start_m": self.estimate.map(|score| score.start_m),
+            "start_m": self.estimate.and_then(|score| score.start_m),
             "heading_deg": self.estimate.map(|score| score.heading_deg),
             "odometry_ate_m": self.odometry.map(|score| score.ate_m),
             "walls": self.walls,

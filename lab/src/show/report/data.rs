@@ -121,7 +121,7 @@ fn steps(recording: &Recording, shown: &[usize], frames: &Frames) -> Value {
         "correlation": col(&correlation, HUNDREDTHS),
         "alpha": col(&|i| all[i].alpha.map(|(alpha, _)| f64::from(alpha)), TENTH_MRAD),
         "alpha_sigma": col(&|i| all[i].alpha.map(|(_, sigma)| f64::from(sigma)), TEN_URAD),
-        "nees": known.then(|| latest(&nees, HUNDREDTHS)),
+        "nees": (known && !recording.truth_begins_late()).then(|| latest(&nees, HUNDREDTHS)),
         "nis_used": col(&|i| nis_used[i], HUNDREDTHS),
         "nis_all": col(&|i| nis_all[i], HUNDREDTHS),
         "walls": col(&|i| Some(all[i].walls as f64), 1.0),
