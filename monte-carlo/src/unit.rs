@@ -212,7 +212,7 @@ impl Driven {
         row.set(Metric::Memory, track.bytes as f64 / 1024.0);
         if variant.method != Method::Floor {
             let map = map::score(&track.walls, &self.walls, &self.passed, &score.alignment);
-            row.set(Metric::Offset, map.offset_m);
+            row.set(Metric::Offset, map.offset_m.unwrap_or(f64::NAN));
             row.set(Metric::Matched, map.matched as f64);
             row.set(Metric::Missed, map.missed as f64);
             row.set(Metric::Invented, map.invented as f64);

@@ -61,7 +61,7 @@ fn simulated(text: &mut String) -> std::fmt::Result {
             middle(&|f| f.estimate?.nees),
             middle(&|f| f.mean_nis),
             middle(&|f| Some(f.walls as f64)),
-            100.0 * middle(&|f| Some(f.map?.offset_m)),
+            100.0 * middle(&|f| f.map?.offset_m),
             sum(&|f| Some(f.map?.missed)),
             sum(&|f| Some(f.map?.invented)),
         )?;

@@ -284,7 +284,7 @@ fn figures(seconds: f64, walls: usize) -> Figures {
         outside_gate: Some(0.03),
         estimate: Some(estimate),
         odometry: Some(odometry),
-        map: Some(MapScore { offset_m: 0.0061, matched: walls, missed: 0, invented: 0 }),
+        map: Some(MapScore { offset_m: Some(0.0061), matched: walls, missed: 0, invented: 0 }),
         consistency: None,
     }
 }

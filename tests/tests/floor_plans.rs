@@ -85,7 +85,7 @@ fn figures_are_the_committed_ones_within_what_drives_differ_by() {
             of(&|figures| score(figures).start_m.expect("a start frame")),
             of(&|figures| score(figures).heading_deg),
             of(&|figures| figures.mean_nis.expect("there are updates")),
-            of(&|figures| figures.map.expect("there is a plan").offset_m),
+            of(&|figures| figures.map.and_then(|map| map.offset_m).expect("there is a plan")),
         ];
         Line { run: (*plan).to_owned(), values }
     });

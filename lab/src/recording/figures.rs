@@ -150,8 +150,8 @@ pub struct PathScore {
 /// The map against the true plan.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MapScore {
-    /// RMS of the mapped walls' offsets from the true walls that they match, metres.
-    pub offset_m: f64,
+    /// RMS of the mapped walls' offsets from the true walls that they match, metres; none where none matches.
+    pub offset_m: Option<f64>,
     /// Mapped walls that match a true wall.
     pub matched: usize,
     /// True walls longer than 1 m that the robot passed within range and that the map lacks.

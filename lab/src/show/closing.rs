@@ -92,7 +92,7 @@ fn write_filter(text: &mut String, recording: &Recording) -> std::fmt::Result {
     }
     writeln!(text, "  {:<34}{:>12}", "walls in the map", figures.walls)?;
     if let Some(map) = &figures.map {
-        let offset = format!("{:.3} m", map.offset_m);
+        let offset = map.offset_m.map_or_else(|| "-".to_owned(), |offset_m| format!("{offset_m:.3} m"));
         writeln!(text, "  {:<34}{offset:>12}   {} of them true walls", "wall offsets (RMS)", map.matched)?;
         writeln!(text, "  {:<34}{:>12}   passed, longer than 1 m", "walls missed", map.missed)?;
         writeln!(text, "  {:<34}{:>12}", "walls invented", map.invented)?;

@@ -106,7 +106,7 @@ fn drive(plan: &str, robot: &Robot, hand_overs: bool, seed: u64) -> [f64; 8] {
         path.ate_m,
         all,
         mean_nees(&recording, is_after),
-        map.offset_m,
+        map.offset_m.expect("a wall that matches"),
         map.missed as f64,
         map.invented as f64,
         taken,

@@ -6,6 +6,7 @@
 
 use slam_core::WallView;
 
+use crate::evaluate::statistics::rms;
 use crate::recording::{MapScore, Pose2, Segment};
 
 /// Largest angle between a mapped wall and the true one that it matches, radians.
@@ -40,10 +41,9 @@ pub struct PassedWall {
 pub fn score(walls: &[WallView], plan: &[Segment], passed: &[PassedWall], alignment: &Pose2) -> MapScore {
     let mapped: Vec<Segment> = walls.iter().map(|wall| segment_of(wall, alignment)).collect();
     let offsets: Vec<f64> = mapped.iter().filter_map(|wall| nearest_offset_m(wall, plan)).collect();
-    let squares: f64 = offsets.iter().map(|offset_m| offset_m * offset_m).sum();
     let is_missed = |wall: &&PassedWall| covered_m(wall, &mapped) < COVERED * seen_m(wall);
     MapScore {
-        offset_m: if offsets.is_empty() { 0.0 } else { (squares / offsets.len() as f64).sqrt() },
+        offset_m: rms(&offsets),
         matched: offsets.len(),
         missed: passed.iter().filter(is_missed).count(),
         invented: mapped.len() - offsets.len(),
@@ -159,7 +159,7 @@ mod tests {
         // Along (-sin beta, cos beta): leftwards for beta = 90 degrees.
         let walls = [wall(2.0, FRAC_PI_2, -4.0, 0.0), wall(4.0, 0.0, -1.0, 2.0)];
         let score = score(&walls, &PLAN, &passed(), &Pose2::default());
-        assert!(score.offset_m < 1e-6, "{score:?}");
+        assert!(score.offset_m.expect("matches") < 1e-6, "{score:?}");
         assert_eq!((score.matched, score.missed, score.invented), (2, 0, 0));
     }
 
@@ -167,8 +167,16 @@ mod tests {
     fn offsets_inventions_and_omissions_are_told_apart() {
         let walls = [wall(2.03, FRAC_PI_2, -3.0, -1.0), wall(3.0, FRAC_PI_2, -3.0, -1.0), wall(2.0, 1.2, -3.0, -1.0)];
         let score = score(&walls, &PLAN, &passed(), &Pose2::default());
-        assert!((score.offset_m - 0.03).abs() < 1e-6, "{score:?}");
+        assert!((score.offset_m.expect("a match") - 0.03).abs() < 1e-6, "{score:?}");
         assert_eq!((score.matched, score.missed, score.invented), (1, 1, 2));
+    }
+
+    #[test]
+    fn a_map_of_nothing_true_has_no_offset() {
+        let nothing = score(&[], &PLAN, &passed(), &Pose2::default());
+        assert_eq!((nothing.offset_m, nothing.matched, nothing.missed), (None, 0, 2));
+        let invented = score(&[wall(3.0, FRAC_PI_2, -3.0, -1.0)], &PLAN, &passed(), &Pose2::default());
+        assert_eq!((invented.offset_m, invented.invented), (None, 1));
     }
 
     #[test]
