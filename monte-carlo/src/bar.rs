@@ -63,7 +63,7 @@ pub struct Verdict {
     pub bar: String,
     /// What was found; none where there are no figures.
     pub found: Option<f64>,
-    /// Whether it holds.
+    /// Whether it holds; not where a run has no figure.
     pub holds: bool,
 }
 
@@ -114,11 +114,13 @@ impl Bar {
     }
 
     fn judge_plan(&self, rows: &[RunRow], plan: String) -> Verdict {
-        let figures = |variant: &str| -> Vec<f64> {
+        // A run that came to no figure is no better than the others: one that is missing breaks the bar.
+        let figures = |variant: &str| -> (Vec<f64>, bool) {
             let own = |row: &&RunRow| row.key.plan == plan && row.key.case == self.case && row.key.variant == variant;
-            rows.iter().filter(own).filter_map(|row| row.get(self.metric)).collect()
+            let all: Vec<Option<f64>> = rows.iter().filter(own).map(|row| row.get(self.metric)).collect();
+            (all.iter().copied().flatten().collect(), all.iter().all(Option::is_some))
         };
-        let own = figures(&self.variant);
+        let (own, is_whole) = figures(&self.variant);
         let found = self.statistic.of(&own);
         let (found, holds, limit) = match &self.limit {
             Limit::AtMost(limit) => (found, found.is_some_and(|found| found <= *limit), format!("at most {limit}")),
@@ -128,14 +130,15 @@ impl Bar {
                 (found, found.is_some_and(|v| (low..=high).contains(&v)), format!("from {low:.2} to {high:.2}"))
             }
             Limit::TimesBetter(times, other) => {
-                let ratio = self.statistic.of(&figures(other)).zip(found).map(|(other, own)| other / own);
-                let holds = ratio.is_some_and(|ratio| ratio >= *times);
+                let (others, is_other_whole) = figures(other);
+                let ratio = self.statistic.of(&others).zip(found).map(|(other, own)| other / own);
+                let holds = is_other_whole && ratio.is_some_and(|ratio| ratio >= *times);
                 (ratio, holds, format!("{times} times better than {other}"))
             }
         };
         let bar =
             format!("{}: {} {} of {}, {limit}", self.case, self.statistic.name(), self.metric.name(), self.variant);
-        Verdict { plan, bar, found, holds }
+        Verdict { plan, bar, found, holds: holds && is_whole }
     }
 }
 
@@ -218,6 +221,20 @@ mod tests {
         assert!(holds(Limit::AtLeast(2.0)) && !holds(Limit::AtLeast(2.1)));
         assert!(holds(Limit::TimesBetter(3.25, "other".into())) && !holds(Limit::TimesBetter(3.3, "other".into())));
         assert!(holds(Limit::InBand(3)), "the band of three runs is wide");
+    }
+
+    #[test]
+    fn a_run_without_a_figure_breaks_its_bar() {
+        let mut all = rows("own", &[1.0, f64::NAN, 1.0]);
+        let verdict = |all: &[RunRow], limit| bar(limit).judge(all, &[])[0].clone();
+        assert_eq!(
+            (verdict(&all, Limit::AtMost(2.0)).found, verdict(&all, Limit::AtMost(2.0)).holds),
+            (Some(1.0), false)
+        );
+        all = rows("own", &[1.0, 1.0, 1.0]);
+        all.extend(rows("other", &[9.0, f64::NAN, 9.0]));
+        assert!(verdict(&all, Limit::AtMost(2.0)).holds);
+        assert!(!verdict(&all, Limit::TimesBetter(3.0, "other".into())).holds);
     }
 
     #[test]

@@ -54,47 +54,62 @@ pub fn lines(experiment: &Experiment, rows: &[RunRow]) -> Vec<Line> {
     lines
 }
 
-/// A column of statistics: its name, its unit's factor and what it is over the runs.
+type Value = fn(&[f64]) -> Option<f64>;
+
+/// A column of statistics: its name, its head where it is in the table for reading, and what it is of one metric over the runs.
 struct Column {
     name: &'static str,
     head: &'static str,
     digits: usize,
-    value: fn(&Line) -> Option<f64>,
+    metric: Metric,
+    value: Value,
 }
 
-const fn column(name: &'static str, head: &'static str, digits: usize, value: fn(&Line) -> Option<f64>) -> Column {
-    Column { name, head, digits, value }
+impl Column {
+    fn value(&self, line: &Line) -> Option<f64> {
+        (self.value)(&line.figures(self.metric))
+    }
+
+    /// As a cell for reading, which says how many runs have a figure where not all do.
+    fn cell(&self, line: &Line) -> String {
+        let Some(value) = self.value(line) else { return "–".to_owned() };
+        let (n, digits) = (line.figures(self.metric).len(), self.digits);
+        if n < line.runs { format!("{value:.digits$} ({n} of {})", line.runs) } else { format!("{value:.digits$}") }
+    }
 }
 
-fn scaled(value: Option<f64>, factor: f64) -> Option<f64> {
-    value.map(|value| factor * value)
+const fn column(name: &'static str, head: &'static str, digits: usize, metric: Metric, value: Value) -> Column {
+    Column { name, head, digits, metric, value }
+}
+
+fn times_100(value: Option<f64>) -> Option<f64> {
+    value.map(|value| 100.0 * value)
 }
 
 const COLUMNS: [Column; 18] = [
-    column("path_m", "path m", 0, |line| median(&line.figures(Metric::Path))),
-    column("rooms_missed", "", 2, |line| mean(&line.figures(Metric::RoomsMissed))),
-    column("ate_median_cm", "aligned RMSE cm", 2, |line| scaled(median(&line.figures(Metric::Ate)), 100.0)),
-    column("ate_p90_cm", "90 % cm", 2, |line| scaled(quantile(&line.figures(Metric::Ate), 0.9), 100.0)),
-    column("ate_max_cm", "", 2, |line| scaled(max(&line.figures(Metric::Ate)), 100.0)),
-    column("start_median_cm", "start-frame RMSE cm", 2, |line| scaled(median(&line.figures(Metric::Start)), 100.0)),
-    column("heading_median_deg", "heading °", 2, |line| median(&line.figures(Metric::Heading))),
-    column("nees_mean", "NEES", 2, |line| mean(&line.figures(Metric::Nees))),
-    column("nees_max", "largest", 1, |line| max(&line.figures(Metric::Nees))),
-    column("nees_band_low", "", 2, |line| nees_band(line).map(|band| band[0])),
-    column("nees_band_high", "", 2, |line| nees_band(line).map(|band| band[1])),
-    column("lost_mean_percent", "lost %", 1, |line| scaled(mean(&line.figures(Metric::Lost)), 100.0)),
-    column("nis_mean", "NIS", 2, |line| mean(&line.figures(Metric::Nis))),
-    column("map_offset_rms_cm", "map cm", 2, |line| scaled(rms(&line.figures(Metric::Offset)), 100.0)),
-    column("missed_mean", "walls missed", 2, |line| mean(&line.figures(Metric::Missed))),
-    column("invented_mean", "invented", 2, |line| mean(&line.figures(Metric::Invented))),
-    column("invented_max", "", 0, |line| max(&line.figures(Metric::Invented))),
-    column("step_us", "µs a step", 1, |line| median(&line.figures(Metric::StepCost))),
+    column("path_m", "path m", 0, Metric::Path, median),
+    column("rooms_missed", "", 2, Metric::RoomsMissed, mean),
+    column("ate_median_cm", "aligned RMSE cm", 2, Metric::Ate, |all| times_100(median(all))),
+    column("ate_p90_cm", "90 % cm", 2, Metric::Ate, |all| times_100(quantile(all, 0.9))),
+    column("ate_max_cm", "", 2, Metric::Ate, |all| times_100(max(all))),
+    column("start_median_cm", "start-frame RMSE cm", 2, Metric::Start, |all| times_100(median(all))),
+    column("heading_median_deg", "heading °", 2, Metric::Heading, median),
+    column("nees_mean", "NEES", 2, Metric::Nees, mean),
+    column("nees_max", "largest", 1, Metric::Nees, max),
+    column("nees_band_low", "", 2, Metric::Nees, |all| nees_band(all).map(|band| band[0])),
+    column("nees_band_high", "", 2, Metric::Nees, |all| nees_band(all).map(|band| band[1])),
+    column("lost_mean_percent", "lost %", 1, Metric::Lost, |all| times_100(mean(all))),
+    column("nis_mean", "NIS", 2, Metric::Nis, mean),
+    column("map_offset_rms_cm", "map cm", 2, Metric::Offset, |all| times_100(rms(all))),
+    column("missed_mean", "walls missed", 2, Metric::Missed, mean),
+    column("invented_mean", "invented", 2, Metric::Invented, mean),
+    column("invented_max", "", 0, Metric::Invented, max),
+    column("step_us", "µs a step", 1, Metric::StepCost, median),
 ];
 
-/// The 95 % band of the mean NEES over this many runs; none where there is no NEES.
-fn nees_band(line: &Line) -> Option<[f64; 2]> {
-    let runs = line.figures(Metric::Nees).len();
-    (runs > 0).then(|| chi_square_mean_band(3, runs))
+/// The 95 % band of the mean NEES over as many runs as these; none where there is no NEES.
+fn nees_band(all: &[f64]) -> Option<[f64; 2]> {
+    (!all.is_empty()).then(|| chi_square_mean_band(3, all.len()))
 }
 
 /// The table with every column, as CSV.
@@ -104,7 +119,7 @@ pub fn csv(lines: &[Line]) -> String {
     for line in lines {
         let _ = write!(text, "{},{},{},{}", quoted(&line.plan), quoted(&line.case), quoted(&line.variant), line.runs);
         for column in &COLUMNS {
-            let _ = match (column.value)(line) {
+            let _ = match column.value(line) {
                 Some(value) => write!(text, ",{value:.4}"),
                 None => write!(text, ","),
             };
@@ -116,7 +131,7 @@ pub fn csv(lines: &[Line]) -> String {
 
 /// The table for reading: head and cells, of the columns that any line has a figure in.
 pub fn cells(lines: &[Line]) -> (Vec<&'static str>, Vec<Vec<String>>) {
-    let has_figures = |column: &&Column| lines.iter().any(|line| (column.value)(line).is_some());
+    let has_figures = |column: &&Column| lines.iter().any(|line| column.value(line).is_some());
     let shown: Vec<&Column> = COLUMNS.iter().filter(|column| !column.head.is_empty()).filter(has_figures).collect();
     let one_case = lines.iter().all(|line| line.case == lines[0].case);
     let mut head = if one_case { vec!["plan"] } else { vec!["plan", "case"] };
@@ -128,9 +143,7 @@ pub fn cells(lines: &[Line]) -> (Vec<&'static str>, Vec<Vec<String>>) {
             cells.push(line.case.clone());
         }
         cells.extend([line.variant.clone(), line.runs.to_string()]);
-        cells.extend(shown.iter().map(|column| {
-            (column.value)(line).map_or_else(|| "–".to_owned(), |value| format!("{value:.*}", column.digits))
-        }));
+        cells.extend(shown.iter().map(|column| column.cell(line)));
         cells
     });
     (head, cells.collect())
@@ -158,4 +171,26 @@ pub fn verdicts_markdown(verdicts: &[Verdict]) -> String {
         let _ = writeln!(text, "| {} | {} | {found} | {holds} |", verdict.plan, verdict.bar);
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::row::RunKey;
+
+    #[test]
+    fn a_cell_says_how_many_runs_have_its_figure_where_not_all_do() {
+        let row = |(seed, ate_m): (u64, &f64)| {
+            let key = RunKey { plan: "p".into(), case: "c".into(), seed, variant: "v".into() };
+            let mut row = RunRow::new(key);
+            row.set(Metric::Path, 100.0);
+            row.set(Metric::Ate, *ate_m);
+            row
+        };
+        let rows: Vec<RunRow> = (0..).zip(&[0.01, f64::NAN, 0.03]).map(row).collect();
+        let line = Line { plan: "p".into(), case: "c".into(), variant: "v".into(), runs: rows.len(), rows };
+        let (head, cells) = cells(&[line]);
+        assert_eq!(head, ["plan", "variant", "runs", "path m", "aligned RMSE cm", "90 % cm"]);
+        assert_eq!(cells[0][3..], ["100", "2.00 (2 of 3)", "2.80 (2 of 3)"]);
+    }
 }

@@ -192,6 +192,10 @@ impl Driven {
         let visited = self.rooms_visited();
         row.set(Metric::RoomsVisited, visited as f64);
         row.set(Metric::RoomsMissed, (self.plan.rooms.len() - visited) as f64);
+        if variant.method == Method::Robot {
+            let lost = track.steps.iter().filter(|step| step.searching).count();
+            row.set(Metric::Lost, lost as f64 / track.steps.len().max(1) as f64);
+        }
         let Some(score) = path::of_estimate(&track.steps) else { return row };
         row.set(Metric::Ate, score.ate_m);
         row.set(Metric::Start, score.start_m.unwrap_or(f64::NAN));
@@ -201,10 +205,6 @@ impl Driven {
             return row;
         }
         row.set(Metric::Nees, score.nees.unwrap_or(f64::NAN));
-        if variant.method == Method::Robot {
-            let lost = track.steps.iter().filter(|step| step.searching).count();
-            row.set(Metric::Lost, lost as f64 / track.steps.len().max(1) as f64);
-        }
         row.set(Metric::Nis, track.mean_nis.unwrap_or(f64::NAN));
         row.set(Metric::Updates, track.innovations.len() as f64);
         row.set(Metric::StepCost, 1e6 * track.time.as_secs_f64() / track.steps.len().max(1) as f64);
