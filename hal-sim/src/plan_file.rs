@@ -33,6 +33,15 @@ const LEG_RADIUS_M: f64 = 0.15;
 /// Speed of a person where the file names none, m/s.
 const WALKING_MPS: f64 = 0.5;
 
+/// Whether a plan of this name is one of the program's own, so that there is no file to read.
+pub fn is_built_in(name: &str) -> bool {
+    BUILT_IN.iter().any(|(own, _)| *own == name) || random_seed(name).is_some()
+}
+
+fn random_seed(name: &str) -> Option<u64> {
+    name.strip_prefix("random-")?.parse().ok()
+}
+
 /// The plan with this built-in name, the random home `random-SEED`, or else the plan in the file of this name.
 ///
 /// # Errors
@@ -41,7 +50,7 @@ pub fn load(name_or_file: &str) -> Result<Plan, FileError> {
     if let Some((name, text)) = BUILT_IN.iter().find(|(name, _)| *name == name_or_file) {
         return parse(&format!("built-in plan {name}"), name, text);
     }
-    if let Some(seed) = name_or_file.strip_prefix("random-").and_then(|seed| seed.parse().ok()) {
+    if let Some(seed) = random_seed(name_or_file) {
         return Ok(random_home(seed));
     }
     let path = Path::new(name_or_file);

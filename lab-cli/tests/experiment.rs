@@ -109,6 +109,19 @@ fn files_that_no_experiment_wrote_stay_as_they_are() {
 }
 
 #[test]
+fn rows_of_another_rig_or_plan_file_are_not_mixed_in() {
+    let place = Place::new();
+    let room = include_str!("../../hal-sim/plans/room.toml");
+    place.put("home.toml", room);
+    place.put("small.toml", SMALL.replace("[\"room\"]", "[\"home.toml\"]").replace("seeds = 2", "seeds = 1"));
+    let run = ["experiment", "small.toml", "--out", "out"];
+    place.lab().args(run).assert().success();
+    place.lab().args(run).assert().success();
+    place.put("home.toml", format!("# Another one.\n{room}"));
+    place.lab().args(run).assert().failure().stderr(contains("or of other rig or plan files"));
+}
+
+#[test]
 fn mistakes_are_named_with_file_line_and_key() {
     let place = Place::new();
     for (from, to, expected) in [

@@ -1,6 +1,6 @@
 //! Experiment files: TOML, described in `docs/reference/experiments.md`.
 
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 use std::path::Path;
 
 use crate::bar::Bar;
@@ -92,6 +92,13 @@ impl Experiment {
     /// Every seed.
     pub fn seed_range(&self) -> std::ops::Range<u64> {
         self.first_seed..self.first_seed + self.seeds
+    }
+
+    /// The rig and plan files that its cases name, each once.
+    pub(crate) fn files(&self) -> BTreeSet<&str> {
+        let plans = self.cases.iter().flat_map(|case| &case.plans).map(String::as_str);
+        let rigs = self.cases.iter().filter_map(|case| case.setting.rig_file());
+        plans.filter(|plan| !hal_sim::plan_file::is_built_in(plan)).chain(rigs).collect()
     }
 }
 

@@ -52,6 +52,11 @@ impl Setting {
         self.values.get(&key).copied()
     }
 
+    /// The rig file; none where the rig is one of the program's own.
+    pub(crate) fn rig_file(&self) -> Option<&str> {
+        self.rig.as_deref().filter(|rig| !["measured", "short"].contains(rig))
+    }
+
     /// The robot of this setting.
     ///
     /// # Errors

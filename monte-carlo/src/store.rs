@@ -17,7 +17,7 @@ pub const RUNS: &str = "runs.csv";
 pub const SAMPLES: &str = "samples.csv";
 /// The experiment file that the rows are from.
 pub const EXPERIMENT: &str = "experiment.toml";
-/// The program that made them.
+/// The program, and the rig and plan files, that made them.
 pub const BUILD: &str = "build.txt";
 
 /// An output folder open for appending.
@@ -34,7 +34,7 @@ impl Store {
     /// # Errors
     /// The folder holds something else, or cannot be used.
     pub fn open(folder: &Path, experiment: &Experiment) -> Result<Self, FileError> {
-        Self::open_of(folder, experiment, &build())
+        Self::open_of(folder, experiment, &build(experiment)?)
     }
 
     /// The same for rows of the program that says `build` of itself.
@@ -54,7 +54,8 @@ impl Store {
         }
         let finished = parse(&runs, &begin(&runs, &mut rows, &RunRow::header())?)?;
         keep_same(&folder.join(EXPERIMENT), &experiment.text, "rows of another experiment")?;
-        keep_same(&folder.join(BUILD), build, "rows that another build of this program made")?;
+        let other = "rows of another build of this program, or of other rig or plan files";
+        keep_same(&folder.join(BUILD), build, other)?;
         let mut errors = open(&samples)?;
         begin(&samples, &mut errors, &ErrorSample::header())?;
         Ok(Self {
@@ -142,7 +143,8 @@ pub fn merge(folder: &Path, parts: &[PathBuf]) -> Result<Experiment, FileError> 
     let first_build = input_file::read(&first.join(BUILD))?;
     for part in &parts[1..] {
         is_same(&part.join(EXPERIMENT), &experiment.text, "rows of another experiment than the first part")?;
-        is_same(&part.join(BUILD), &first_build, "rows of another build of this program than the first part's")?;
+        let other = "rows of another build of this program, or of other rig or plan files, than the first part's";
+        is_same(&part.join(BUILD), &first_build, other)?;
     }
     let mut store = Store::open_of(folder, &experiment, &first_build)?;
     for part in parts {
@@ -226,11 +228,17 @@ fn foreign(file: &Path, header: &str) -> FileError {
     FileError::new(file, format!("must begin with the line {header}")).at_line(1)
 }
 
-/// The program's version and a hash (FNV-1a) of its binary: rows of two builds must not be mixed.
-fn build() -> String {
-    let bytes = std::env::current_exe().and_then(std::fs::read).unwrap_or_default();
-    let hash = bytes
-        .iter()
-        .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3));
-    format!("lab {} {hash:016x}\n", env!("CARGO_PKG_VERSION"))
+/// The program's version and hashes of its binary and of the rig and plan files: rows of two of a kind must not be mixed.
+fn build(experiment: &Experiment) -> Result<String, FileError> {
+    let program = std::env::current_exe().and_then(std::fs::read).unwrap_or_default();
+    let mut text = format!("lab {} {:016x}\n", env!("CARGO_PKG_VERSION"), hash(&program));
+    for file in experiment.files() {
+        text += &format!("{file} {:016x}\n", hash(input_file::read(Path::new(file))?.as_bytes()));
+    }
+    Ok(text)
+}
+
+/// FNV-1a.
+fn hash(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
 }
