@@ -2,15 +2,16 @@
 
 mod series;
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::file::Experiment;
 use crate::key::Key;
 use crate::row::Metric;
-use crate::samples::ErrorSample;
+use crate::samples::{ErrorSample, TIMES};
 use crate::table::Line;
 use input_file::FileError;
-use lab::evaluate::statistics::{chi_square_mean_band, mean, median, normal_density, quantile};
+use lab::evaluate::statistics::{chi_square_mean_band, max, mean, median, normal_density, quantile};
 use lab::show::chart::{Axis, Panel, svg};
 
 pub use series::write_series;
@@ -63,9 +64,9 @@ pub fn slug(text: &str) -> String {
     words.join("-")
 }
 
-/// A figure over runs at one place: median, and from where to where 80 % of the runs are.
-fn draw_spread(panel: &mut Panel, x: f64, figures: &[f64], colour: usize) {
-    let all = (median(figures), quantile(figures, 0.1), quantile(figures, 0.9));
+/// A figure over runs at one place: its middle, and from where to where 80 % of the runs are.
+fn draw_spread(panel: &mut Panel, x: f64, figures: &[f64], middle: Option<f64>, colour: usize) {
+    let all = (middle, quantile(figures, 0.1), quantile(figures, 0.9));
     if let (Some(middle), Some(low), Some(high)) = all {
         panel.whisker(x, low, high, colour);
         panel.dots(&[(x, middle)], 4.0, colour);
@@ -89,7 +90,10 @@ fn by_plan(experiment: &Experiment, case: &str, plans: &[String], lines: &[&Line
             for (place, plan) in plans.iter().enumerate() {
                 let own = lines.iter().find(|line| line.plan == *plan && line.variant == variant.name);
                 if let Some(line) = own {
-                    draw_spread(&mut panel, place as f64 + offset, &figures(line), i);
+                    let figures = figures(line);
+                    // The band is of means.
+                    let middle = if metric == Metric::Nees { mean(&figures) } else { median(&figures) };
+                    draw_spread(&mut panel, place as f64 + offset, &figures, middle, i);
                 }
             }
         }
@@ -98,8 +102,8 @@ fn by_plan(experiment: &Experiment, case: &str, plans: &[String], lines: &[&Line
     vec![Figure {
         name: format!("{}-accuracy.svg", slug(case)),
         caption: format!(
-            "{case}: aligned RMSE and mean NEES of every variant on every plan. Dots are medians over the seeds, strokes \
-             hold 80 % of them; the shaded band is where the mean NEES of an honest filter lies with 95 %."
+            "{case}: aligned RMSE and mean NEES of every variant on every plan. Dots are medians of the RMSE and \
+             means of the NEES over the seeds, strokes hold 80 % of them; the shaded band is where the mean NEES of an honest filter lies with 95 %."
         ),
         svg: svg(&panels, &legend(experiment)),
     }]
@@ -112,20 +116,31 @@ struct Curve {
     runs: usize,
 }
 
-fn nees_over_time(experiment: &Experiment, case: &str, plan: &str, samples: &[&ErrorSample]) -> Option<Figure> {
-    let mut curves: Vec<Curve> = Vec::new();
-    for (i, variant) in experiment.variants.iter().enumerate() {
-        let own: Vec<&&ErrorSample> = samples.iter().filter(|sample| sample.key.variant == variant.name).collect();
-        let mut times: Vec<f64> = own.iter().map(|sample| sample.t_s).collect();
-        times.sort_by(f64::total_cmp);
-        times.dedup();
-        let at = |t_s: f64| -> Vec<f64> { own.iter().filter(|s| s.t_s == t_s).map(|s| s.nees).collect() };
-        let curve: Vec<(f64, f64)> = times.into_iter().filter_map(|t_s| Some((t_s, mean(&at(t_s))?))).collect();
-        if let Some(last) = curve.last() {
-            let runs = at(last.0).len();
-            curves.push(Curve { variant: i, points: curve, runs });
-        }
+/// Each bin's middle and mean NEES; the bins are this wide, in seconds. Runs whose times are their own, by a drawn rate or by jitter, have
+/// no moment in common.
+fn binned(variant: usize, samples: &[&&ErrorSample], width_s: f64) -> Curve {
+    let mut bins: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
+    for sample in samples {
+        bins.entry((sample.t_s / width_s).round() as u64).or_default().push(sample.nees);
     }
+    let runs = bins.values().map(Vec::len).max().unwrap_or(0);
+    let points = bins.iter().filter_map(|(bin, nees)| Some((*bin as f64 * width_s, mean(nees)?))).collect();
+    Curve { variant, points, runs }
+}
+
+fn nees_over_time(experiment: &Experiment, case: &str, plan: &str, samples: &[&ErrorSample]) -> Option<Figure> {
+    let end_s = max(&samples.iter().map(|sample| sample.t_s).collect::<Vec<_>>())?;
+    let width_s = (end_s / TIMES as f64).max(f64::MIN_POSITIVE);
+    let curves: Vec<Curve> = experiment
+        .variants
+        .iter()
+        .enumerate()
+        .map(|(i, variant)| {
+            let own: Vec<&&ErrorSample> = samples.iter().filter(|sample| sample.key.variant == variant.name).collect();
+            binned(i, &own, width_s)
+        })
+        .filter(|curve| curve.runs > 0)
+        .collect();
     let runs = curves.iter().map(|curve| curve.runs).max()?;
     let points = || curves.iter().flat_map(|curve| curve.points.iter().copied());
     let x = Axis::linear("time, s", points().map(|point| point.0));
@@ -140,7 +155,8 @@ fn nees_over_time(experiment: &Experiment, case: &str, plan: &str, samples: &[&E
     Some(Figure {
         name: format!("{}-{}-nees-over-time.svg", slug(plan), slug(case)),
         caption: format!(
-            "{plan}, {case}: NEES of the pose over time, mean over {runs} runs. Band: 95 % of an honest filter's."
+            "{plan}, {case}: NEES of the pose over time, mean over {runs} runs in bins of {width_s:.1} s. Band: 95 % of an \
+             honest filter's."
         ),
         svg: svg(&[panel], &legend(experiment)),
     })
@@ -222,8 +238,9 @@ fn sweep(experiment: &Experiment, key: Key, plan: &str, points: &[(&str, f64, &[
             for (case, value, _) in points {
                 let Some(line) = find(case, &variant.name) else { continue };
                 let figures = figures(line);
-                curve.extend(median(&figures).map(|middle| (*value, middle)));
-                draw_spread(&mut panel, *value, &figures, i);
+                let middle = median(&figures);
+                curve.extend(middle.map(|middle| (*value, middle)));
+                draw_spread(&mut panel, *value, &figures, middle, i);
             }
             panel.line(&curve, i);
         }
@@ -251,4 +268,27 @@ pub fn write(out: &Path, figures: &[Figure]) -> Result<(), FileError> {
         std::fs::write(&file, &figure.svg).map_err(|cause| FileError::system(&file, "write", &cause))?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::row::RunKey;
+
+    #[test]
+    fn nees_over_time_is_of_all_runs_though_each_has_its_own_times() {
+        let sample = |seed: u64, i: u64| ErrorSample {
+            key: RunKey { plan: "p".into(), case: "c".into(), seed, variant: "v".into() },
+            t_s: 20.0 * i as f64 - 0.01 * seed as f64,
+            error_m: 0.0,
+            sigma_m: 0.0,
+            nees: seed as f64,
+            normalised: [0.0; 3],
+        };
+        let samples: Vec<ErrorSample> = (1..=3).flat_map(|seed| (1..=30).map(move |i| sample(seed, i))).collect();
+        let samples: Vec<&ErrorSample> = samples.iter().collect();
+        let curve = binned(0, &samples.iter().collect::<Vec<_>>(), 20.0);
+        assert_eq!((curve.runs, curve.points.len()), (3, 30));
+        assert!(curve.points.iter().all(|point| point.1 == 2.0));
+    }
 }

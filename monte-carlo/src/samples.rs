@@ -5,7 +5,7 @@ use lab::evaluate::score::path::nees;
 use lab::recording::Step;
 
 /// Times of a run that are kept.
-const TIMES: usize = 30;
+pub(crate) const TIMES: usize = 30;
 
 /// The errors of one run at one time.
 #[derive(Clone, Debug, PartialEq)]
