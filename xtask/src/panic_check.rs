@@ -57,3 +57,45 @@ fn describe(elf: &Elf, at: u64) -> Result<String> {
     let own = lines.iter().find(|line| !line.contains("/rustlib/") && !line.contains("/library/"));
     Ok(format!("  {} in {function} (inlined: {})", own.map_or("?", String::as_str), lines.join(" < ")))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::path::{Path, PathBuf};
+
+    /// The names of the public functions of `impl Slam`, in the files of this folder and below.
+    fn public_functions(folder: &Path, found: &mut Vec<String>) {
+        for entry in fs::read_dir(folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                public_functions(&path, found);
+                continue;
+            }
+            let text = fs::read_to_string(&path).expect("a source file");
+            let mut is_slam = false;
+            for line in text.lines() {
+                if line.starts_with("impl") {
+                    is_slam = line.contains("> Slam<") && !line.contains(" for ");
+                } else if let Some(rest) = line.strip_prefix("    pub ").filter(|_| is_slam) {
+                    let name = rest
+                        .trim_start_matches("const ")
+                        .strip_prefix("fn ")
+                        .and_then(|rest| rest.split(['(', '<']).next());
+                    found.extend(name.map(str::to_owned));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_program_calls_every_public_function_of_the_estimator() {
+        let root: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let mut names = Vec::new();
+        public_functions(&root.join("slam-core/src"), &mut names);
+        assert!(names.len() > 40, "{names:?}");
+        let program = fs::read_to_string(root.join("firmware/panic-check/src/main.rs")).expect("the program");
+        let is_called = |name: &String| [".", "::"].iter().any(|call| program.contains(&format!("{call}{name}(")));
+        let missing: Vec<&String> = names.iter().filter(|name| !is_called(name)).collect();
+        assert!(missing.is_empty(), "firmware/panic-check/src/main.rs does not call {missing:?}");
+    }
+}

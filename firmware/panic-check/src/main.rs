@@ -1,12 +1,17 @@
-//! Calls every public entry point of slam-core and look-back with inputs that the compiler knows nothing about. This program is never
+//! Calls every public method of slam-core's estimator, with a kept map's record, and of look-back with inputs that the compiler knows nothing about. This program is never
 //! run: `cargo xtask panic-check` looks whether the linker had to keep `panic_reached`.
 #![no_std]
 #![no_main]
 
 use core::hint::black_box;
 use core::panic::PanicInfo;
+use kept_map::Record;
 use look_back::{Hit, RobotBackEnd, RobotDiary, RobotLookBack, Unknown};
-use slam_core::{Adc, Config, DriveModel, Increment, Motion, Pose, RangeInput, RobotSlam, Sample, Ticks, angle};
+use slam_core::kept::Kept;
+use slam_core::{
+    Adc, Config, DriveModel, HandOver, Increment, Match, Motion, Pose, RangeInput, RobotSlam, Sample, SecondCopy,
+    Ticks, angle,
+};
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
@@ -15,8 +20,13 @@ fn main() -> ! {
     plane();
     if let Ok(mut slam) = RobotSlam::with_config(rig(), black_box(Config::default())) {
         estimator(&mut slam);
+        view(&slam);
+        other_maps(&mut slam);
         beside(&mut slam);
+        black_box(slam.start(rig())).ok();
+        black_box(slam.start_with_config(rig(), black_box(Config::default()))).ok();
     }
+    black_box(RobotSlam::new(rig())).ok();
     back_end();
     loop {
         cortex_m::asm::nop();
@@ -66,18 +76,59 @@ fn estimator(slam: &mut RobotSlam) {
             black_box(slam.step(&black_box(sample)));
         }
     }
-    black_box(slam.rig());
-    black_box(slam.estimate());
-    black_box(slam.dead_reckoning());
-    black_box(slam.alpha());
-    black_box(slam.counters());
-    black_box(slam.state_len());
+}
+
+fn view(slam: &RobotSlam) {
+    let index = black_box(7);
+    black_box((slam.rig(), slam.config(), slam.counters(), slam.health(), slam.elsewhere()));
+    black_box((
+        slam.pose(),
+        slam.start_pose(),
+        slam.estimate(),
+        slam.filter_pose(),
+        slam.dead_reckoning(),
+        slam.displaced(),
+    ));
+    black_box((slam.alpha(), slam.filter_alpha(), slam.last_motion(), slam.lost_motion(), slam.is_held()));
+    black_box((slam.position_level(), slam.wheel_level(), slam.output_level(), slam.latency(), slam.stamp_sigma()));
+    black_box((slam.gain(index), slam.is_frozen(index), slam.frozen_sensors(), slam.late_sensors()));
+    black_box((slam.state_len(), slam.state_mean(index), slam.state_covariance(index, index), slam.standing(index)));
     for wall in slam.walls() {
         black_box(wall);
     }
     for factor in slam.calibration() {
         black_box(factor);
     }
+    // Its table has all that is kept of the map.
+    black_box::<&dyn Kept>(slam);
+}
+
+/// Maps begun anew, taken up, handed over or found twice.
+fn other_maps(slam: &mut RobotSlam) {
+    let found = black_box(Match { quarters: 1, pairs: [(1, 2), (3, 4)] });
+    if let Ok(record) = Record::parse(black_box(&[0; 4096])) {
+        black_box(slam.suits(&record)).ok();
+        black_box(slam.take_up(&record, &found)).ok();
+    }
+    black_box(slam.give_up_copy(&black_box(SecondCopy { since: 1, grid: Some(2) }), &found)).ok();
+    let hand_over = black_box(HandOver {
+        epoch: 1,
+        pose: Pose::ORIGIN,
+        alpha_rad: Some(0.1),
+        calibration: slam_core::Calibration::EXACT,
+        gains: [1.0; slam_core::hand_over::MOST_GAINS],
+        walls: black_box(&[]),
+        names: black_box(&[]),
+        covariance: black_box(&[]),
+        is_displaced: false,
+    });
+    black_box(slam.take_over(&hand_over)).ok();
+    if black_box(slam.is_about_to_forget()) {
+        slam.put_off_forgetting();
+    }
+    slam.restart_map();
+    slam.stands_in_dock();
+    black_box((slam.begin_in_dock(), slam.before_dock_m()));
 }
 
 fn beside(slam: &mut RobotSlam) {
