@@ -74,6 +74,13 @@ fn write_drive(page: &mut String, drive: &Drive) -> std::fmt::Result {
     writeln!(page, "| walls; missed; invented | {walls}; {missed}; {invented} |")
 }
 
+/// What every one of the 25 steps a second has, so that it takes a share of the time; all else is done now and then, or over many steps.
+const EACH_STEP: [&str; 5] = ["predict_", "step_", "diary_step", "floor_job_", "pilot_"];
+
+fn is_of_each_step(case: &str) -> bool {
+    EACH_STEP.iter().any(|name| case.starts_with(name))
+}
+
 fn write_timing(
     page: &mut String,
     counts: &std::collections::BTreeMap<String, u32>,
@@ -83,14 +90,29 @@ fn write_timing(
     writeln!(page, "\n## Timing\n\nInstructions, counted exactly, compiler {compiler}. What each case is says")?;
     writeln!(
         page,
-        "[timing.md](../reference/timing.md). Shares are of a core at 168 MHz, 25 times a second, at an assumed {cycles} cycles"
+        "[timing.md](../reference/timing.md). Shares, of what each step has, are of a core at 168 MHz, 25 times a second,"
     )?;
-    writeln!(page, "per instruction.\n\n| case | instructions | share |\n|---|---|---|")?;
+    writeln!(page, "at an assumed {cycles} cycles per instruction.\n\n| case | instructions | share |\n|---|---|---|")?;
     for (case, count) in counts {
-        // A look back is not made 25 times a second.
-        let is_periodic = !case.starts_with("look_back");
-        let share = if is_periodic { format!("{:.2} %", timing::share_percent(*count)) } else { String::new() };
+        let share =
+            if is_of_each_step(case) { format!("{:.2} %", timing::share_percent(*count)) } else { String::new() };
         writeln!(page, "| {case} | {count} | {share} |")?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_done_with_every_step_has_no_share_of_the_time() {
+        let counts = [("search_full".to_owned(), 154_795_945), ("step_worst".to_owned(), 276_707)].into();
+        let mut page = String::new();
+        write_timing(&mut page, &counts, "1.95").expect("a String takes it all");
+        assert!(page.contains("| search_full | 154795945 |  |\n| step_worst | 276707 | 7.82 % |\n"), "{page}");
+        assert!(
+            ["back_end_step", "hand_over", "diary_thin", "look_back_slice"].iter().all(|case| !is_of_each_step(case))
+        );
+    }
 }
