@@ -63,6 +63,24 @@ pub struct Variant {
     pub rays: Option<Whole<2, 720>>,
 }
 
+impl Variant {
+    /// A setting of the estimator that is given; none where none is.
+    pub fn setting(&self) -> Option<&'static str> {
+        let settings = [
+            ("walls", self.walls.is_some()),
+            ("clusters", self.clusters.is_some()),
+            ("jacobians", self.jacobians.is_some()),
+            ("calibrate_gains", self.calibrate_gains.is_some()),
+            ("calibrate_scales", self.calibrate_scales.is_some()),
+            ("calibrate_track", self.calibrate_track.is_some()),
+            ("gate", self.gate.is_some()),
+            ("without", !self.without.is_empty()),
+            ("buffer", self.buffer.is_some()),
+        ];
+        settings.into_iter().find(|(_, is_given)| *is_given).map(|(key, _)| key)
+    }
+}
+
 /// With what a variant senses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]

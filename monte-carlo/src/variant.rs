@@ -104,6 +104,13 @@ impl Variant {
     /// # Errors
     /// A value that is not allowed.
     pub(crate) fn of(toml: &TomlFile<'_>, place: &str, keys: keys::Variant) -> Result<Self, FileError> {
+        // Another system has no such settings, and an estimator with other sensors has those that suit these.
+        let has_own = keys.relative.is_some() || !matches!(keys.senses, None | Some(SensesName::Rig));
+        if let Some(key) = keys.setting().filter(|_| has_own) {
+            let message =
+                "is a setting of the estimator with the rig's sensors; it does not go with relative or other senses";
+            return Err(toml.error(&format!("{place}.{key}"), message));
+        }
         let mut config = Config::default();
         config.walls.policy = keys.walls.map_or(WallPolicy::Grid, Walls::policy);
         config.births.clustering = keys.clusters.map_or(config.births.clustering, Groups::clustering);
@@ -171,6 +178,24 @@ mod tests {
         assert_eq!(found.method, Method::Slam(expected, Buffer::B128));
         let error = read("name = \"exact\"\nwithout = [\"luck\"]").expect_err("no such part");
         assert!(error.contains("variant[0].without: names \"luck\"; parts are grid, gains"), "{error}");
+    }
+
+    #[test]
+    fn settings_that_would_be_ignored_are_refused() {
+        let read = |text: &str| {
+            let text = format!("name = \"x\"\n{text}");
+            let toml = TomlFile::new(std::path::Path::new("x.toml"), &text);
+            let found = toml.read().and_then(|keys| Variant::of(&toml, "variant[0]", keys));
+            found.map(|_| ()).map_err(|error| error.to_string())
+        };
+        for text in ["senses = \"sonar\"\ngate = 6.63", "relative = \"abrate\"\nbuffer = 64"] {
+            let error = read(text).expect_err("they do not go together");
+            assert!(error.contains("is a setting of the estimator"), "{error}");
+        }
+        for text in ["senses = \"sonar\"", "senses = \"rig\"\ngate = 6.63", "relative = \"abrate\"\nsenses = \"laser\""]
+        {
+            read(text).expect("these do");
+        }
     }
 
     #[test]
