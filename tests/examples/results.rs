@@ -38,7 +38,7 @@ fn simulated(text: &mut String) -> std::fmt::Result {
         "## Simulated homes\n\n\
          The built-in robot (eight Sharp sensors, two encoders; 1 % gain and 0.5 % wheel errors, drawn anew by each\n\
          seed) explores for {MINUTES} minutes; medians of {} seeds, walls missed and invented in all of them. One such\n\
-         drive, with its page: `cargo run --release -- run --plan flat --seed 2`.\n\n\
+         drive, with its page: `cargo run --release -- run --plan flat --seed 2 --hand-overs false`.\n\n\
          | plan | path | aligned RMSE | dead reckoning's | start-frame RMSE | heading RMSE | NEES | NIS | walls | \
          wall offsets | missed | invented |\n\
          |---|---|---|---|---|---|---|---|---|---|---|---|",
