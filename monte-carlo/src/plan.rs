@@ -45,7 +45,7 @@ pub fn changed(plan: &Plan, name: &str, doors: &[DoorLeaf], setting: &Setting, s
     let mut plan = plan.clone();
     let count = |key: Key| setting.get(key).unwrap_or(0.0) as usize;
     add_legs(&mut plan, count(Key::ChairLegs), &mut Rng::stream(seed, "chair-legs", 0));
-    add_people(&mut plan, count(Key::People), &mut Rng::stream(seed, "people", 0));
+    add_people(&mut plan, count(Key::People), &mut Rng::stream(seed, "walks", 0));
     if let Some(closes_at_s) = setting.get(Key::DoorCloses) {
         let opens_at_s = setting.get(Key::DoorOpens).unwrap_or(f64::INFINITY);
         let own = doors.iter().filter(|leaf| leaf.plan == name);
@@ -258,6 +258,13 @@ mod tests {
         for corner_m in people.people.iter().flat_map(|person| &person.path_m) {
             assert!(world.clearance_m(*corner_m) > PERSON_CLEARANCE_M);
         }
+    }
+
+    #[test]
+    fn how_many_walk_and_where_are_drawn_apart() {
+        let mut of_the_setting_s_stream = flat();
+        add_people(&mut of_the_setting_s_stream, 4, &mut Rng::stream(3, Key::People.name(), 0));
+        assert_ne!(changed(&flat(), "flat", &[], &set(Key::People, 4.0), 3), of_the_setting_s_stream);
     }
 
     #[test]
