@@ -126,7 +126,9 @@ fn summary(times: &[String], not_run: &[String]) -> String {
 
 fn fmt() -> Result {
     run(&mut cargo(&["fmt", "--all", "--check"]))?;
-    run(&mut cargo(&["fmt", "--all", "--check", "--manifest-path", "firmware/Cargo.toml"]))
+    run(&mut cargo(&["fmt", "--all", "--check", "--manifest-path", "firmware/Cargo.toml"]))?;
+    // Without --all: its dependencies are the workspace's.
+    run(&mut cargo(&["fmt", "--check", "--manifest-path", "fuzz/Cargo.toml"]))
 }
 
 fn clippy() -> Result {
