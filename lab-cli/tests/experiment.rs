@@ -57,7 +57,12 @@ fn parts_make_the_whole_and_nothing_is_done_twice() {
         let out = format!("part{}", &part[..1]);
         place.lab().args(["experiment", "small.toml", "--shard", part, "--out", &out]).assert().success();
     }
+    let missing = place.lab().args(["experiment", "merge", "--out", "both", "part1"]).assert().failure();
+    missing.stderr(contains("both: lacks 6 runs, the first of plan room, case coarse, seed 1, variant dead reckoning"));
     place.lab().args(["experiment", "merge", "--out", "both", "part1", "part2"]).assert().success();
+    let drawn = "figures/room-coarse-grid-calibrated-errors.svg";
+    assert_eq!(place.get(&format!("both/{drawn}")), place.get(&format!("whole/{drawn}")));
+    assert!(place.get("both/index.html").contains(place.get(&format!("both/{drawn}")).trim_end()));
     assert_eq!(rows(&place, "both"), rows(&place, "whole"));
     assert_ne!(rows(&place, "part1"), rows(&place, "whole"));
     // What is merged is only read.
@@ -147,6 +152,7 @@ fn mistakes_are_named_with_file_line_and_key() {
             "bad.toml:11: sweep[0].values[1]: is 1000; it must be a rate from 1 to 100",
         ),
         ("at_most = 1.0", "", "bar[0].at_most: one limit is needed"),
+        ("at_most = 1.0", "in_band = 3", "bar[0].statistic: must be \"mean\" with in_band"),
         ("at_most = 1.0", "at_most = 1.0\nplans = [\"flat\"]", "bar[0].plans: has \"flat\""),
         (
             "[[bar]]",

@@ -102,7 +102,11 @@ impl Bar {
         {
             return Err(error("than", format!("is {other:?}, which is not one of the variants")));
         }
-        Ok(Self { case, plans, variant, metric, statistic: keys.statistic.unwrap_or(Statistic::Median), limit })
+        let statistic = keys.statistic.unwrap_or(Statistic::Median);
+        if matches!(limit, Limit::InBand(_)) && statistic != Statistic::Mean {
+            return Err(error("statistic", "must be \"mean\" with in_band, which is the band of a mean".to_owned()));
+        }
+        Ok(Self { case, plans, variant, metric, statistic, limit })
     }
 
     /// Whether it holds, in each plan that it is for.

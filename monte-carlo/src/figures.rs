@@ -14,7 +14,7 @@ use input_file::FileError;
 use lab::evaluate::statistics::{chi_square_mean_band, max, mean, median, normal_density, quantile};
 use lab::show::chart::{Axis, Panel, svg};
 
-pub use series::write_series;
+pub use series::{copy_series, read_series, write_series};
 
 /// The folder of the figures inside the output folder.
 pub const FOLDER: &str = "figures";

@@ -6,8 +6,8 @@ use std::path::Path;
 use crate::bar::Verdict;
 use crate::figures::{self, Figure};
 use crate::file::Experiment;
+use crate::store;
 use crate::table::{self, Line};
-use crate::{figures::FOLDER, store};
 use input_file::FileError;
 use lab::show::svg::escape;
 
@@ -44,7 +44,7 @@ pub fn write(folder: &Path, experiment: &Experiment) -> Result<Written, FileErro
     let verdicts: Vec<Verdict> = experiment.bars.iter().flat_map(|bar| bar.judge(&rows, &experiment.cases)).collect();
     let mut figures = figures::all(experiment, &lines, &samples);
     figures::write(folder, &figures)?;
-    figures.extend(series(folder)?);
+    figures.extend(figures::read_series(folder)?);
     let put = |name: &str, text: &str| {
         let file = folder.join(name);
         std::fs::write(&file, text).map_err(|cause| FileError::system(&file, "write", &cause))
@@ -57,21 +57,6 @@ pub fn write(folder: &Path, experiment: &Experiment) -> Result<Written, FileErro
     put(TABLE_MD, &text)?;
     put(PAGE, &page(experiment, &lines, &verdicts, &figures))?;
     Ok(Written { lines, verdicts })
-}
-
-/// The figures of single runs, which were drawn while they ran.
-fn series(folder: &Path) -> Result<Vec<Figure>, FileError> {
-    let folder = folder.join(FOLDER);
-    let entries = std::fs::read_dir(&folder).map_err(|cause| FileError::system(&folder, "read", &cause))?;
-    let mut captions: Vec<_> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
-    captions.retain(|path| path.extension().is_some_and(|extension| extension == "txt"));
-    captions.sort();
-    let figure = |path: &std::path::PathBuf| {
-        let file = path.with_extension("svg");
-        let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        Ok(Figure { name, caption: input_file::read(path)?, svg: input_file::read(&file)? })
-    };
-    captions.iter().map(figure).collect()
 }
 
 fn page(experiment: &Experiment, lines: &[Line], verdicts: &[Verdict], figures: &[Figure]) -> String {

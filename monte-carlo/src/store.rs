@@ -5,9 +5,11 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{ErrorKind, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
+use crate::figures;
 use crate::file::Experiment;
 use crate::page;
 use crate::row::{RunKey, RunRow};
+use crate::runner::units;
 use crate::samples::ErrorSample;
 use input_file::FileError;
 
@@ -71,6 +73,22 @@ impl Store {
         self.finished.contains(key)
     }
 
+    /// Whether every run of the experiment is in the folder.
+    ///
+    /// # Errors
+    /// It names the first one that is not.
+    fn is_whole(&self, experiment: &Experiment) -> Result<(), FileError> {
+        let units = units(experiment);
+        let runs = units.iter().flat_map(|unit| experiment.variants.iter().map(|variant| unit.key(variant)));
+        let missing: Vec<RunKey> = runs.filter(|key| !self.has(key)).collect();
+        let Some(RunKey { plan, case, seed, variant }) = missing.first() else { return Ok(()) };
+        let what = format!(
+            "lacks {} runs, the first of plan {plan}, case {case}, seed {seed}, variant {variant}; merge it with the parts that have them",
+            missing.len()
+        );
+        Err(FileError::new(&self.folder, what))
+    }
+
     /// Appends the results of one unit of work.
     ///
     /// # Errors
@@ -131,7 +149,7 @@ pub fn read_samples(file: &Path) -> Result<Vec<ErrorSample>, FileError> {
 /// Joins the rows of folders that shards wrote into one folder.
 ///
 /// # Errors
-/// The parts are of different experiments or programs, or a file cannot be used.
+/// The parts are of different experiments or programs, they are not all there, or a file cannot be used.
 pub fn merge(folder: &Path, parts: &[PathBuf]) -> Result<Experiment, FileError> {
     let Some(first) = parts.first() else {
         return Err(FileError::new(folder, "nothing to merge; name the folders that --shard wrote"));
@@ -154,7 +172,9 @@ pub fn merge(folder: &Path, parts: &[PathBuf]) -> Result<Experiment, FileError> 
         let samples = read_samples(&part.join(SAMPLES))?;
         let samples: Vec<ErrorSample> = samples.into_iter().filter(|sample| keys.contains(&sample.key)).collect();
         store.push(&new, &samples)?;
+        figures::copy_series(part, folder)?;
     }
+    store.is_whole(&experiment)?;
     Ok(experiment)
 }
 

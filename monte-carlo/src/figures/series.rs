@@ -1,6 +1,6 @@
 //! One run in figures: its errors over time within the filter's own bounds, and its innovations.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::{FOLDER, Figure, WIDTH, density_panel, slug, write};
 use crate::unit::Outcome;
@@ -77,11 +77,43 @@ fn figures(outcome: &Outcome) -> [Figure; 2] {
 /// # Errors
 /// A file cannot be written.
 pub fn write_series(out: &Path, outcome: &Outcome) -> Result<(), FileError> {
-    let figures = figures(outcome);
-    write(out, &figures)?;
+    write_captioned(out, &figures(outcome))
+}
+
+fn write_captioned(out: &Path, figures: &[Figure]) -> Result<(), FileError> {
+    write(out, figures)?;
     for figure in figures {
-        let file = out.join(FOLDER).join(figure.name).with_extension("txt");
+        let file = out.join(FOLDER).join(&figure.name).with_extension("txt");
         std::fs::write(&file, &figure.caption).map_err(|cause| FileError::system(&file, "write", &cause))?;
     }
     Ok(())
+}
+
+/// The figures of single runs in an output folder, which were drawn while they ran.
+///
+/// # Errors
+/// A file cannot be read.
+pub fn read_series(out: &Path) -> Result<Vec<Figure>, FileError> {
+    let folder = out.join(FOLDER);
+    if !folder.exists() {
+        return Ok(Vec::new());
+    }
+    let entries = std::fs::read_dir(&folder).map_err(|cause| FileError::system(&folder, "read", &cause))?;
+    let mut captions: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    captions.retain(|path| path.extension().is_some_and(|extension| extension == "txt"));
+    captions.sort();
+    let figure = |path: &PathBuf| {
+        let file = path.with_extension("svg");
+        let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        Ok(Figure { name, caption: input_file::read(path)?, svg: input_file::read(&file)? })
+    };
+    captions.iter().map(figure).collect()
+}
+
+/// Puts the figures of single runs that are in one output folder into another one.
+///
+/// # Errors
+/// A file cannot be read or written.
+pub fn copy_series(from: &Path, to: &Path) -> Result<(), FileError> {
+    write_captioned(to, &read_series(from)?)
 }
