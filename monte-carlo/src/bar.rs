@@ -5,7 +5,7 @@ use crate::keys;
 use crate::row::{Metric, RunRow};
 use crate::variant::{DEFAULT, Variant};
 use input_file::{FileError, Text, TomlFile, Whole};
-use lab::evaluate::statistics::{chi_square_mean_band, max, mean, median, rms};
+use lab::evaluate::statistics::{chi_square_mean_band, max, mean, median, rms, standard_error};
 use serde::Deserialize;
 
 /// What is made of one figure over the runs.
@@ -131,7 +131,9 @@ impl Bar {
             Limit::AtLeast(limit) => (found, found.is_some_and(|found| found >= *limit), format!("at least {limit}")),
             Limit::InBand(degrees) => {
                 let [low, high] = chi_square_mean_band(*degrees, own.len());
-                (found, found.is_some_and(|v| (low..=high).contains(&v)), format!("from {low:.2} to {high:.2}"))
+                let error =
+                    standard_error(&own).map_or(String::new(), |error| format!("; its standard error is {error:.2}"));
+                (found, found.is_some_and(|v| (low..=high).contains(&v)), format!("from {low:.2} to {high:.2}{error}"))
             }
             Limit::TimesBetter(times, other) => {
                 let (others, is_other_whole) = figures(other);
@@ -238,6 +240,7 @@ mod tests {
         all = rows("own", &[1.0, 1.0, 1.0]);
         all.extend(rows("other", &[9.0, f64::NAN, 9.0]));
         assert!(verdict(&all, Limit::AtMost(2.0)).holds);
+        assert!(verdict(&rows("own", &[2.5, 3.5]), Limit::InBand(3)).bar.ends_with("; its standard error is 0.50"));
         assert!(!verdict(&all, Limit::TimesBetter(3.0, "other".into())).holds);
     }
 

@@ -103,7 +103,8 @@ fn by_plan(experiment: &Experiment, case: &str, plans: &[String], lines: &[&Line
         name: format!("{}-accuracy.svg", slug(case)),
         caption: format!(
             "{case}: aligned RMSE and mean NEES of every variant on every plan. Dots are medians of the RMSE and \
-             means of the NEES over the seeds, strokes hold 80 % of them; the shaded band is where the mean NEES of an honest filter lies with 95 %."
+             means of the NEES over the seeds, strokes hold 80 % of them; the shaded band has 95 % of the means \
+             of as many independent draws of an honest filter's NEES, of which a run's mean over time differs less."
         ),
         svg: svg(&panels, &legend(experiment)),
     }]

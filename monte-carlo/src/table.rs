@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use crate::bar::Verdict;
 use crate::file::Experiment;
 use crate::row::{Metric, RunRow, quoted};
-use lab::evaluate::statistics::{chi_square_mean_band, max, mean, median, quantile, rms};
+use lab::evaluate::statistics::{chi_square_mean_band, max, mean, median, quantile, rms, standard_error};
 
 /// One line of the table.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,7 +86,7 @@ fn times_100(value: Option<f64>) -> Option<f64> {
     value.map(|value| 100.0 * value)
 }
 
-const COLUMNS: [Column; 18] = [
+const COLUMNS: [Column; 19] = [
     column("path_m", "path m", 0, Metric::Path, median),
     column("rooms_missed", "", 2, Metric::RoomsMissed, mean),
     column("ate_median_cm", "aligned RMSE cm", 2, Metric::Ate, |all| times_100(median(all))),
@@ -95,6 +95,7 @@ const COLUMNS: [Column; 18] = [
     column("start_median_cm", "start-frame RMSE cm", 2, Metric::Start, |all| times_100(median(all))),
     column("heading_median_deg", "heading °", 2, Metric::Heading, median),
     column("nees_mean", "NEES", 2, Metric::Nees, mean),
+    column("nees_standard_error", "its standard error", 2, Metric::Nees, standard_error),
     column("nees_max", "largest", 1, Metric::Nees, max),
     column("nees_band_low", "", 2, Metric::Nees, |all| nees_band(all).map(|band| band[0])),
     column("nees_band_high", "", 2, Metric::Nees, |all| nees_band(all).map(|band| band[1])),

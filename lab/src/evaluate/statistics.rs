@@ -19,6 +19,13 @@ pub fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
+/// The standard error of the mean of independent values, by their own spread; none of fewer than two.
+pub fn standard_error(values: &[f64]) -> Option<f64> {
+    let (mean, n) = (mean(values)?, values.len() as f64);
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    (n > 1.0).then(|| (squares / (n - 1.0) / n).sqrt())
+}
+
 /// The root of the mean square; none of none.
 pub fn rms(values: &[f64]) -> Option<f64> {
     mean(&values.iter().map(|value| value * value).collect::<Vec<_>>()).map(f64::sqrt)
@@ -52,6 +59,14 @@ mod tests {
         assert_eq!(median(&values), Some(2.5));
         assert_eq!((quantile(&values, 0.0), quantile(&values, 1.0)), (Some(1.0), Some(4.0)));
         assert_eq!(median(&[]), None);
+    }
+
+    #[test]
+    fn the_standard_error_is_of_the_values_own_spread() {
+        // Variance 5/3 of four values.
+        let found = standard_error(&[1.0, 2.0, 3.0, 4.0]).expect("four values");
+        assert!((found - (5.0f64 / 12.0).sqrt()).abs() < 1e-12, "{found}");
+        assert_eq!(standard_error(&[1.0]), None);
     }
 
     #[test]
