@@ -30,14 +30,8 @@ const MANY: usize = 500;
 impl Recording {
     /// What a user should know of the run though it is no error.
     pub fn findings(&self) -> Vec<String> {
-        let one = [
-            self.never_found(),
-            self.late_truth(),
-            self.slow_rows(),
-            self.jump(),
-            self.spin(),
-            self.bad_motion(),
-        ];
+        let one =
+            [self.never_found(), self.late_truth(), self.slow_rows(), self.jump(), self.spin(), self.bad_motion()];
         one.into_iter().flatten().chain(self.sensor_findings()).collect()
     }
 
