@@ -83,6 +83,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.ekf.predict([pose.x_m, pose.y_m, pose.theta_rad], &UNMOVED, covariance);
         self.first.pose = pose;
         self.candidates.clear();
+        self.monitor.begin_elsewhere(self.map.next_id());
     }
 
     /// Moves the pose and the dead reckoning, and makes both less certain by a 1-sigma vector, both metres, in the frame of dead
@@ -103,7 +104,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.drive.displace(moved_m, sigma_m);
         if moved_m != [0.0; 2] {
             self.candidates.clear();
+            self.holds.forget();
         }
-        self.holds.forget();
     }
 }

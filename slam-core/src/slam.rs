@@ -7,7 +7,6 @@ use crate::config::Config;
 use crate::filter::ekf::{Ekf, Jacobian, storage};
 use crate::filter::layout::{self, ALPHA, THETA};
 use crate::geometry::angle::{sin_cos, wrap};
-use crate::geometry::pose::Pose;
 use crate::health::{Asked, HealthMonitor};
 use crate::holds::Holds;
 use crate::holds::frozen::Frozen;
@@ -226,7 +225,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.counters.add_step();
         let Some(tick) = self.clock.tick(sample.time_us) else {
             self.counters.add_motion(true);
-            self.drive.last_motion = Pose::ORIGIN;
+            self.drive.rest();
+            report.health = self.monitor.health();
             return report;
         };
         report.dt_s = tick.dt_s;
@@ -330,7 +330,9 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             if let Ok(reading) = &reading {
                 report.range_m = Some(reading.range_m / state.gain(observer.ekf));
             } else if matches!(reading, Err(Refusal::TooFar | Refusal::Floor)) {
-                self.monitor.note_absence(observer.judge_absence(&sensor));
+                if !self.jolts.is_in_doubt() {
+                    self.monitor.note_absence(observer.judge_absence(&sensor));
+                }
                 self.holds.note_absence(&sensor);
             }
             report.outcome = match reading {
@@ -369,6 +371,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             self.candidates.buffer.widen(times);
         }
         let turns = if self.output_noise.is_settling() { 0 } else { turns };
+        let (epoch, there) = (self.map.epoch(), layout::pose(&self.ekf));
         let born = Extension {
             settings: &self.config.births,
             walls: &self.config.walls,
@@ -383,6 +386,10 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             start_variance: start_variance(&self.rig.drive),
         }
         .extend(turns);
+        if self.map.epoch() != epoch {
+            // The filter's frame begins where the robot is.
+            self.holds.go_with(&there, &layout::pose(&self.ekf));
+        }
         let (number, path_m) = (self.counters.steps as usize, self.drive.dead_reckoning.path_m);
         let tidied = upkeep(&mut self.map, &mut self.ekf, self.config.walls.policy, number, path_m);
         if self.config.measurement.linearisation == Linearisation::FirstEstimates

@@ -5,6 +5,7 @@ use crate::filter::layout::{self, ALPHA, THETA, X, Y};
 use crate::geometry::angle::{normal, sin_cos, wrap};
 use crate::geometry::line::Line;
 use crate::geometry::pose::Pose;
+use crate::jolts::Jolts;
 use crate::kept::{Kept, KeptFrame, KeptWall, POSE_STATES};
 use crate::motion::shortfall::Shortfall;
 use crate::rig::DriveModel;
@@ -80,7 +81,6 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let [Some(first), Some(second)] = found.pairs.map(|(_, id)| wall_of(id)) else { return Err(Unfit::NoMatch) };
         let pose = Placement::of(kept, [first, second], &beside, found.quarters).ok_or(Unfit::NoMatch)?;
         self.load(kept, &frame);
-        self.monitor.begin_map(self.map.next_id());
         self.slippage.keep();
         self.doubt_calibration();
         self.stand(&pose);
@@ -94,6 +94,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.shortfall = Shortfall::NONE;
         self.candidates.clear();
         self.holds.forget();
+        self.jolts = Jolts::NONE;
+        self.monitor.begin_map(self.map.next_id());
     }
 
     /// Whether a kept map is one that this estimator can go on with.
