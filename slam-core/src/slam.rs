@@ -233,16 +233,16 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.predict(&sample.motion, tick);
         self.turn_round(&sample.ranges);
         let predicted = Direction::of(&self.ekf);
-        let updates = self.counters.updates;
         self.observe(&sample.ranges, tick.dt_s, &mut report);
-        self.watch_sensors(self.counters.updates.wrapping_sub(updates), &sample.ranges, &report);
+        let updates = report.updates();
+        self.watch_sensors(updates, &sample.ranges, &report);
         self.slippage.corrected(predicted, Direction::of(&self.ekf));
         if let Some(times) = self.slippage.restated() {
             let of_walls = self.map.first_state(&self.ekf);
             self.ekf.widen(times, ALPHA + 1..of_walls);
         }
         self.recover_from_hold();
-        self.recover_from_jolt(self.counters.updates != updates, tick.turns());
+        self.recover_from_jolt(updates > 0, tick.turns());
         self.extend_map(tick.turns(), &mut report);
         self.latency.settle(&mut self.ekf);
         let is_turn = self.counters.steps.is_multiple_of(ROUNDING_STEPS);
