@@ -178,11 +178,7 @@ impl<const S: usize> FloorJob<S> {
     }
 
     /// Whether a search has to wait until the areas are drawn into the whole picture: what it dares to go to is what they left.
-    pub(super) fn waits_for_areas(&mut self, aim: Aim, now_us: u64) -> bool {
-        if self.areas.dares {
-            // To search all of the picture takes ten seconds, and is no reason to lose patience.
-            self.moved.1 = now_us;
-        }
+    pub(super) fn waits_for_areas(&self, aim: Aim) -> bool {
         self.areas.dares && aim == Aim::Floor && self.areas.left > 0
     }
 

@@ -81,7 +81,7 @@ impl<const S: usize> FloorJob<S> {
     }
 
     pub(super) fn search(&mut self, aim: Aim, escape: i16, begun: bool, pose: &Pose, now_us: u64) -> (f32, f32) {
-        if self.waits_for_areas(aim, now_us) {
+        if self.waits_for_areas(aim) {
             return (0.0, 0.0);
         }
         if !begun {

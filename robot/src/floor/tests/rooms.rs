@@ -1,0 +1,57 @@
+//! The floor job in a room that it has seen, on a robot that goes where it is told.
+
+use super::*;
+
+/// The robot, and all that it senses.
+struct InRoom {
+    job: FloorJob<8>,
+    at: Pose,
+    condition: Condition,
+    bounds: Bounds,
+    time_us: u64,
+}
+
+impl InRoom {
+    /// In the middle of a square room with walls so many cells from there, whose columns before this one are swept. It is home.
+    fn new(half: i16, swept_before: i16) -> Self {
+        let mut job: FloorJob<8> = FloorJob::new(FloorConfig::default(), &crate::rig::default_rig());
+        let middle = job.sheet.picture.cell_at(0.0, 0.0);
+        for (cols, rows) in (-half..=half).flat_map(|cols| (-half..=half).map(move |rows| (cols, rows))) {
+            let cell = middle.offset(cols, rows);
+            if cols.abs() == half || rows.abs() == half {
+                job.sheet.picture.block(cell);
+            } else {
+                (0..3).for_each(|_| job.sheet.picture.see_free(cell));
+                job.sheet.swept.set(cell, cols < swept_before);
+            }
+        }
+        job.home = Some(Pose::ORIGIN);
+        job.tally.take_up(16_000, [0; FloorState::ALL.len()]);
+        job.go_about(0);
+        let (condition, bounds) = (Condition::default(), Bounds::NONE);
+        Self { job, at: Pose::ORIGIN, condition, bounds, time_us: 0 }
+    }
+
+    /// Drives for so many seconds; the path, metres.
+    fn drive(&mut self, seconds: u64) -> f32 {
+        (0..25 * seconds).map(|_| self.step()).sum()
+    }
+
+    fn step(&mut self) -> f32 {
+        self.time_us += 40_000;
+        let (time_us, pose, condition) = (self.time_us, self.at, self.condition);
+        let senses = Senses { time_us, pose, ranges_m: [None; 8], contacts: Contacts::default(), condition };
+        let WheelSpeeds { left_mps, right_mps } = self.job.step_within(&senses, &self.bounds);
+        let [forward_m, turn_rad] = [0.02 * (left_mps + right_mps), 0.04 * (right_mps - left_mps) / 0.235];
+        self.at = self.at.compose(&Pose::new(forward_m, 0.0, turn_rad));
+        forward_m.abs()
+    }
+}
+
+/// All of a room of more than 100 m^2 is searched in nine seconds.
+#[test]
+fn a_search_through_a_large_room_ends() {
+    let mut robot = InRoom::new(38, 38);
+    let path_m = robot.drive(120);
+    assert_eq!(robot.job.state(), FloorState::Done, "after {path_m} m");
+}
