@@ -222,7 +222,7 @@ impl<const S: usize> FloorJob<S> {
             Phase::Home | Phase::Dock { .. } | Phase::Transit { aim: Aim::Place(_), .. } => self.return_again(now_us),
             _ => {
                 self.give_up();
-                self.plan(Aim::Floor, now_us);
+                self.go_about_from(2, now_us);
             }
         }
         if self.is_over() {

@@ -157,7 +157,7 @@ impl<const S: usize> FloorJob<S> {
         gained: 0,
         target: None,
         axis: Axis::X,
-        moved: ([0.0; 2], 0),
+        moved: ([f32::INFINITY; 2], 0),
         struck_m: [f32::INFINITY; 2],
         strikes: 0,
         insistence: Insistence::NONE,

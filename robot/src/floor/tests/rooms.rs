@@ -37,6 +37,22 @@ impl InRoom {
         (0..25 * seconds).map(|_| self.step()).sum()
     }
 
+    /// The same for a robot that comes on by nothing.
+    fn stand(&mut self, seconds: u64) {
+        let at = self.at;
+        (0..25 * seconds).for_each(|_| {
+            self.step();
+            self.at = at;
+        });
+    }
+
+    /// A pause of half a minute.
+    fn pause(&mut self) {
+        self.job.pause();
+        self.drive(30);
+        self.job.resume();
+    }
+
     fn step(&mut self) -> f32 {
         self.time_us += 40_000;
         let (time_us, pose, condition) = (self.time_us, self.at, self.condition);
@@ -54,4 +70,40 @@ fn a_search_through_a_large_room_ends() {
     let mut robot = InRoom::new(38, 38);
     let path_m = robot.drive(120);
     assert_eq!(robot.job.state(), FloorState::Done, "after {path_m} m");
+}
+
+#[test]
+fn a_pause_leaves_the_job_what_it_was() {
+    let mut robot = InRoom::new(20, 0);
+    for _ in 0..2 {
+        robot.pause();
+        robot.stand(2);
+    }
+    assert!(robot.job.given_up.is_empty());
+    // It has hardly any charge left, and does not sweep on the way home.
+    robot.job.home = Some(Pose::new(-2.5, 0.0, 0.0));
+    robot.job.errand = Errand::Recharge;
+    robot.pause();
+    robot.drive(3);
+    assert_eq!(robot.job.state(), FloorState::Return);
+}
+
+#[test]
+fn one_that_is_to_go_home_and_gets_nowhere_along_a_wall_looks_for_its_home() {
+    let mut robot = InRoom::new(20, 0);
+    robot.job.home = Some(Pose::new(-2.5, 0.0, 0.0));
+    robot.job.errand = Errand::Recharge;
+    robot.job.begin_edge(1.0, 0);
+    robot.job.credit_m = 100.0;
+    robot.stand(7);
+    robot.drive(3);
+    assert_eq!(robot.job.state(), FloorState::Return);
+}
+
+/// It may have stood for a minute before it was told to clean.
+#[test]
+fn a_job_has_patience_from_its_first_step_on() {
+    let mut robot = Adrift::new();
+    robot.step = 1500;
+    assert_eq!(robot.drive(1, Contacts::default(), [Some(1.0); 8]).0, FloorState::Edge);
 }
