@@ -199,3 +199,18 @@ fn home_is_where_the_map_knows_now_that_it_started() {
     robot.step(&FOUND);
     assert_eq!(robot.job.home(), Some(there));
 }
+
+#[test]
+fn home_stays_where_it_was_saved() {
+    let (mut robot, mut bytes) = (Robot::new(), [0; crate::FLOOR_RECORD_BYTES]);
+    let found = Whereabouts { start: Pose::new(0.15, -0.1, 0.06), ..FOUND };
+    robot.step(&FOUND);
+    robot.step(&found);
+    robot.job.save(3, &mut bytes);
+    let mut again = Robot::new();
+    again.job.restore(3, &bytes).unwrap();
+    again.bearings.go_by_own_map();
+    again.step(&Whereabouts { is_located: false, ..found });
+    again.step(&found);
+    assert_eq!(again.job.home(), robot.job.home());
+}
