@@ -229,8 +229,8 @@ impl<const S: usize> FloorJob<S> {
     /// about to touch the dock.
     pub(super) fn watch_battery(&mut self, condition: &Condition, now_us: u64) {
         let Some(battery_v) = condition.battery_v.filter(|battery_v| battery_v.is_finite()) else { return };
-        // A job that has not begun has no home to go to.
-        if self.home.is_none() {
+        // A job that has not begun has no home to go to; of one that is over the voltage says why, and rises when the motors are off.
+        if self.home.is_none() || self.is_over() {
             return;
         }
         if self.battery_v.is_nan() {
@@ -238,7 +238,7 @@ impl<const S: usize> FloorJob<S> {
         }
         // A mean over two seconds: motors that start pull the voltage down.
         self.battery_v += 0.02 * (battery_v - self.battery_v);
-        let is_driving = !matches!(self.phase, Phase::Over { .. } | Phase::Charge | Phase::Wait { .. } | Phase::Paused);
+        let is_driving = !matches!(self.phase, Phase::Charge | Phase::Wait { .. } | Phase::Paused);
         let is_docking = matches!(self.phase, Phase::Dock { stage: Stage::Approaching | Stage::Pressing, .. });
         if is_driving && !is_docking && !condition.is_charging && self.is_empty() {
             self.errand = Errand::Recharge;

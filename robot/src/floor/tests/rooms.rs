@@ -107,3 +107,14 @@ fn a_job_has_patience_from_its_first_step_on() {
     robot.step = 1500;
     assert_eq!(robot.drive(1, Contacts::default(), [Some(1.0); 8]).0, FloorState::Edge);
 }
+
+/// The voltage rises when the motors are off.
+#[test]
+fn one_whose_battery_was_empty_goes_on_saying_so() {
+    let mut robot = InRoom::new(20, 0);
+    for battery_v in [11.0, 9.9, 10.2] {
+        robot.condition.battery_v = Some(battery_v);
+        robot.drive(10);
+    }
+    assert_eq!(robot.job.state(), FloorState::Flat);
+}
