@@ -177,9 +177,10 @@ impl<const S: usize> FloorJob<S> {
         cells.filter(|cell| *cell != within_picture(*cell)).map(within_picture).collect()
     }
 
-    /// Whether a search has to wait until the areas are drawn into the whole picture: what it dares to go to is what they left.
+    /// Whether a search has to wait until the areas, if there are any, are drawn into the whole picture: what it dares to go to is what they
+    /// left.
     pub(super) fn waits_for_areas(&self, aim: Aim) -> bool {
-        self.areas.dares && aim == Aim::Floor && self.areas.left > 0
+        self.areas.dares && self.areas.is_any && aim == Aim::Floor && self.areas.left > 0
     }
 
     /// Something that was not seen before stands on the way through what was not seen.
@@ -294,5 +295,16 @@ mod tests {
         assert!(!job.areas.begin_search() && !job.areas.may_dare());
         job.areas.turn_home();
         assert!(job.areas.may_dare(), "the way home is looked for anew");
+    }
+
+    #[test]
+    fn one_that_dares_waits_for_areas_where_there_are_any() {
+        let mut job = job();
+        job.areas.dares = true;
+        assert!(!job.waits_for_areas(Aim::Floor));
+        job.mind_areas(&Pose::ORIGIN, &square(1.0, 1.0));
+        assert!(job.waits_for_areas(Aim::Floor));
+        draw(&mut job, &square(1.0, 1.0));
+        assert!(!job.waits_for_areas(Aim::Floor));
     }
 }

@@ -191,6 +191,7 @@ impl<const S: usize> FloorJob<S> {
 
     fn arrive_in_dock(&mut self, now_us: u64) {
         self.rounds = 0;
+        self.areas.settle();
         match self.errand {
             Errand::Finish(_) => self.come_home(now_us),
             Errand::Sweep { .. } | Errand::Recharge => self.begin(Phase::Charge, now_us),

@@ -118,3 +118,12 @@ fn one_whose_battery_was_empty_goes_on_saying_so() {
     }
     assert_eq!(robot.job.state(), FloorState::Flat);
 }
+
+#[test]
+fn one_that_dared_to_go_home_sweeps_what_it_saw_when_it_has_charged() {
+    let mut robot = InRoom::new(20, 0);
+    (robot.job.errand, robot.job.has_dock, robot.job.areas.dares) = (Errand::Recharge, true, true);
+    robot.condition.is_charging = true;
+    robot.drive(1);
+    assert_eq!((robot.job.errand, robot.job.areas.dares), (Errand::FIRST, false));
+}
