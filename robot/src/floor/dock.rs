@@ -95,6 +95,7 @@ impl<const S: usize> FloorJob<S> {
     /// One step of docking.
     pub(super) fn dock_step(&mut self, stage: Stage, tries: u8, senses: &Senses<S>, pose: &Pose) -> (f32, f32) {
         let now_us = senses.time_us;
+        let is_touched = senses.contacts.or_stopped(senses.condition.is_stalled).any();
         if senses.condition.is_charging && matches!(stage, Stage::Approaching | Stage::Pressing) {
             self.arrive_in_dock(now_us);
             return (0.0, 0.0);
@@ -105,7 +106,8 @@ impl<const S: usize> FloorJob<S> {
         let elapsed_us = now_us.saturating_sub(self.since_us);
         let back_to_line = 10.0 * (left_m - aside_m).clamp(-SHIFT_M, SHIFT_M);
         let straight = |to_line: f32| (to_line - 3.0 * off_rad).clamp(-0.5, 0.5);
-        if elapsed_us > LONGEST_US {
+        // A robot that turns, or cannot, does not come on.
+        if elapsed_us.max(now_us.saturating_sub(self.moved.1)) > LONGEST_US {
             self.try_at(Stage::Staging, tries + 1, now_us);
             return (0.0, 0.0);
         }
@@ -118,7 +120,7 @@ impl<const S: usize> FloorJob<S> {
                 self.towards(to_m, pose, now_us)
             }
             Stage::Aligning if off_rad.abs() > ALIGNED_RAD => {
-                // Standing begins when it looks to the dock; a turn takes as long as it takes.
+                // Standing begins when it looks to the dock.
                 self.since_us = now_us;
                 (0.0, (-2.0 * off_rad).clamp(-0.8, 0.8))
             }
@@ -130,12 +132,12 @@ impl<const S: usize> FloorJob<S> {
             }
             Stage::Approaching => {
                 // What is touched is the dock, or something beside it.
-                if before_m < PRESS_FROM_M || senses.contacts.any() {
+                if before_m < PRESS_FROM_M || is_touched {
                     self.begin(next(Stage::Pressing), now_us);
                 }
                 (APPROACH_MPS, straight(-back_to_line))
             }
-            Stage::Pressing => self.press(tries, senses),
+            Stage::Pressing => self.press(tries, is_touched, now_us),
             Stage::BackingOut => {
                 if before_m > STAGING_M {
                     let is_on_line = (left_m - aside_m).abs() < SHIFT_M;
@@ -147,13 +149,13 @@ impl<const S: usize> FloorJob<S> {
     }
 
     /// On against the dock, by time, too: the wheels may slip.
-    fn press(&mut self, tries: u8, senses: &Senses<S>) -> (f32, f32) {
-        let elapsed_us = senses.time_us.saturating_sub(self.since_us);
+    fn press(&mut self, tries: u8, is_touched: bool, now_us: u64) -> (f32, f32) {
+        let elapsed_us = now_us.saturating_sub(self.since_us);
         let most_m = PRESS_M + self.round_m() - ASIDE_M;
         let most_us = (1.5e6 * most_m / PRESS_MPS) as u64;
-        let is_no_dock = senses.contacts.any() && elapsed_us > TOUCH_US;
+        let is_no_dock = is_touched && elapsed_us > TOUCH_US;
         if is_no_dock || self.path_m - self.begun_m > most_m || elapsed_us > most_us {
-            self.begin(Phase::Dock { stage: Stage::BackingOut, tries: tries + 1 }, senses.time_us);
+            self.begin(Phase::Dock { stage: Stage::BackingOut, tries: tries + 1 }, now_us);
         }
         (PRESS_MPS, 0.0)
     }

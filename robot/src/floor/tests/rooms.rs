@@ -127,3 +127,26 @@ fn one_that_dared_to_go_home_sweeps_what_it_saw_when_it_has_charged() {
     robot.drive(1);
     assert_eq!((robot.job.errand, robot.job.areas.dares), (Errand::FIRST, false));
 }
+
+/// A robot in the middle of its room that is at this stage of docking and whose wheels stall: what it is doing after so many seconds.
+fn stall(stage: Stage, seconds: u64) -> FloorState {
+    let mut robot = InRoom::new(20, 0);
+    (robot.job.errand, robot.job.has_dock) = (Errand::Recharge, true);
+    robot.job.home = Some(Pose::new(0.5, 0.0, 0.5));
+    robot.job.begin(Phase::Dock { stage, tries: 0 }, 0);
+    robot.condition.is_stalled = true;
+    robot.stand(seconds);
+    robot.job.state()
+}
+
+#[test]
+fn one_whose_wheels_stall_on_its_way_into_the_dock_backs_out() {
+    assert_eq!(stall(Stage::Approaching, 1), FloorState::Pressing);
+    assert_eq!(stall(Stage::Approaching, 3), FloorState::Staging);
+}
+
+#[test]
+fn one_that_cannot_turn_towards_its_dock_gives_up_that_try() {
+    assert_eq!(stall(Stage::Aligning, 15), FloorState::Aligning);
+    assert_ne!(stall(Stage::Aligning, 21), FloorState::Aligning);
+}
