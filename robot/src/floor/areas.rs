@@ -135,8 +135,8 @@ impl<const S: usize> FloorJob<S> {
         self.mark_areas(bounds);
     }
 
-    /// Draws the areas into the next cells of the picture: blocked where it must not go, left out where it need not clean. Where the map moves
-    /// them, what was left out is to be cleaned, and what was swept stays so.
+    /// Draws the areas into the next cells of the picture: blocked where it must not go, and left out there, since a search forgets what is
+    /// blocked, and where it need not clean. Where the map moves them, what was left out is to be cleaned, and what was swept stays so.
     fn mark_areas(&mut self, bounds: &Bounds) {
         let origin = self.frame.origin();
         let (s, c) = slam_core::angle::sin_cos(origin.theta_rad);
@@ -148,14 +148,18 @@ impl<const S: usize> FloorJob<S> {
             self.areas.marked = (self.areas.marked + 1) % ALL;
             let quarter = |index: i16| Quarter { col: 2 * cell.col + index % 2, row: 2 * cell.row + index / 2 };
             let quarters_m = [0, 1, 2, 3].map(|index| on_map(self.sheet.centre_m(quarter(index))));
-            if quarters_m.iter().any(|at_m| bounds.is_out(*at_m)) {
-                self.sheet.picture.block(cell);
-            }
+            let is_out = quarters_m.iter().any(|at_m| bounds.is_out(*at_m));
             let is_towards = beyond.iter().any(|beyond| cell.moves_to(*beyond) <= TOWARDS);
             // What an edge of an area goes through is to be cleaned, too.
-            let is_to_clean = quarters_m.iter().any(|at_m| bounds.is_to_clean(*at_m));
+            let is_to_clean = !is_out && quarters_m.iter().any(|at_m| bounds.is_to_clean(*at_m));
             let is_left = self.sheet.swept.left_in(cell) > 0;
-            if is_towards || is_to_clean && self.sheet.swept.is_left_out(cell) {
+            if is_out {
+                self.sheet.picture.block(cell);
+            }
+            if is_to_clean && self.sheet.swept.is_left_out(cell) {
+                self.sheet.picture.unblock(cell);
+                self.sheet.swept.set(cell, false);
+            } else if is_towards && !is_out {
                 self.sheet.swept.set(cell, false);
             } else if !is_to_clean && is_left {
                 self.sheet.swept.leave_out(cell);

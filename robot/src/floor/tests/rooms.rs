@@ -150,3 +150,44 @@ fn one_that_cannot_turn_towards_its_dock_gives_up_that_try() {
     assert_eq!(stall(Stage::Aligning, 15), FloorState::Aligning);
     assert_ne!(stall(Stage::Aligning, 21), FloorState::Aligning);
 }
+
+/// An area to stay out of that begins so far from the start, metres.
+fn keep_out(x_m: f32) -> Bounds {
+    let mut bounds = Bounds::NONE;
+    bounds.add(AreaKind::KeepOut, &[[x_m, -1.0], [x_m + 1.6, -1.0], [x_m + 1.6, 1.0], [x_m, 1.0]]).unwrap();
+    bounds
+}
+
+#[test]
+fn what_lies_where_it_must_not_go_is_no_floor_that_is_left() {
+    let mut robot = InRoom::new(20, 8);
+    let cells = (8..20_i16).flat_map(|col| (-20..20_i16).map(move |row| (col, row)));
+    for (col, row) in cells.filter(|(col, row)| *col > 15 || !(-6..7).contains(row)) {
+        let middle = robot.job.sheet.picture.cell_at(0.0, 0.0);
+        robot.job.sheet.swept.set(middle.offset(col, row), true);
+    }
+    robot.bounds = keep_out(1.2);
+    robot.pause();
+    // Before the way home is looked for once more.
+    robot.job.sheet.picture.forget_visits();
+    robot.drive(60);
+    assert!(
+        robot.job.state() == FloorState::Done && robot.job.path_m < 0.1,
+        "{:?} at {:?}",
+        robot.job.state(),
+        robot.at
+    );
+}
+
+#[test]
+fn where_the_map_moves_an_area_to_stay_out_of_the_floor_beside_it_is_open_again() {
+    let mut robot = InRoom::new(20, 0);
+    let middle = robot.job.sheet.picture.cell_at(0.0, 0.0);
+    let row = |job: &FloorJob<8>| [8, 12, 18].map(|col| job.sheet.picture.is_obstacle(middle.offset(col, 0)));
+    for (x_m, blocked) in [(1.2, [true, true, false]), (1.6, [false, true, true]), (1.2, [true, true, false])] {
+        robot.bounds = keep_out(x_m);
+        robot.pause();
+        assert_eq!(row(&robot.job), blocked, "from {x_m} m on");
+        assert_eq!(robot.job.sheet.swept.left_in(middle.offset(8, 0)), if blocked[0] { 0 } else { 4 });
+    }
+}
