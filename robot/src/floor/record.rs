@@ -55,7 +55,8 @@ impl core::fmt::Display for FloorRecordError {
 impl core::error::Error for FloorRecordError {}
 
 /// Of the sixteen ways in which the quarters of a free cell are swept or not, the two where only opposite corners are count as none, so
-/// that a cell fits in four bits with two more for what is unknown and what stands there.
+/// that a cell fits in four bits with two more for what is unknown and what stands there. One of the two stands for a cell that is left
+/// out: the areas are drawn anew after a reset, and may be elsewhere.
 const SWEPT: [u8; 14] = [0, 1, 2, 3, 4, 5, 7, 8, 10, 11, 12, 13, 14, 15];
 const UNKNOWN: u8 = 14;
 const OBSTACLE: u8 = 15;
@@ -68,7 +69,7 @@ impl Sheet {
         if !self.picture.is_free(cell) {
             return UNKNOWN;
         }
-        let swept = self.swept.of(cell);
+        let swept = self.swept.kept_of(cell);
         SWEPT.iter().position(|kept| *kept == swept).unwrap_or(0) as u8
     }
 
@@ -308,6 +309,18 @@ mod tests {
         let corner = Cell { col: 3, row: 70 };
         assert_eq!(again.sheet.picture.centre_m(corner), job.sheet.picture.centre_m(corner));
         assert_eq!(again.progress().swept_m2, job.progress().swept_m2);
+    }
+
+    #[test]
+    fn a_cell_that_was_left_out_is_not_swept_after_a_reset() {
+        let (mut memory, mut job) = ([0; FLOOR_RECORD_BYTES], blank());
+        let cell = Cell { col: 30, row: 40 };
+        job.sheet.picture.see_free(cell);
+        job.sheet.swept.leave_out(cell);
+        save(&mut job, &mut Notes::default(), &mut memory);
+        let mut again = blank();
+        again.restore(7, &memory).unwrap();
+        assert!(again.sheet.picture.is_free(cell) && again.sheet.swept.left_in(cell) == 4);
     }
 
     #[test]
