@@ -197,8 +197,7 @@ impl<const S: usize> FloorJob<S> {
         };
         let errand = [errand, u8::from(self.has_dock), self.retries, 0];
         let [low, high] = serial.to_le_bytes();
-        let origin = Some(self.frame.origin()).filter(|_| self.frame.is_aligned());
-        let poses = [origin, self.home].into_iter().flat_map(pose_words);
+        let poses = [self.frame.kept(), self.home].into_iter().flat_map(pose_words);
         let [col, row] = self.sheet.picture.corner().map(i32::to_le_bytes);
         let words = [[low, high, 0, 0], map.to_le_bytes(), errand].into_iter();
         let words = words.chain(poses).chain([col, row, self.tally.swept().to_le_bytes()]).flatten();
