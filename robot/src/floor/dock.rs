@@ -196,7 +196,7 @@ impl<const S: usize> FloorJob<S> {
         self.areas.settle();
         match self.errand {
             Errand::Finish(_) => self.come_home(now_us),
-            Errand::Sweep { .. } | Errand::Recharge => self.begin(Phase::Charge, now_us),
+            Errand::Sweep { .. } | Errand::Recharge { .. } => self.begin(Phase::Charge, now_us),
         }
     }
 
@@ -205,9 +205,9 @@ impl<const S: usize> FloorJob<S> {
         if !condition.is_charging {
             self.begin(Phase::Dock { stage: Stage::Pressing, tries: 0 }, now_us);
         } else if self.is_charged(now_us) {
-            self.errand = Errand::FIRST;
+            self.errand = Errand::Sweep { then: self.errand.way() };
             // What barred its ways before may be gone.
-            self.retries = 0;
+            (self.retries, self.squeezes, self.pockets) = (0, 0, 0);
             self.begin(Phase::Undock, now_us);
         }
         (0.0, 0.0)
@@ -221,7 +221,7 @@ impl<const S: usize> FloorJob<S> {
 
     /// Whether it is over for want of charge: home without a dock to charge in, or on the way with an empty battery.
     pub(super) fn is_flat(&self, is_home: bool) -> bool {
-        if is_home { self.errand == Errand::Recharge } else { self.is_empty() }
+        if is_home { matches!(self.errand, Errand::Recharge { .. }) } else { self.is_empty() }
     }
 
     fn is_empty(&self) -> bool {
@@ -244,12 +244,12 @@ impl<const S: usize> FloorJob<S> {
         let is_driving = !matches!(self.phase, Phase::Charge | Phase::Wait { .. } | Phase::Paused);
         let is_docking = matches!(self.phase, Phase::Dock { stage: Stage::Approaching | Stage::Pressing, .. });
         if is_driving && !is_docking && !condition.is_charging && self.is_empty() {
-            self.errand = Errand::Recharge;
+            self.errand = Errand::Recharge { then: self.errand.way() };
             return self.begin(Phase::Over { is_home: false }, now_us);
         }
         let is_sweeping = is_driving && !matches!(self.phase, Phase::Lost { .. }) && self.errand.is_to_sweep();
         if is_sweeping && self.battery_v < self.config.low_v {
-            self.errand = Errand::Recharge;
+            self.errand = Errand::Recharge { then: self.errand.way() };
             if condition.is_charging {
                 self.begin(Phase::Charge, now_us);
             } else {

@@ -16,8 +16,8 @@ use crate::traits::WheelSpeeds;
 pub(super) enum Errand {
     /// To sweep the floor, and then to go home by such a way.
     Sweep { then: Way },
-    /// To go home with floor left to sweep, since the battery is nearly empty.
-    Recharge,
+    /// To go home with floor left to sweep, since the battery is nearly empty, and then to sweep it as before.
+    Recharge { then: Way },
     /// To go home for good.
     Finish(Way),
 }
@@ -28,6 +28,12 @@ impl Errand {
 
     pub(super) fn is_to_sweep(self) -> bool {
         matches!(self, Self::Sweep { .. })
+    }
+
+    /// The way home for good.
+    pub(super) fn way(self) -> Way {
+        let (Self::Sweep { then } | Self::Recharge { then } | Self::Finish(then)) = self;
+        then
     }
 }
 
@@ -96,7 +102,7 @@ impl<const S: usize> FloorJob<S> {
     pub(super) fn aim(&self) -> Aim {
         match self.errand {
             Errand::Sweep { .. } => Aim::Floor,
-            Errand::Recharge | Errand::Finish(_) => self.aim_home(),
+            Errand::Recharge { .. } | Errand::Finish(_) => self.aim_home(),
         }
     }
 
@@ -113,7 +119,7 @@ impl<const S: usize> FloorJob<S> {
     /// Back home for good: over, unless much floor is left that no way led to.
     pub(super) fn come_home(&mut self, now_us: u64) {
         // One that came home for want of charge, and has no dock, has none to look once more with.
-        let may_wait = !matches!(self.errand, Errand::Recharge | Errand::Finish(Way::Waited));
+        let may_wait = !matches!(self.errand, Errand::Recharge { .. } | Errand::Finish(Way::Waited));
         let waits = may_wait && self.tally.is_room_left() && self.is_path_left();
         self.begin(if waits { Phase::Wait { is_told: false } } else { Phase::Over { is_home: true } }, now_us);
     }

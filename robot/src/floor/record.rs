@@ -192,7 +192,7 @@ impl<const S: usize> FloorJob<S> {
     fn note_head(&self, map: u32, number: u32, serial: u16, memory: &mut impl LastingMemory) {
         let errand = match self.errand {
             Errand::Sweep { .. } => 0,
-            Errand::Recharge => 1,
+            Errand::Recharge { .. } => 1,
             Errand::Finish(_) => 2,
         };
         let errand = [errand, u8::from(self.has_dock), self.retries, 0];
@@ -221,7 +221,7 @@ impl<const S: usize> FloorJob<S> {
         let [errand, has_dock, retries, _] = word();
         self.errand = match errand {
             0 => Errand::FIRST,
-            1 => Errand::Recharge,
+            1 => Errand::Recharge { then: Way::Open },
             2 => Errand::Finish(Way::Open),
             _ => return Err(FloorRecordError::Value),
         };
@@ -272,7 +272,7 @@ mod tests {
         job.align(0.2);
         job.go_on_in(&Pose::ORIGIN, &Pose::new(0.3, 0.4, 0.5));
         job.home = Some(Pose::new(0.5, -0.25, seed as f32));
-        job.errand = Errand::Recharge;
+        job.errand = Errand::Recharge { then: Way::Open };
         let mut bits = seed;
         for cell in (0..CELLS as i16).flat_map(pairs).flatten() {
             bits = bits.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);

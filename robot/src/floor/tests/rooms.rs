@@ -1,6 +1,9 @@
 //! The floor job in a room that it has seen, on a robot that goes where it is told.
 
+use super::errand::Way;
 use super::*;
+
+const RECHARGE: Errand = Errand::Recharge { then: Way::Waited };
 
 /// The robot, and all that it senses.
 struct InRoom {
@@ -82,7 +85,7 @@ fn a_pause_leaves_the_job_what_it_was() {
     assert!(robot.job.given_up.is_empty());
     // It has hardly any charge left, and does not sweep on the way home.
     robot.job.home = Some(Pose::new(-2.5, 0.0, 0.0));
-    robot.job.errand = Errand::Recharge;
+    robot.job.errand = RECHARGE;
     robot.pause();
     robot.drive(3);
     assert_eq!(robot.job.state(), FloorState::Return);
@@ -92,7 +95,7 @@ fn a_pause_leaves_the_job_what_it_was() {
 fn one_that_is_to_go_home_and_gets_nowhere_along_a_wall_looks_for_its_home() {
     let mut robot = InRoom::new(20, 0);
     robot.job.home = Some(Pose::new(-2.5, 0.0, 0.0));
-    robot.job.errand = Errand::Recharge;
+    robot.job.errand = RECHARGE;
     robot.job.begin_edge(1.0, 0);
     robot.job.credit_m = 100.0;
     robot.stand(7);
@@ -122,16 +125,16 @@ fn one_whose_battery_was_empty_goes_on_saying_so() {
 #[test]
 fn one_that_dared_to_go_home_sweeps_what_it_saw_when_it_has_charged() {
     let mut robot = InRoom::new(20, 0);
-    (robot.job.errand, robot.job.has_dock, robot.job.areas.dares) = (Errand::Recharge, true, true);
+    (robot.job.errand, robot.job.has_dock, robot.job.areas.dares) = (RECHARGE, true, true);
     robot.condition.is_charging = true;
     robot.drive(1);
-    assert_eq!((robot.job.errand, robot.job.areas.dares), (Errand::FIRST, false));
+    assert_eq!((robot.job.errand, robot.job.areas.dares), (Errand::Sweep { then: Way::Waited }, false));
 }
 
 /// A robot in the middle of its room that is at this stage of docking and whose wheels stall: what it is doing after so many seconds.
 fn stall(stage: Stage, seconds: u64) -> FloorState {
     let mut robot = InRoom::new(20, 0);
-    (robot.job.errand, robot.job.has_dock) = (Errand::Recharge, true);
+    (robot.job.errand, robot.job.has_dock) = (RECHARGE, true);
     robot.job.home = Some(Pose::new(0.5, 0.0, 0.5));
     robot.job.begin(Phase::Dock { stage, tries: 0 }, 0);
     robot.condition.is_stalled = true;
@@ -190,4 +193,15 @@ fn where_the_map_moves_an_area_to_stay_out_of_the_floor_beside_it_is_open_again(
         assert_eq!(row(&robot.job), blocked, "from {x_m} m on");
         assert_eq!(robot.job.sheet.swept.left_in(middle.offset(8, 0)), if blocked[0] { 0 } else { 4 });
     }
+}
+
+#[test]
+fn one_that_has_charged_tries_its_ways_anew() {
+    let mut robot = InRoom::new(20, 0);
+    (robot.job.errand, robot.job.retries, robot.job.squeezes, robot.job.pockets) = (RECHARGE, 2, 12, 12);
+    robot.job.begin(Phase::Charge, 0);
+    robot.condition.is_charging = true;
+    robot.drive(1);
+    assert_eq!([robot.job.retries, robot.job.squeezes, robot.job.pockets], [0; 3]);
+    assert_eq!(robot.job.errand, Errand::Sweep { then: Way::Waited }, "it does not wait twice");
 }
