@@ -145,7 +145,8 @@ impl Bearings {
     ) -> Map {
         let Whereabouts { world, redrawn, is_located, start, reckoned, .. } = *whereabouts;
         let is_elsewhere = self.world.replace(world).is_some_and(|before| before != world);
-        let is_redrawn = self.redrawn.replace(redrawn).is_some_and(|before| before != redrawn);
+        // A map that is begun anew counts from 0 again.
+        let is_redrawn = self.redrawn.replace(redrawn).is_some_and(|before| redrawn > before);
         let last = self.last.replace([senses.pose, reckoned]);
         match (self.map, last) {
             (None, _) => {}

@@ -18,7 +18,7 @@ pub struct Whereabouts {
     pub kept: Option<u32>,
     /// With another number, nothing is any more where it was: another map is kept, or none is and the robot was carried.
     pub world: u32,
-    /// With another number, the home was in the map twice: the robot is elsewhere in it than it took itself to be for a while.
+    /// With a higher number, the home was in the map twice: the robot is elsewhere in it than it took itself to be for a while.
     pub redrawn: u32,
     /// With another number, the map since the last start or lift begins elsewhere.
     pub fresh: u8,

@@ -143,6 +143,21 @@ fn where_a_fresh_map_begins_elsewhere_the_job_begins_anew() {
     assert_eq!(robot.swept_m2(), before_m2);
 }
 
+/// A map that is begun anew counts its second copies from 0: that draws nothing again.
+#[test]
+fn where_the_map_is_redrawn_the_job_begins_anew() {
+    let mut robot = Robot::new();
+    let mut drive = |redrawn: u32| {
+        (0..20).for_each(|_| {
+            robot.step(&Whereabouts { redrawn, ..FOUND });
+        });
+        robot.swept_m2()
+    };
+    let [first_m2, after_reset_m2, redrawn_m2] = [2, 0, 1].map(&mut drive);
+    assert!(after_reset_m2 > 1.5 * first_m2, "{after_reset_m2} m2 after {first_m2}");
+    assert!(redrawn_m2 < 1.5 * first_m2, "{redrawn_m2} m2 after {first_m2}");
+}
+
 #[test]
 fn areas_count_when_all_their_corners_are_known() {
     let corners = [[1.0, 1.0], [2.0, 1.0], [2.0, 2.0]];
