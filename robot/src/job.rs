@@ -65,7 +65,8 @@ pub struct AreaCorner {
 }
 
 /// The one that drives. A new one is written from the program's constants to where the other one was: a second one on the stack would need as
-/// much memory again. That is so because nothing is dropped before, and there is nothing to drop in either.
+/// much memory again. That is so because nothing is dropped before, there is nothing to drop in either, and the constant is all of this: one of
+/// the smaller one alone would be put into a whole one on the stack first.
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "one memory for both is what this is for")]
 enum Driver<const S: usize> {
@@ -119,7 +120,7 @@ impl<const S: usize> Job<S> {
 
     fn begin_to_explore(&mut self, config: PilotConfig, rig: &Rig<S>) {
         self.known = None;
-        self.driver = Driver::Pilot(const { ManuallyDrop::new(Pilot::BLANK) });
+        self.driver = const { Driver::Pilot(ManuallyDrop::new(Pilot::BLANK)) };
         if let Driver::Pilot(pilot) = &mut self.driver {
             pilot.prepare(config, rig);
         }
