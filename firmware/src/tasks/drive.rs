@@ -71,7 +71,7 @@ impl Decision {
 /// What is to be known of the floor after a reset goes into the memory; the first [`Command::Clean`] that is not for all of the floor goes
 /// on with what is there.
 ///
-/// A motor that is driven hard while its wheel stands is not driven forward for half a second, and the robot backs off.
+/// A motor that is driven hard while its wheel stands is not driven on for half a second, and the robot backs off.
 pub async fn drive(
     job: &mut Job,
     robot: BuiltIn,
