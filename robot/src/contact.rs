@@ -60,7 +60,7 @@ pub struct Lift {
     steps: u8,
 }
 
-/// A wheel hangs for so many steps at most on the floor, half a second.
+/// A wheel hangs for so many steps at most on the floor, half a second; a contact bounces for less.
 const MOMENT: u8 = 12;
 
 impl Lift {
@@ -85,6 +85,27 @@ pub(crate) struct Insistence {
 
 /// So many steps on end, 10 s, are too many.
 const INSISTS: u16 = 250;
+/// A contact that bounces, such as the dock's: it has closed or opened when it did so for half a second.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Debounce {
+    is_closed: bool,
+    differs: u8,
+}
+
+impl Debounce {
+    /// Open.
+    pub const OPEN: Self = Self { is_closed: false, differs: 0 };
+
+    /// A step in which the contact is found closed, or not; whether it counts as closed.
+    pub fn step(&mut self, is_closed: bool) -> bool {
+        self.differs = if is_closed == self.is_closed { 0 } else { self.differs + 1 };
+        if self.differs >= MOMENT {
+            *self = Self { is_closed, differs: 0 };
+        }
+        self.is_closed
+    }
+}
+
 
 impl Insistence {
     pub(crate) const NONE: Self = Self { steps: 0 };
@@ -160,6 +181,18 @@ mod tests {
                 Err(embedded_hal::digital::ErrorKind::Other)
             }
             fn is_low(&mut self) -> Result<bool, Self::Error> {
+    #[test]
+    fn a_contact_that_bounces_stays_as_it_was_until_it_settles() {
+        let mut contact = Debounce::OPEN;
+        let mut steps = |is_closed: bool, steps: usize| (0..steps).filter(|_| contact.step(is_closed)).count();
+        assert_eq!(steps(true, 11), 0);
+        assert_eq!(steps(false, 1), 0, "one sample is none");
+        assert_eq!(steps(true, 20), 9);
+        assert_eq!(steps(false, 11), 11);
+        assert_eq!(steps(true, 1), 1);
+        assert_eq!(steps(false, 20), 11);
+    }
+
                 Err(embedded_hal::digital::ErrorKind::Other)
             }
         }

@@ -8,7 +8,9 @@ use core::cell::Cell;
 use core::sync::atomic::Ordering;
 use embassy_time::Instant;
 use robot::rig::BuiltIn;
-use robot::{Condition, DriveMotors, Duty, FloorState, LastingMemory, PowerSupply, Senses, WheelControl, WheelSpeeds};
+use robot::{
+    Condition, Debounce, DriveMotors, Duty, FloorState, LastingMemory, PowerSupply, Senses, WheelControl, WheelSpeeds,
+};
 use wire::{Command, Frame};
 
 /// Longest time that a [`Command::Spin`] turns the wheels, in control periods: half a second.
@@ -91,6 +93,8 @@ pub async fn drive(
     loop {
         let odometry = shared.odometry.wait().await;
         while let Ok(command) = shared.commands.try_receive() {
+    let mut dock = Debounce::OPEN;
+    let mut stopped = 0_u8;
             goes_on |= command == Command::Clean { anew: false } && job.floor().is_none();
             mode = obey(command, mode, job, robot);
         }
@@ -98,7 +102,7 @@ pub async fn drive(
         decision.hold(shared.hold.load(Ordering::Relaxed));
         let is_stalled = stalls.update(duty, odometry.ticks, period_s);
         if let Some(Told { senses, whereabouts }) = shared.told.try_take() {
-            let (battery_v, is_charging) = (supply.battery_v(), supply.is_charging());
+            let (battery_v, is_charging) = (supply.battery_v(), dock.step(supply.is_charging()));
             shared.docked.store(is_charging, Ordering::Relaxed);
             let condition = Condition { battery_v, is_charging, is_stalled, ..senses.condition };
             if core::mem::take(&mut goes_on) {
