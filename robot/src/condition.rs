@@ -41,6 +41,29 @@ impl PowerSupply for NoSupply {
     }
 }
 
+/// The mean of the battery's voltage over two seconds: motors that start pull it down.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Battery {
+    mean_v: f32,
+}
+
+impl Battery {
+    /// Nothing is known of it.
+    pub(crate) const UNKNOWN: Self = Self { mean_v: f32::NAN };
+
+    /// A step of 40 ms.
+    pub(crate) fn step(&mut self, condition: &Condition) {
+        let Some(battery_v) = condition.battery_v.filter(|battery_v| battery_v.is_finite()) else { return };
+        let before_v = if self.mean_v.is_nan() { battery_v } else { self.mean_v };
+        self.mean_v = before_v + 0.02 * (battery_v - before_v);
+    }
+
+    /// Whether it is below this voltage, volts; not where it is not measured.
+    pub(crate) fn is_below(self, least_v: f32) -> bool {
+        self.mean_v < least_v
+    }
+}
+
 /// From which duty on a motor is driven hard.
 const HARD_DUTY: f32 = 0.6;
 /// A wheel that turns slower than this share of what its duty gives without load is held; one that turns against its duty faster than this
@@ -51,6 +74,8 @@ const SLOW_SHARE: f32 = 0.2;
 const STALL_S: f32 = 0.4;
 /// So long no wheel is driven on that way after that, seconds: the time to back off.
 const REST_S: f32 = 0.5;
+/// So long both wheels stand after one ran away, seconds. Its motor or its encoder is wired the wrong way round: the next try ends the same way.
+const RUNAWAY_REST_S: f32 = 10.0;
 
 /// Watches for wheels that are driven hard and do not turn, whose motors would burn, and for wheels that run against what drives them, which
 /// the control would drive ever harder.
@@ -61,6 +86,9 @@ pub struct StallWatch {
     last: Option<Ticks>,
     held_s: [f32; 2],
     rest_s: f32,
+    /// The way that each wheel was driven when it stalled, while the motors rest: 1 forward, -1 backward, 0 where it did not.
+    pressed: [i8; 2],
+    is_runaway: bool,
 }
 
 impl StallWatch {
@@ -76,9 +104,10 @@ impl StallWatch {
         if !(period_s > 0.0 && period_s < 1.0) {
             return self.is_stalled();
         }
-/// So long both wheels stand after one ran away, seconds. Its motor or its encoder is wired the wrong way round: the next try ends the same way.
-const RUNAWAY_REST_S: f32 = 10.0;
         self.rest_s = (self.rest_s - period_s).max(0.0);
+        if !self.is_stalled() {
+            (self.pressed, self.is_runaway) = ([0; 2], false);
+        }
         let turned = [ticks.left.wrapping_sub(last.left), ticks.right.wrapping_sub(last.right)];
         let wheels = self.held_s.iter_mut().zip(&mut self.pressed);
         for (((held_s, pressed), turned), duty) in wheels.zip(turned).zip([duty.left, duty.right]) {
@@ -91,9 +120,6 @@ const RUNAWAY_REST_S: f32 = 10.0;
                 self.is_runaway |= is_against;
                 self.rest_s = if self.is_runaway { RUNAWAY_REST_S } else { REST_S };
             }
-    /// The way that each wheel was driven when it stalled, while the motors rest: 1 forward, -1 backward, 0 where it did not.
-    pressed: [i8; 2],
-    is_runaway: bool,
         }
         self.is_stalled()
     }
@@ -111,9 +137,6 @@ const RUNAWAY_REST_S: f32 = 10.0;
     }
 }
 
-        if !self.is_stalled() {
-            (self.pressed, self.is_runaway) = ([0; 2], false);
-        }
 #[cfg(test)]
 mod tests {
     use super::*;

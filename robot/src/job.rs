@@ -5,6 +5,7 @@ use core::mem::ManuallyDrop;
 use slam_core::{Pose, Rig};
 
 use crate::bearings::Bearings;
+use crate::condition::Battery;
 use crate::contact::{Contacts, Lift};
 use crate::floor::{AreaKind, FLOOR_RECORD_BYTES, FloorConfig, FloorJob, FloorProgress, FloorRecordError, Notes};
 use crate::pilot::beam::Beam;
@@ -89,6 +90,7 @@ pub struct Job<const S: usize> {
     /// How far what is to be known after a reset is written down.
     notes: Notes,
     lift: Lift,
+    battery: Battery,
 }
 
 impl<const S: usize> Job<S> {
@@ -101,6 +103,7 @@ impl<const S: usize> Job<S> {
             pauses: false,
             notes: Notes::NEW,
             lift: Lift::NONE,
+            battery: Battery::UNKNOWN,
         }
     }
 
@@ -226,9 +229,13 @@ impl<const S: usize> Job<S> {
         }
     }
 
-    /// Whether there is nothing left to do.
+    /// Whether there is nothing left to do, or the battery is empty.
     pub fn is_over(&self) -> bool {
-        matches!(&self.driver, Driver::Floor(job) if job.is_over())
+        match &self.driver {
+            Driver::Floor(job) => job.is_over(),
+            Driver::Pilot(_) => self.battery.is_below(FloorConfig::DEFAULT.empty_v),
+            Driver::Nobody => false,
+        }
     }
 
     /// The wheel speeds until the next step.
@@ -237,13 +244,14 @@ impl<const S: usize> Job<S> {
         let is_elsewhere = self.known.replace(now).is_some_and(|before| before != now);
         let contacts = Contacts { lifted: self.lift.step(senses.contacts.lifted), ..senses.contacts };
         let senses = &Senses { contacts, ..*senses };
+        self.battery.step(&senses.condition);
         match &mut self.driver {
             Driver::Nobody => WheelSpeeds::STOP,
             Driver::Pilot(pilot) => {
                 if is_elsewhere {
                     pilot.forget();
                 }
-                if self.pauses {
+                if self.pauses || self.battery.is_below(FloorConfig::DEFAULT.empty_v) {
                     pilot.stand(senses.time_us);
                     return WheelSpeeds::STOP;
                 }
@@ -276,13 +284,17 @@ mod tests {
         }
 
         fn step(&mut self, whereabouts: &Whereabouts) -> WheelSpeeds {
+            self.step_in(whereabouts, Condition::default())
+        }
+
+        fn step_in(&mut self, whereabouts: &Whereabouts, condition: Condition) -> WheelSpeeds {
             self.time_us += 40_000;
             let senses = Senses {
                 time_us: self.time_us,
                 pose: Pose::ORIGIN,
                 ranges_m: [None; 8],
                 contacts: Contacts::default(),
-                condition: Condition::default(),
+                condition,
             };
             self.job.step(&senses, whereabouts)
         }
@@ -329,6 +341,22 @@ mod tests {
         assert!((0..90_000).all(|_| robot.step(&HERE) == WheelSpeeds::STOP));
         robot.job.explore(&default_rig());
         assert!((0..50).any(|_| robot.step(&HERE).is_forward()));
+    }
+
+    #[test]
+    fn a_pilot_with_an_empty_battery_stands_whatever_it_is_told() {
+        let mut robot = Robot::new();
+        let mut drive = |robot: &mut Robot, battery_v: f32, steps: usize| {
+            let condition = Condition { battery_v: Some(battery_v), ..Condition::default() };
+            (0..steps).map(|_| robot.step_in(&HERE, condition)).last()
+        };
+        drive(&mut robot, 11.0, 100);
+        assert_ne!(drive(&mut robot, 9.0, 10), Some(WheelSpeeds::STOP), "motors that start pull the voltage down");
+        assert_eq!(drive(&mut robot, 9.0, 100), Some(WheelSpeeds::STOP));
+        robot.job.explore(&default_rig());
+        assert!(drive(&mut robot, 9.0, 1) == Some(WheelSpeeds::STOP) && robot.job.is_over());
+        drive(&mut robot, 12.0, 200);
+        assert!(!robot.job.is_over());
     }
 
     /// Whether a robot that begins to clean in this kept map goes on with what is in the memory.
