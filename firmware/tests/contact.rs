@@ -8,6 +8,7 @@ use common::Wire;
 use core::cell::Cell;
 use core::future::Future;
 use core::pin::pin;
+use core::sync::atomic::Ordering;
 use core::task::{Context, Waker};
 use embassy_time::{Duration, Instant, MockDriver};
 use firmware::{Shared, tasks};
@@ -30,6 +31,16 @@ fn contact_cuts_the_motors_until_the_drive_task_has_answered_this_contact() {
     drive();
     poll();
     assert!(enabled.get(), "nothing touched: motors may run");
+    // A switch bounces: it is released after two looks at it.
+    let release = |poll: &mut dyn FnMut()| {
+        for _ in 0..3 {
+            assert!(shared.contacts().any(), "not yet");
+            drive();
+            poll();
+            MockDriver::get().advance(Duration::from_millis(10));
+        }
+        poll();
+    };
     for (input, stops) in [(&left, 1), (&right, 2), (&cliff, 3), (&lifted, 4)] {
         input.set(true);
         poll();
@@ -45,8 +56,9 @@ fn contact_cuts_the_motors_until_the_drive_task_has_answered_this_contact() {
         assert!(enabled.get(), "the drive task has set what the contact allows");
         assert_eq!(shared.faults.get().contact_stops, stops, "one contact, one stop");
         input.set(false);
-        poll();
+        release(&mut poll);
         assert!(enabled.get() && !shared.contacts().any());
+        assert_eq!(shared.faults.get().contact_stops, stops);
     }
 
     left.set(true);
@@ -58,10 +70,35 @@ fn contact_cuts_the_motors_until_the_drive_task_has_answered_this_contact() {
     poll();
     assert!(!enabled.get(), "the answer to the bumper does not release the cliff's stop");
     left.set(false);
-    poll();
-    assert!(!enabled.get() && shared.contacts().cliff, "nor does the bumper that is let go");
+    release(&mut poll);
+    assert!(
+        !enabled.get() && !shared.contacts().bump_left && shared.contacts().cliff,
+        "nor does the bumper that is let go"
+    );
     assert_eq!(shared.faults.get().contact_stops, 6, "to let go is no contact");
     shared.release.signal(stop().expect("the cliff stops the motors"));
     poll();
     assert!(enabled.get(), "the answer to the cliff does");
+
+    // A bumper that bounces while it is let go is one contact.
+    cliff.set(false);
+    release(&mut poll);
+    for is_pressed in [true, false, true, false, true] {
+        left.set(is_pressed);
+        poll();
+        assert!(shared.contacts().bump_left);
+        MockDriver::get().advance(Duration::from_millis(5));
+        drive();
+    }
+    assert_eq!(shared.faults.get().contact_stops, 7);
+
+    // A robot that stands is not held.
+    shared.release.signal(stop().expect("the bumper stops the motors"));
+    poll();
+    assert!(enabled.get());
+    shared.is_free.store(true, Ordering::Relaxed);
+    poll();
+    MockDriver::get().advance(Duration::from_millis(10));
+    poll();
+    assert!(!enabled.get() && shared.faults.get().dead_man_stops == 0);
 }

@@ -35,6 +35,17 @@ impl Contacts {
         Self { bump_left: self.bump_left || is_stopped, bump_right: self.bump_right || is_stopped, ..self }
     }
 
+    /// What is touched in one of both.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            bump_left: self.bump_left || other.bump_left,
+            bump_right: self.bump_right || other.bump_right,
+            cliff: self.cliff || other.cliff,
+            lifted: self.lifted || other.lifted,
+        }
+    }
+
     /// Whether something is touched that was not touched before.
     pub fn struck_since(&self, before: Self) -> bool {
         let new = |now: bool, before: bool| now && !before;
@@ -74,17 +85,6 @@ impl Lift {
     }
 }
 
-/// Whether something is touched on end, whatever the robot does about it: a bumper that is jammed, a cliff sensor under dust.
-///
-/// From what it runs into a robot gets away: it backs off, turns, and at last goes back the way that it came. In forty random homes nothing that
-/// stood on the floor was touched for three seconds on end, and somebody who pushed the robot about for six at most.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Insistence {
-    steps: u16,
-}
-
-/// So many steps on end, 10 s, are too many.
-const INSISTS: u16 = 250;
 /// A contact that bounces, such as the dock's: it has closed or opened when it did so for half a second.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Debounce {
@@ -106,6 +106,17 @@ impl Debounce {
     }
 }
 
+/// Whether something is touched on end, whatever the robot does about it: a bumper that is jammed, a cliff sensor under dust.
+///
+/// From what it runs into a robot gets away: it backs off, turns, and at last goes back the way that it came. In forty random homes nothing that
+/// stood on the floor was touched for three seconds on end, and somebody who pushed the robot about for six at most.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Insistence {
+    steps: u16,
+}
+
+/// So many steps on end, 10 s, are too many.
+const INSISTS: u16 = 250;
 
 impl Insistence {
     pub(crate) const NONE: Self = Self { steps: 0 };
@@ -171,17 +182,6 @@ mod tests {
     }
 
     #[test]
-    fn an_input_that_cannot_be_read_counts_as_touched() {
-        struct Broken;
-        impl embedded_hal::digital::ErrorType for Broken {
-            type Error = embedded_hal::digital::ErrorKind;
-        }
-        impl InputPin for Broken {
-            fn is_high(&mut self) -> Result<bool, Self::Error> {
-                Err(embedded_hal::digital::ErrorKind::Other)
-            }
-            fn is_low(&mut self) -> Result<bool, Self::Error> {
-    #[test]
     fn a_contact_that_bounces_stays_as_it_was_until_it_settles() {
         let mut contact = Debounce::OPEN;
         let mut steps = |is_closed: bool, steps: usize| (0..steps).filter(|_| contact.step(is_closed)).count();
@@ -193,6 +193,17 @@ mod tests {
         assert_eq!(steps(false, 20), 11);
     }
 
+    #[test]
+    fn an_input_that_cannot_be_read_counts_as_touched() {
+        struct Broken;
+        impl embedded_hal::digital::ErrorType for Broken {
+            type Error = embedded_hal::digital::ErrorKind;
+        }
+        impl InputPin for Broken {
+            fn is_high(&mut self) -> Result<bool, Self::Error> {
+                Err(embedded_hal::digital::ErrorKind::Other)
+            }
+            fn is_low(&mut self) -> Result<bool, Self::Error> {
                 Err(embedded_hal::digital::ErrorKind::Other)
             }
         }

@@ -16,6 +16,9 @@ use wire::{Command, Frame};
 /// Longest time that a [`Command::Spin`] turns the wheels, in control periods: half a second.
 const SPIN_PERIODS: u32 = 500 / CONTROL_MS as u32;
 
+/// So many control periods the motors brake a robot that is told to stop: half a second.
+const BRAKE_PERIODS: u8 = (500 / CONTROL_MS) as u8;
+
 /// Samples between two frames of what becomes of the floor: once a second.
 const FLOOR_FRAMES: u32 = 25;
 
@@ -90,11 +93,11 @@ pub async fn drive(
     let mut last_us = None;
     let mut decided = 0_u32;
     let mut goes_on = false;
+    let mut dock = Debounce::OPEN;
+    let mut stopped = 0_u8;
     loop {
         let odometry = shared.odometry.wait().await;
         while let Ok(command) = shared.commands.try_receive() {
-    let mut dock = Debounce::OPEN;
-    let mut stopped = 0_u8;
             goes_on |= command == Command::Clean { anew: false } && job.floor().is_none();
             mode = obey(command, mode, job, robot);
         }
@@ -133,7 +136,7 @@ pub async fn drive(
         };
         mode = age(mode);
         let is_to_stand = mode == Mode::Stopped || is_at_home(job);
-        shared.stands.store(is_to_stand && duty == Duty::default(), Ordering::Relaxed);
+        stopped = tell_stands(is_to_stand && duty == Duty::default(), stopped, shared);
         match motors.set_duty(duty) {
             Ok(()) => tell_guard(touch, shared),
             Err(_) => shared.faults.count(|faults| &mut faults.motors_failed),
@@ -174,6 +177,14 @@ fn go_on(job: &mut Job, kept: Option<u32>, memory: &impl LastingMemory) {
 /// Whether the robot stands at home with floor left to sweep, where there is time to save the map.
 fn is_at_home(job: &Job) -> bool {
     job.floor().is_some_and(|floor| matches!(floor.state, FloorState::Charging | FloorState::Waiting))
+}
+
+/// Tells whether the robot stands, after so many periods in which it did; how many these are now. It brakes first.
+fn tell_stands(stands: bool, stopped: u8, shared: &Shared) -> u8 {
+    shared.stands.store(stands, Ordering::Relaxed);
+    let stopped = if stands { stopped.saturating_add(1) } else { 0 };
+    shared.is_free.store(stopped > BRAKE_PERIODS, Ordering::Relaxed);
+    stopped
 }
 
 /// Tells what became of the floor: not in the step in which the estimator has much to tell.
