@@ -66,8 +66,8 @@ impl Battery {
 
 /// From which duty on a motor is driven hard.
 const HARD_DUTY: f32 = 0.6;
-/// A wheel that turns slower than this share of what its duty gives without load is held; one that turns against its duty faster than this
-/// share of full speed runs away.
+/// A wheel that turns slower than this share of what its duty gives without load is held; one that turns against a hard duty faster than
+/// this share of full speed runs away, for the control soon drives it as hard as it can. A robot that is pushed along brakes gently.
 const SLOW_SHARE: f32 = 0.2;
 /// So long a motor may be driven hard with its wheel held, seconds: starting against the friction of carpet takes half of that. A wheel that
 /// changes its direction at full speed turns against its duty for a tenth of a second.
@@ -112,12 +112,11 @@ impl StallWatch {
         let wheels = self.held_s.iter_mut().zip(&mut self.pressed);
         for (((held_s, pressed), turned), duty) in wheels.zip(turned).zip([duty.left, duty.right]) {
             let along_mps = turned as f32 * self.metres_per_tick / period_s * duty.signum();
-            let is_against = duty != 0.0 && along_mps < -SLOW_SHARE * self.full_speed_mps;
             let is_held = duty.abs() > HARD_DUTY && along_mps < SLOW_SHARE * duty.abs() * self.full_speed_mps;
-            *held_s = if is_held || is_against { *held_s + period_s } else { 0.0 };
+            *held_s = if is_held { *held_s + period_s } else { 0.0 };
             if *held_s > STALL_S {
                 (*held_s, *pressed) = (0.0, if duty > 0.0 { 1 } else { -1 });
-                self.is_runaway |= is_against;
+                self.is_runaway |= along_mps < -SLOW_SHARE * self.full_speed_mps;
                 self.rest_s = if self.is_runaway { RUNAWAY_REST_S } else { REST_S };
             }
         }
@@ -192,9 +191,9 @@ mod tests {
     #[test]
     fn a_wheel_that_runs_against_its_duty_stops_both_for_long() {
         let mut watch = StallWatch::new(0.000_445, 0.6);
-        let forward = Duty { left: 0.4, right: 0.4 };
+        let forward = Duty { left: 0.7, right: 0.7 };
         let runs = (1..100).take_while(|n| !watch.update(forward, Ticks { left: -10 * n, right: 10 * n }, PERIOD_S));
-        assert_eq!(runs.count(), 20);
+        assert_eq!(runs.count(), 19);
         for command in [0.1, -0.1].map(|mps| WheelSpeeds { left_mps: mps, right_mps: mps }) {
             assert_eq!(watch.guard(command), WheelSpeeds::STOP);
         }
