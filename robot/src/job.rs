@@ -5,7 +5,6 @@ use core::mem::ManuallyDrop;
 use slam_core::{Pose, Rig};
 
 use crate::bearings::Bearings;
-use crate::condition::Battery;
 use crate::contact::{Contacts, Lift};
 use crate::floor::{AreaKind, FLOOR_RECORD_BYTES, FloorConfig, FloorJob, FloorProgress, FloorRecordError, Notes};
 use crate::pilot::beam::Beam;
@@ -90,7 +89,6 @@ pub struct Job<const S: usize> {
     /// How far what is to be known after a reset is written down.
     notes: Notes,
     lift: Lift,
-    battery: Battery,
 }
 
 impl<const S: usize> Job<S> {
@@ -103,7 +101,6 @@ impl<const S: usize> Job<S> {
             pauses: false,
             notes: Notes::NEW,
             lift: Lift::NONE,
-            battery: Battery::UNKNOWN,
         }
     }
 
@@ -233,7 +230,7 @@ impl<const S: usize> Job<S> {
     pub fn is_over(&self) -> bool {
         match &self.driver {
             Driver::Floor(job) => job.is_over(),
-            Driver::Pilot(_) => self.battery.is_below(FloorConfig::DEFAULT.empty_v),
+            Driver::Pilot(pilot) => pilot.is_flat(),
             Driver::Nobody => false,
         }
     }
@@ -244,14 +241,14 @@ impl<const S: usize> Job<S> {
         let is_elsewhere = self.known.replace(now).is_some_and(|before| before != now);
         let contacts = Contacts { lifted: self.lift.step(senses.contacts.lifted), ..senses.contacts };
         let senses = &Senses { contacts, ..*senses };
-        self.battery.step(&senses.condition);
         match &mut self.driver {
             Driver::Nobody => WheelSpeeds::STOP,
             Driver::Pilot(pilot) => {
                 if is_elsewhere {
                     pilot.forget();
                 }
-                if self.pauses || self.battery.is_below(FloorConfig::DEFAULT.empty_v) {
+                pilot.watch_battery(&senses.condition);
+                if self.pauses || pilot.is_flat() {
                     pilot.stand(senses.time_us);
                     return WheelSpeeds::STOP;
                 }
