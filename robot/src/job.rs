@@ -64,9 +64,9 @@ pub struct AreaCorner {
     pub at_m: [f32; 2],
 }
 
-/// The one that drives. A new one is written from the program's constants to where the other one was: a second one on the stack would need as
-/// much memory again. That is so because nothing is dropped before, there is nothing to drop in either, and the constant is all of this: one of
-/// the smaller one alone would be put into a whole one on the stack first.
+/// The one that drives. A new floor job is written from the program's constants to where the other one was: a second one on the stack would need
+/// as much memory again. That is so because nothing is dropped before, and there is nothing to drop in either. A pilot, which is smaller, is put
+/// together on the stack first, for a constant of the whole would take 5 KB of flash for the rest of it.
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "one memory for both is what this is for")]
 enum Driver<const S: usize> {
@@ -120,7 +120,7 @@ impl<const S: usize> Job<S> {
 
     fn begin_to_explore(&mut self, config: PilotConfig, rig: &Rig<S>) {
         self.known = None;
-        self.driver = const { Driver::Pilot(ManuallyDrop::new(Pilot::BLANK)) };
+        self.driver = Driver::Pilot(const { ManuallyDrop::new(Pilot::BLANK) });
         if let Driver::Pilot(pilot) = &mut self.driver {
             pilot.prepare(config, rig);
         }
