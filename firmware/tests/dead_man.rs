@@ -32,12 +32,14 @@ impl DriveMotors for Motors<'_> {
     }
 }
 
-/// Lets 20 ms pass and hands the drive task the counts of then, from wheels that turn at a fifth of a metre a second.
-fn odometry(shared: &Shared) {
+/// Lets 20 ms pass and hands the drive task the counts of then, from wheels that turn at a fifth of a metre a second as they are driven.
+fn odometry(shared: &Shared, ticks: &Cell<Ticks>, duty: Duty) {
     MockDriver::get().advance(Duration::from_millis(20));
     let time_us = Instant::now().as_micros();
-    let turned = (time_us / 20_000 * 9) as i32;
-    shared.odometry.signal(Odometry { time_us, ticks: Ticks { left: turned, right: turned } });
+    let turned = |before: i32, duty: f32| before + 9 * duty.signum() as i32;
+    let Ticks { left, right } = ticks.get();
+    ticks.set(Ticks { left: turned(left, duty.left), right: turned(right, duty.right) });
+    shared.odometry.signal(Odometry { time_us, ticks: ticks.get() });
 }
 
 /// The estimator's word of now: all is clear.
@@ -60,6 +62,7 @@ fn silence_stops_the_wheels() {
     let inputs =
         ContactPins { bump_left: Wire(&left), bump_right: Wire(&right), cliff: Wire(&cliff), lifted: Wire(&lifted) };
     let (mut enable, duty) = (Wire(&enabled), Cell::new(Duty::default()));
+    let ticks = Cell::new(Ticks { left: 0, right: 0 });
     let mut job = Job::idle();
     job.explore(&BuiltIn::Sharp.rig());
     let mut motors = Motors(&duty);
@@ -79,7 +82,7 @@ fn silence_stops_the_wheels() {
     shared.commands.try_send(Command::Start).unwrap();
     for _ in 0..100 {
         shared.told.signal(told());
-        odometry(&shared);
+        odometry(&shared, &ticks, duty.get());
         poll_drive();
         poll_guard();
     }
@@ -87,12 +90,12 @@ fn silence_stops_the_wheels() {
 
     // The estimator is silent, the drive task lives.
     for _ in 0..3 {
-        odometry(&shared);
+        odometry(&shared, &ticks, duty.get());
         poll_drive();
     }
     assert!(runs(), "80 ms after the last senses");
     for _ in 0..2 {
-        odometry(&shared);
+        odometry(&shared, &ticks, duty.get());
         poll_drive();
         poll_guard();
     }
@@ -102,7 +105,7 @@ fn silence_stops_the_wheels() {
 
     // The estimator speaks again; then the drive task is silent.
     shared.told.signal(told());
-    odometry(&shared);
+    odometry(&shared, &ticks, duty.get());
     poll_drive();
     poll_guard();
     assert!(runs() && enabled.get());
