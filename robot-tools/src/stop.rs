@@ -60,6 +60,7 @@ pub(crate) fn stop(port: &mut Port) -> Result<(), String> {
             Heard::Nothing => return Err(format!("{}; cut the robot's supply", port.trouble())),
             // What was recorded is read at once.
             Heard::End if still >= STILL => return Ok(()),
+            Heard::End if last.is_none() => return Err(port.trouble()),
             Heard::End => break,
         }
     }
@@ -107,5 +108,7 @@ mod tests {
         assert_eq!((outcome, &told[0]), (Ok(()), &Frame::Command(Command::Stop)));
         let (outcome, _) = stopped(0..100);
         assert!(outcome.unwrap_err().contains("turn still"));
+        let (outcome, _) = stopped(0..0);
+        assert!(outcome.unwrap_err().contains("nothing arrives"));
     }
 }
