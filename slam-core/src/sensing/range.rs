@@ -131,15 +131,13 @@ impl Reading {
             Noise::Volts { variance_v2, volts, exponent, .. } => {
                 // V(r) / V = (1 + x)^p with p = 1 / exponent.
                 let p = 1.0 / exponent;
-                let ratio = predicted_m / self.range_m - 1.0;
-                let x = ratio.clamp(-0.5, 0.5);
+                let x = (predicted_m / self.range_m - 1.0).clamp(-0.5, 0.5);
                 let curvature = 0.5 * (p - 1.0);
                 let drop = p * x * (1.0 + curvature * x * (1.0 + (p - 2.0) * (1.0 / 3.0) * x));
                 let slope = p * (1.0 + (p - 1.0) * x * (1.0 + (p - 2.0) * 0.5 * x));
                 // dV/dr at the prediction, V/m; negative.
                 let volts_per_m = volts * slope / self.range_m;
-                // Beyond where the expansion holds, what is off by more is as much farther off.
-                let value_m = -volts * drop / volts_per_m - (ratio - x) * self.range_m;
+                let value_m = -volts * drop / volts_per_m;
                 Innovation { value_m, noise_m2: variance_v2 / (volts_per_m * volts_per_m) }
             }
             Noise::Metres { noise_m, noise_rel } => {

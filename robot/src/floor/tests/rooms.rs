@@ -205,3 +205,32 @@ fn one_that_has_charged_tries_its_ways_anew() {
     assert_eq!([robot.job.retries, robot.job.squeezes, robot.job.pockets], [0; 3]);
     assert_eq!(robot.job.errand, Errand::Sweep { then: Way::Waited }, "it does not wait twice");
 }
+
+#[test]
+fn steps_that_are_lost_on_the_way_are_no_jump_of_the_pose() {
+    let mut room = InRoom::new(20, -20);
+    room.drive(20);
+    let before = room.job.progress().swept_m2;
+    // Half a second of every four, in which it drives on.
+    for _ in 0..10 {
+        room.drive(3);
+        let drives = room.job.step_within(
+            &Senses {
+                time_us: room.time_us,
+                pose: room.at,
+                ranges_m: [None; 8],
+                contacts: Contacts::default(),
+                condition: room.condition,
+            },
+            &room.bounds,
+        );
+        room.time_us += 500_000;
+        let [ahead_m, turn_rad] =
+            [0.25 * (drives.left_mps + drives.right_mps), 0.5 * (drives.right_mps - drives.left_mps) / 0.235];
+        room.at = room.at.compose(&Pose::new(ahead_m, 0.0, turn_rad));
+        let swept = room.job.progress().swept_m2;
+        room.step();
+        assert!(room.job.progress().swept_m2 >= swept, "the last metres count as swept");
+    }
+    assert!(room.job.progress().swept_m2 > before + 1.0);
+}
