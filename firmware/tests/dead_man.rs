@@ -67,10 +67,9 @@ fn silence_stops_the_wheels() {
     job.explore(&BuiltIn::Sharp.rig());
     let mut motors = Motors(&duty);
     let control = WheelControl::new(WheelControlConfig::default());
-    let mut supply = NoSupply;
     let mut guard = pin!(tasks::guard(inputs, &mut enable, &shared));
-    let mut drive =
-        pin!(tasks::drive(&mut job, BuiltIn::Sharp, control, &mut motors, &mut supply, &mut [0; 0], &shared));
+    let (supply, flash) = (&mut NoSupply, &mut [0; 0]);
+    let mut drive = pin!(tasks::drive(&mut job, BuiltIn::Sharp, control, &mut motors, supply, flash, &shared));
     let mut context = Context::from_waker(Waker::noop());
     let mut context_of_guard = Context::from_waker(Waker::noop());
     let mut poll_drive = || assert!(drive.as_mut().poll(&mut context).is_pending());

@@ -343,7 +343,7 @@ mod tests {
     #[test]
     fn a_pilot_with_an_empty_battery_stands_whatever_it_is_told() {
         let mut robot = Robot::new();
-        let mut drive = |robot: &mut Robot, battery_v: f32, steps: usize| {
+        let drive = |robot: &mut Robot, battery_v: f32, steps: usize| {
             let condition = Condition { battery_v: Some(battery_v), ..Condition::default() };
             (0..steps).map(|_| robot.step_in(&HERE, condition)).last()
         };

@@ -1,7 +1,6 @@
 //! The whole pipeline, in the order of section 3 of Rousse & Qiu: predict, observe, extend the map.
 
 use crate::births::candidates::{Candidates, Kept, Unexplained};
-use crate::births::extend::Extension;
 use crate::clock::{Clock, Tick};
 use crate::config::Config;
 use crate::filter::ekf::{Ekf, Jacobian, storage};
@@ -29,7 +28,6 @@ use crate::sensing::noise_level::NoiseLevels;
 use crate::sensing::output_noise::OutputNoise;
 use crate::sensing::sign::Sign;
 use crate::walls::map::{Map, MapFrame};
-use crate::walls::upkeep::upkeep;
 use heapless::Vec;
 
 /// What rounding takes from the covariance is given back once in so many steps. Twice as often, walls that are out of sight
@@ -297,9 +295,16 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         }
     }
 
+    /// Time goes on by so much, seconds.
+    fn wait(&mut self, dt_s: f32) {
+        self.jolts.wait(dt_s, &self.drive.step, self.counters.steps);
+        self.holds.wait(dt_s, &self.drive.step, self.counters.steps);
+    }
+
     /// Updates with every reading that is a wall's, and keeps those that fit none (Rousse & Qiu eq. 3).
     #[inline(never)]
     fn observe(&mut self, inputs: &[RangeInput; S], dt_s: f32, report: &mut StepReport<S>) {
+        self.wait(dt_s);
         self.latency.stamps.begin_row(&mut self.ekf);
         let odometry = &self.drive.dead_reckoning;
         let timing = Timing { dt_s, step: &self.drive.step, latency: &self.latency };
@@ -318,8 +323,6 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             along_m: 0.0,
         };
         let asked = Asked::in_step(self.counters.steps, self.drive.step.beams_moved_m());
-        self.jolts.wait(dt_s, &self.drive.step, self.counters.steps);
-        self.holds.wait(dt_s, &self.drive.step, self.counters.steps);
         let sensors = self.rig.sensors.iter().zip(&mut self.sensors).enumerate();
         let rows =
             sensors.zip(inputs).zip(&mut report.readings).filter(|((_, input), _)| **input != RangeInput::Missing);
@@ -330,9 +333,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             if let Ok(reading) = &reading {
                 report.range_m = Some(reading.range_m / state.gain(observer.ekf));
             } else if matches!(reading, Err(Refusal::TooFar | Refusal::Floor)) {
-                if !self.jolts.is_in_doubt() {
-                    self.monitor.note_absence(observer.judge_absence(&sensor));
-                }
+                let is_sure = !self.jolts.is_in_doubt();
+                self.monitor.note_absence(is_sure.then(|| observer.judge_absence(&sensor)).flatten());
                 self.holds.note_absence(&sensor);
             }
             report.outcome = match reading {
@@ -362,44 +364,5 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             }
         }
         self.latency.stamps.end_row(&self.ekf);
-    }
-
-    /// Finds new walls among the outliers (Rousse & Qiu 3.3), and keeps the map tidy. Its variables are on the stack only while it runs.
-    #[inline(never)]
-    fn extend_map(&mut self, turns: usize, report: &mut StepReport<S>) {
-        if let Some(times) = self.output_noise.settle() {
-            self.candidates.buffer.widen(times);
-        }
-        let turns = if self.output_noise.is_settling() { 0 } else { turns };
-        let (epoch, there) = (self.map.epoch(), layout::pose(&self.ekf));
-        let born = Extension {
-            settings: &self.config.births,
-            walls: &self.config.walls,
-            ekf: &mut self.ekf,
-            map: &mut self.map,
-            candidates: &mut self.candidates,
-            drive: &self.drive,
-            sensors: &self.sensors,
-            in_rig: self.rig.sensors.len(),
-            latency: &self.latency,
-            first: &mut self.first,
-            start_variance: start_variance(&self.rig.drive),
-        }
-        .extend(turns);
-        if self.map.epoch() != epoch {
-            // The filter's frame begins where the robot is.
-            self.holds.go_with(&there, &layout::pose(&self.ekf));
-        }
-        let (number, path_m) = (self.counters.steps as usize, self.drive.dead_reckoning.path_m);
-        let tidied = upkeep(&mut self.map, &mut self.ekf, self.config.walls.policy, number, path_m);
-        if self.config.measurement.linearisation == Linearisation::FirstEstimates
-            && let Some(wall) = number.checked_rem(self.map.walls().len()).and_then(|index| self.map.wall_mut(index))
-        {
-            self.first.renew(wall, &mut self.ekf);
-        }
-        for changes in [born, tidied] {
-            self.counters.add_changes(&changes);
-            report.add(&changes);
-        }
     }
 }
