@@ -83,7 +83,6 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.ekf.predict([pose.x_m, pose.y_m, pose.theta_rad], &UNMOVED, covariance);
         self.first.pose = pose;
         self.candidates.clear();
-        self.monitor.begin_elsewhere(self.map.next_id());
     }
 
     /// Moves the pose and the dead reckoning, and makes both less certain by a 1-sigma vector, both metres, in the frame of dead

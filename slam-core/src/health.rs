@@ -146,13 +146,7 @@ impl HealthMonitor {
 
     /// Another map is there, whose next wall has this identifier: nothing is against it yet.
     pub(crate) fn begin_map(&mut self, next_wall: u16) {
-        self.begin_elsewhere(next_wall);
-        self.steps_left = 0;
-    }
-
-    /// The robot turns out to be elsewhere in its map, whose next wall has this identifier: what spoke for that is explained.
-    pub(crate) fn begin_elsewhere(&mut self, next_wall: u16) {
-        (self.odds, self.doubted, self.unheard) = (0.0, next_wall, next_wall);
+        (self.odds, self.steps_left, self.doubted, self.unheard) = (0.0, 0, next_wall, next_wall);
     }
 
     /// Walls from this identifier on are drawn after this step: where nothing is against the map, none is in doubt.

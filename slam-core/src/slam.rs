@@ -333,8 +333,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             if let Ok(reading) = &reading {
                 report.range_m = Some(reading.range_m / state.gain(observer.ekf));
             } else if matches!(reading, Err(Refusal::TooFar | Refusal::Floor)) {
-                let is_sure = !self.jolts.is_in_doubt();
-                self.monitor.note_absence(is_sure.then(|| observer.judge_absence(&sensor)).flatten());
+                self.monitor.note_absence(observer.judge_absence(&sensor));
                 self.holds.note_absence(&sensor);
             }
             report.outcome = match reading {

@@ -143,7 +143,6 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         if found.is_displaced {
             self.counters.add_jolt();
             self.jolts = Jolts::NONE;
-            self.monitor.begin_elsewhere(self.map.next_id());
         }
         self.replace(found);
         self.slippage.keep();

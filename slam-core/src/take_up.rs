@@ -81,6 +81,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let [Some(first), Some(second)] = found.pairs.map(|(_, id)| wall_of(id)) else { return Err(Unfit::NoMatch) };
         let pose = Placement::of(kept, [first, second], &beside, found.quarters).ok_or(Unfit::NoMatch)?;
         self.load(kept, &frame);
+        self.monitor.begin_map(self.map.next_id());
         self.slippage.keep();
         self.doubt_calibration();
         self.stand(&pose);
@@ -95,7 +96,6 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.candidates.clear();
         self.holds.forget();
         self.jolts = Jolts::NONE;
-        self.monitor.begin_map(self.map.next_id());
     }
 
     /// Whether a kept map is one that this estimator can go on with.

@@ -1,7 +1,6 @@
 //! What befalls a robot at an unlucky moment.
 
 use std::boxed::Box;
-use std::vec::Vec;
 
 use super::runs::{Truth, rig};
 use crate::kept::Kept;
@@ -86,31 +85,6 @@ fn a_hold_that_is_found_as_the_first_wall_is_born_leaves_the_robot_where_it_is()
     let after = robot.slam.pose();
     assert!(robot.slam.counters().holds > 0, "no hold was found");
     assert!((after.x_m - before.x_m).hypot(after.y_m - before.y_m) < 0.1, "{before:?} {after:?}");
-}
-
-#[test]
-fn beams_that_see_nothing_say_nothing_of_walls_while_it_is_in_doubt_where_the_robot_is() {
-    let (mut slam, mut truth) = mapped();
-    let scores = |slam: &RobotSlam| slam.map.walls().iter().map(|wall| (wall.id, wall.score)).collect::<Vec<_>>();
-    // Kicked; and from the moment of doubt on sensors see nothing.
-    truth.pose[0] += 0.25;
-    truth.pose[1] -= 0.2;
-    truth.pose[2] += 0.25;
-    let mut in_doubt = 0;
-    for number in 2000..2200 {
-        let sample = truth.step(&rig(), number);
-        if slam.jolts.is_in_doubt() {
-            in_doubt += 1;
-            let before = scores(&slam);
-            slam.step(&Sample { ranges: [RangeInput::Metres(4.5); 8], ..sample });
-            if slam.jolts.is_in_doubt() {
-                assert_eq!(before, scores(&slam));
-            }
-        } else {
-            slam.step(&sample);
-        }
-    }
-    assert!(in_doubt > 10, "in doubt for {in_doubt} steps");
 }
 
 #[test]
