@@ -103,7 +103,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.drive.displace(moved_m, sigma_m);
         if moved_m != [0.0; 2] {
             self.candidates.clear();
-            self.holds.forget();
         }
+        self.holds.forget();
     }
 }
