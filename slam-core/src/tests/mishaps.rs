@@ -6,7 +6,7 @@ use super::runs::{Truth, rig};
 use crate::kept::Kept;
 use crate::measurement::slippage::Slippage;
 use crate::{
-    DriveModel, Health, Motion, Mount, RangeInput, RangeModel, RangeSensor, Rig, RobotSlam, Sample, Slip, Ticks,
+    Config, DriveModel, Health, Motion, Mount, RangeInput, RangeModel, RangeSensor, Rig, RobotSlam, Sample, Slip, Ticks,
 };
 
 const NOTHING: [RangeInput; 8] = [RangeInput::Missing; 8];
@@ -52,7 +52,10 @@ struct Robot {
 
 impl Robot {
     fn new() -> Self {
-        let slam = Box::new(RobotSlam::new(cross()).expect("the rig is valid"));
+        // The encoders tell the sign of motion.
+        let mut config = Config::for_rig(&cross());
+        config.motion.find_sign = false;
+        let slam = Box::new(RobotSlam::with_config(cross(), config).expect("the rig is valid"));
         Self { slam, ticks: Ticks { left: 0, right: 0 }, number: 0 }
     }
 
