@@ -19,7 +19,6 @@ mod grids;
 mod healths;
 mod jacobians;
 mod lines;
-mod mishaps;
 mod motions;
 mod noise_levels;
 mod numeric;
