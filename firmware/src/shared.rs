@@ -75,6 +75,8 @@ pub struct Shared {
     pub driven: Mutex<Raw, Cell<Option<Instant>>>,
     /// Drive to estimate: the robot is told to stand.
     pub stands: AtomicBool,
+    /// Drive to guard: the robot has braked and stands; without its motors it can be pushed.
+    pub is_free: AtomicBool,
     /// Estimate to guard: the motors have to be off, for the map is saved.
     pub hold: AtomicBool,
     /// Guard to estimate: the motors are off for that.
@@ -105,6 +107,7 @@ impl Shared {
             release: Signal::new(),
             driven: Mutex::new(Cell::new(None)),
             stands: AtomicBool::new(true),
+            is_free: AtomicBool::new(false),
             hold: AtomicBool::new(false),
             is_held: AtomicBool::new(false),
             docked: AtomicBool::new(false),

@@ -32,12 +32,14 @@ impl DriveMotors for Motors<'_> {
     }
 }
 
-/// Lets 20 ms pass and hands the drive task the counts of then, from wheels that turn at a fifth of a metre a second.
-fn odometry(shared: &Shared) {
+/// Lets 20 ms pass and hands the drive task the counts of then, from wheels that turn at a fifth of a metre a second as they are driven.
+fn odometry(shared: &Shared, ticks: &Cell<Ticks>, duty: Duty) {
     MockDriver::get().advance(Duration::from_millis(20));
     let time_us = Instant::now().as_micros();
-    let turned = (time_us / 20_000 * 9) as i32;
-    shared.odometry.signal(Odometry { time_us, ticks: Ticks { left: turned, right: turned } });
+    let turned = |before: i32, duty: f32| before + 9 * duty.signum() as i32;
+    let Ticks { left, right } = ticks.get();
+    ticks.set(Ticks { left: turned(left, duty.left), right: turned(right, duty.right) });
+    shared.odometry.signal(Odometry { time_us, ticks: ticks.get() });
 }
 
 /// The estimator's word of now: all is clear.
@@ -60,14 +62,14 @@ fn silence_stops_the_wheels() {
     let inputs =
         ContactPins { bump_left: Wire(&left), bump_right: Wire(&right), cliff: Wire(&cliff), lifted: Wire(&lifted) };
     let (mut enable, duty) = (Wire(&enabled), Cell::new(Duty::default()));
+    let ticks = Cell::new(Ticks { left: 0, right: 0 });
     let mut job = Job::idle();
     job.explore(&BuiltIn::Sharp.rig());
     let mut motors = Motors(&duty);
     let control = WheelControl::new(WheelControlConfig::default());
-    let mut supply = NoSupply;
     let mut guard = pin!(tasks::guard(inputs, &mut enable, &shared));
-    let mut drive =
-        pin!(tasks::drive(&mut job, BuiltIn::Sharp, control, &mut motors, &mut supply, &mut [0; 0], &shared));
+    let (supply, flash) = (&mut NoSupply, &mut [0; 0]);
+    let mut drive = pin!(tasks::drive(&mut job, BuiltIn::Sharp, control, &mut motors, supply, flash, &shared));
     let mut context = Context::from_waker(Waker::noop());
     let mut context_of_guard = Context::from_waker(Waker::noop());
     let mut poll_drive = || assert!(drive.as_mut().poll(&mut context).is_pending());
@@ -79,7 +81,7 @@ fn silence_stops_the_wheels() {
     shared.commands.try_send(Command::Start).unwrap();
     for _ in 0..100 {
         shared.told.signal(told());
-        odometry(&shared);
+        odometry(&shared, &ticks, duty.get());
         poll_drive();
         poll_guard();
     }
@@ -87,12 +89,12 @@ fn silence_stops_the_wheels() {
 
     // The estimator is silent, the drive task lives.
     for _ in 0..3 {
-        odometry(&shared);
+        odometry(&shared, &ticks, duty.get());
         poll_drive();
     }
     assert!(runs(), "80 ms after the last senses");
     for _ in 0..2 {
-        odometry(&shared);
+        odometry(&shared, &ticks, duty.get());
         poll_drive();
         poll_guard();
     }
@@ -102,7 +104,7 @@ fn silence_stops_the_wheels() {
 
     // The estimator speaks again; then the drive task is silent.
     shared.told.signal(told());
-    odometry(&shared);
+    odometry(&shared, &ticks, duty.get());
     poll_drive();
     poll_guard();
     assert!(runs() && enabled.get());

@@ -29,10 +29,11 @@ fn the_tasks_map_a_simulated_room() {
         tasks.drive(2.0);
         let still = home.truth();
         assert!(still.x_m.hypot(still.y_m) < 1e-6, "the robot waits to be told: {still:?}");
-        assert!(home.enabled.get() && home.fed.get() >= 3, "motors enabled, watchdog fed: {}", home.fed.get());
+        assert!(!home.enabled.get() && home.fed.get() >= 3, "it can be pushed, watchdog fed: {}", home.fed.get());
 
         home.command(Command::Start);
         tasks.drive(60.0);
+        assert!(home.enabled.get(), "motors enabled");
         assert_mapped(&home.heard(), home.truth());
         let faults = home.shared.faults.get();
         let lost = [faults.samples_dropped, faults.frames_dropped, faults.late_tasks, faults.dead_man_stops];

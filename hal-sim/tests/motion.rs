@@ -94,6 +94,19 @@ fn a_wall_stops_the_body_but_not_the_wheels() {
     assert!(simulation.contacts().any());
 }
 
+/// A wheel that runs against its duty for longer is wired the wrong way round.
+#[test]
+fn a_reversal_at_full_speed_brakes_in_a_fifth_of_a_second_and_is_no_stall() {
+    let mut simulation = Simulation::new(&field(), &rig(0.0, 0.0), SimOptions::default(), 1).unwrap();
+    for mps in [0.6, -0.6, 0.6, -0.1, 0.6] {
+        let speeds = [(); 50].map(|()| drive(&mut simulation, mps, mps, 1)[0] * f64::from(mps.signum()) / 0.04);
+        let against = speeds.iter().filter(|speed_mps| **speed_mps < 0.0).count();
+        assert!(against <= 5, "{against} samples at {mps} m/s");
+        assert!(speeds[49] > 0.08, "{} m/s", speeds[49]);
+        assert!(!simulation.condition().is_stalled, "{mps} m/s");
+    }
+}
+
 #[test]
 fn encoders_are_16_bit_counters_that_wrap() {
     let mut simulation = Simulation::new(&field(), &rig(0.0, 0.0), SimOptions::default(), 1).unwrap();

@@ -243,13 +243,16 @@ impl<F: MapFlash> Keeper<F> {
         if was_lifted == now.is_lifted {
             return;
         }
-        if now.is_lifted && self.saved.is_some() {
-            self.lose(slam);
-        } else {
-            // What the wheels turned in the air is no motion.
-            slam.restart_map();
-            self.world = self.world.wrapping_add(u32::from(self.saved.is_none()));
+        if now.is_lifted {
+            slam.release();
         }
+        match (now.is_lifted, self.saved) {
+            (true, Some(_)) => self.lose(slam),
+            (true, None) => slam.restart_elsewhere(),
+            // What the wheels turned in the air is no motion.
+            (false, _) => slam.restart_map(),
+        }
+        self.world = self.world.wrapping_add(u32::from(self.saved.is_none()));
         self.restarts = slam.counters().restarts;
     }
 

@@ -107,9 +107,14 @@ impl<F: MapFlash> Keeper<F> {
             Ok(false) => {
                 self.saved = None;
                 self.world = self.world.wrapping_add(1);
+                // Where a lost robot's first drive started it does not know.
+                if self.locator.state().is_located() {
+                    slam.restart_map()
+                } else {
+                    slam.restart_elsewhere()
+                }
                 self.locator.restart(State::Tracking);
                 self.unsaved_m = 0.0;
-                slam.restart_map();
                 self.restarts = slam.counters().restarts;
                 Some(MapAnswer::Forgotten)
             }

@@ -23,6 +23,7 @@ use robot_tools::doctor::Doctor;
 use robot_tools::hil::{Hil, Target};
 use robot_tools::kept_map::MapArgs;
 use robot_tools::monitor::Monitor;
+use robot_tools::stop::Stop;
 
 /// The workbench: a simulated cleaning robot maps a flat, or a recorded log is replayed through the same estimator.
 ///
@@ -48,6 +49,8 @@ enum Command {
     Hil(HilArgs),
     /// Show what a robot at a serial port says, and record it.
     Monitor(Monitor),
+    /// Have a robot at a serial port stand.
+    Stop(Stop),
     /// Check a robot at a serial port part by part.
     Doctor(Doctor),
     /// Fetch, store or forget the map that a robot at a serial port keeps.
@@ -211,6 +214,7 @@ fn main() -> ExitCode {
         Some(Command::Compare(compare)) => compare.text().map(|text| print(&text)).map_err(Into::into),
         Some(Command::Hil(args)) => hil(args),
         Some(Command::Monitor(monitor)) => monitor.run().map_err(Into::into),
+        Some(Command::Stop(stop)) => stop.run().map_err(Into::into),
         Some(Command::Doctor(doctor)) => doctor.run().map_err(Into::into),
         Some(Command::Map(map)) => map.run().map_err(Into::into),
         Some(Command::Experiment(experiment)) => experiment.run().map_err(Into::into),

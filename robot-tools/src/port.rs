@@ -1,7 +1,7 @@
 //! A robot at a serial port: frames from it, commands to it.
 
 use std::fs::{File, OpenOptions};
-use std::io::{Read, Write};
+use std::io::{ErrorKind, Read, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -144,7 +144,7 @@ impl Port {
             match self.from.read(&mut buffer) {
                 Ok(0) => return Ok(Heard::End),
                 Ok(count) => self.bytes.extend(buffer[..count].iter().rev()),
-                Err(error) if error.kind() == std::io::ErrorKind::TimedOut => {}
+                Err(error) if matches!(error.kind(), ErrorKind::TimedOut | ErrorKind::Interrupted) => {}
                 Err(error) => return Err(format!("the serial line: {error}")),
             }
         }

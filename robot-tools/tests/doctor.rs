@@ -10,13 +10,16 @@ struct Robot {
     order: [usize; 8],
     reversed_left: bool,
     kind: BuiltIn,
+    /// Inputs that are on all the time.
+    stuck: Contacts,
     sample: Sample,
     said: Vec<String>,
 }
 
 impl Robot {
     fn new(order: [usize; 8], reversed_left: bool) -> Self {
-        Self { order, reversed_left, kind: BuiltIn::Sharp, sample: Sample::default(), said: Vec::new() }
+        let (kind, stuck) = (BuiltIn::Sharp, Contacts::default());
+        Self { order, reversed_left, kind, stuck, sample: Sample::default(), said: Vec::new() }
     }
 
     fn roll(&mut self, left: i32, right: i32) {
@@ -39,7 +42,7 @@ impl Bench for Robot {
             BuiltIn::TimeOfFlight => (4, Range::Missing, Range::Metres(0.31)),
         };
         self.sample.ranges = (0..sensors).map(|_| free).collect();
-        self.sample.contacts = Contacts::default();
+        self.sample.contacts = self.stuck;
         let sensor = (0..8).find(|i| what.contains(&format!("sensor {i},")));
         if let Some(sensor) = sensor {
             self.sample.ranges[self.order[sensor]] = held;
@@ -47,8 +50,9 @@ impl Bench for Robot {
         match what {
             what if what.contains("left half") => self.sample.contacts.bump_left = true,
             what if what.contains("right half") => self.sample.contacts.bump_right = true,
-            what if what.contains("edge") => self.sample.contacts.cliff = true,
-            what if what.contains("wheel-drop") => self.sample.contacts.lifted = true,
+            what if what.contains("Take the white card") => self.sample.contacts.cliff = true,
+            what if what.contains("Let go of a wheel-drop") => self.sample.contacts.lifted = true,
+            what if what.contains("charging") => self.sample.contacts.docked = true,
             what if what.contains("left wheel") => self.roll(400, 0),
             what if what.contains("right wheel") => self.roll(0, 400),
             what if what.contains("push") => self.roll(2247, 2247),
@@ -77,7 +81,7 @@ impl Bench for Robot {
 fn a_robot_that_is_right_has_nothing_wrong() {
     let (wrong, said) = Robot::new([0, 1, 2, 3, 4, 5, 6, 7], false).examined();
     assert_eq!(wrong, 0, "{said}");
-    assert_eq!(said.matches("ok").count(), 8 + 4 + 4 + 1, "{said}");
+    assert_eq!(said.matches("ok").count(), 8 + 5 + 4 + 1, "{said}");
 }
 
 #[test]
@@ -92,6 +96,19 @@ fn a_reversed_encoder_is_named() {
     let (wrong, said) = Robot::new([0, 1, 2, 3, 4, 5, 6, 7], true).examined();
     assert_eq!(wrong, 3, "{said}");
     assert!(said.contains("WRONG  left encoder: -400 ticks: it counts backward"), "{said}");
+}
+
+/// A cliff sensor that sees no floor.
+#[test]
+fn an_input_that_is_on_is_named_and_so_are_the_motors_that_it_stops() {
+    let stuck = Contacts { cliff: true, ..Contacts::default() };
+    let (wrong, said) = Robot { stuck, ..Robot::new([0, 1, 2, 3, 4, 5, 6, 7], false) }.examined();
+    assert_eq!(wrong, 3, "{said}");
+    assert!(
+        said.contains("ok     left bumper") && said.contains("WRONG  cliff sensor: it is on all the time"),
+        "{said}"
+    );
+    assert!(said.contains("WRONG  left motor: cliff sensor on") && said.contains("ok     left encoder"), "{said}");
 }
 
 #[test]

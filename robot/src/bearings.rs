@@ -45,7 +45,7 @@ pub(crate) struct Bearings {
     is_carried: bool,
     /// Where it was in the last step, in the map and by the wheels alone.
     last: Option<[Pose; 2]>,
-    /// Where the map started, as it was last known.
+    /// Where the map started, as it was last known; no number before that.
     started: Pose,
     /// Areas of the kept map as far as they were told, and the corner that comes next.
     bounds: Bounds,
@@ -63,7 +63,7 @@ impl Bearings {
             searched_m: 0.0,
             is_carried: false,
             last: None,
-            started: Pose::ORIGIN,
+            started: Pose { x_m: f32::NAN, y_m: f32::NAN, theta_rad: f32::NAN },
             bounds: Bounds::NONE,
             next_corner: 0,
         }
@@ -145,7 +145,8 @@ impl Bearings {
     ) -> Map {
         let Whereabouts { world, redrawn, is_located, start, reckoned, .. } = *whereabouts;
         let is_elsewhere = self.world.replace(world).is_some_and(|before| before != world);
-        let is_redrawn = self.redrawn.replace(redrawn).is_some_and(|before| before != redrawn);
+        // A map that is begun anew counts from 0 again.
+        let is_redrawn = self.redrawn.replace(redrawn).is_some_and(|before| redrawn > before);
         let last = self.last.replace([senses.pose, reckoned]);
         match (self.map, last) {
             (None, _) => {}
@@ -181,6 +182,7 @@ impl Bearings {
     /// A map holds its walls where they were drawn: what moves, where it knows them better, is where it started, and home with that.
     fn follow_start<const S: usize>(&mut self, job: &mut FloorJob<S>, start: Pose) {
         let before = core::mem::replace(&mut self.started, start);
+        // No home is near a start that was not known: after a reset it is where it was saved.
         let is_near = |home: &Pose| slam_core::pose::length(home.x_m - before.x_m, home.y_m - before.y_m) < MOVED_M;
         if before != start
             && let Some(home) = job.home().filter(is_near)

@@ -35,6 +35,17 @@ impl Contacts {
         Self { bump_left: self.bump_left || is_stopped, bump_right: self.bump_right || is_stopped, ..self }
     }
 
+    /// What is touched in one of both.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            bump_left: self.bump_left || other.bump_left,
+            bump_right: self.bump_right || other.bump_right,
+            cliff: self.cliff || other.cliff,
+            lifted: self.lifted || other.lifted,
+        }
+    }
+
     /// Whether something is touched that was not touched before.
     pub fn struck_since(&self, before: Self) -> bool {
         let new = |now: bool, before: bool| now && !before;
@@ -60,7 +71,7 @@ pub struct Lift {
     steps: u8,
 }
 
-/// A wheel hangs for so many steps at most on the floor, half a second.
+/// A wheel hangs for so many steps at most on the floor, half a second; a contact bounces for less.
 const MOMENT: u8 = 12;
 
 impl Lift {
@@ -71,6 +82,27 @@ impl Lift {
     pub fn step(&mut self, hangs: bool) -> bool {
         self.steps = if hangs { self.steps.saturating_add(1) } else { 0 };
         self.steps > MOMENT
+    }
+}
+
+/// A contact that bounces, such as the dock's: it has closed or opened when it did so for half a second.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Debounce {
+    is_closed: bool,
+    differs: u8,
+}
+
+impl Debounce {
+    /// Open.
+    pub const OPEN: Self = Self { is_closed: false, differs: 0 };
+
+    /// A step in which the contact is found closed, or not; whether it counts as closed.
+    pub fn step(&mut self, is_closed: bool) -> bool {
+        self.differs = if is_closed == self.is_closed { 0 } else { self.differs + 1 };
+        if self.differs >= MOMENT {
+            *self = Self { is_closed, differs: 0 };
+        }
+        self.is_closed
     }
 }
 
@@ -147,6 +179,18 @@ mod tests {
         assert!(!lift.step(false));
         assert_eq!(steps(&mut lift, true, 312), 300);
         assert!(!lift.step(false));
+    }
+
+    #[test]
+    fn a_contact_that_bounces_stays_as_it_was_until_it_settles() {
+        let mut contact = Debounce::OPEN;
+        let mut steps = |is_closed: bool, steps: usize| (0..steps).filter(|_| contact.step(is_closed)).count();
+        assert_eq!(steps(true, 11), 0);
+        assert_eq!(steps(false, 1), 0, "one sample is none");
+        assert_eq!(steps(true, 20), 9);
+        assert_eq!(steps(false, 11), 11);
+        assert_eq!(steps(true, 1), 1);
+        assert_eq!(steps(false, 20), 11);
     }
 
     #[test]

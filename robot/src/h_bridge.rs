@@ -5,7 +5,8 @@ use embedded_hal::pwm::SetDutyCycle;
 
 use crate::traits::{DriveMotors, Duty};
 
-/// One motor: a PWM output for its speed, two outputs for its direction (both low: the motor coasts).
+/// One motor: a PWM output for its speed, two outputs for its direction (both high: the motor's terminals are joined, which brakes it; both
+/// low: it coasts).
 #[derive(Debug)]
 pub struct HBridge<P, F, B> {
     speed: P,
@@ -37,26 +38,28 @@ impl<P: SetDutyCycle, F: OutputPin, B: OutputPin> HBridge<P, F, B> {
         Self { speed, forward, backward }
     }
 
-    /// Drive with a share of the supply, -1 to 1. On a change of direction the bridge is never driven both ways.
+    /// Drive with a share of the supply, -1 to 1; 0 brakes. On a change of direction the motor is braked or coasts in between.
     ///
     /// # Errors
     /// The output that could not be set.
     pub fn set(&mut self, duty: f32) -> Result<(), Failure<P, F, B>> {
         let duty = if duty.is_finite() { duty.clamp(-1.0, 1.0) } else { 0.0 };
-        if duty <= 0.0 {
+        if duty < 0.0 {
             self.forward.set_low().map_err(HBridgeError::Forward)?;
         }
-        if duty >= 0.0 {
+        if duty > 0.0 {
             self.backward.set_low().map_err(HBridgeError::Backward)?;
         }
-        if duty > 0.0 {
+        if duty >= 0.0 {
             self.forward.set_high().map_err(HBridgeError::Forward)?;
         }
-        if duty < 0.0 {
+        if duty <= 0.0 {
             self.backward.set_high().map_err(HBridgeError::Backward)?;
         }
         let full = self.speed.max_duty_cycle();
-        let counts = libm::roundf(duty.abs() * f32::from(full)) as u16;
+        // An L298 brakes while its PWM input is high only; to a TB6612 it is no matter.
+        let share = if duty == 0.0 { 1.0 } else { duty.abs() };
+        let counts = libm::roundf(share * f32::from(full)) as u16;
         self.speed.set_duty_cycle(counts.min(full)).map_err(HBridgeError::Speed)
     }
 
@@ -134,13 +137,13 @@ mod tests {
     fn duty_becomes_pwm_and_direction() {
         assert_eq!(outputs(0.25), (250, true, false));
         assert_eq!(outputs(-0.25), (250, false, true));
-        assert_eq!(outputs(0.0), (0, false, false));
+        assert_eq!(outputs(0.0), (1000, true, true), "it brakes");
     }
 
     #[test]
     fn impossible_duties_are_limited_or_stop() {
         assert_eq!(outputs(7.0), (1000, true, false));
         assert_eq!(outputs(-7.0), (1000, false, true));
-        assert_eq!(outputs(f32::NAN), (0, false, false));
+        assert_eq!(outputs(f32::NAN), (1000, true, true));
     }
 }

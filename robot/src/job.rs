@@ -18,7 +18,7 @@ pub struct Whereabouts {
     pub kept: Option<u32>,
     /// With another number, nothing is any more where it was: another map is kept, or none is and the robot was carried.
     pub world: u32,
-    /// With another number, the home was in the map twice: the robot is elsewhere in it than it took itself to be for a while.
+    /// With a higher number, the home was in the map twice: the robot is elsewhere in it than it took itself to be for a while.
     pub redrawn: u32,
     /// With another number, the map since the last start or lift begins elsewhere.
     pub fresh: u8,
@@ -64,8 +64,9 @@ pub struct AreaCorner {
     pub at_m: [f32; 2],
 }
 
-/// The one that drives. A new one is written from the program's constants to where the other one was: a second one on the stack would need as
-/// much memory again. That is so because nothing is dropped before, and there is nothing to drop in either.
+/// The one that drives. A new floor job is written from the program's constants to where the other one was: a second one on the stack would need
+/// as much memory again. That is so because nothing is dropped before, and there is nothing to drop in either. A pilot, which is smaller, is put
+/// together on the stack first, for a constant of the whole would take 5 KB of flash for the rest of it.
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "one memory for both is what this is for")]
 enum Driver<const S: usize> {
@@ -225,9 +226,13 @@ impl<const S: usize> Job<S> {
         }
     }
 
-    /// Whether there is nothing left to do.
+    /// Whether there is nothing left to do, or the battery is empty.
     pub fn is_over(&self) -> bool {
-        matches!(&self.driver, Driver::Floor(job) if job.is_over())
+        match &self.driver {
+            Driver::Floor(job) => job.is_over(),
+            Driver::Pilot(pilot) => pilot.is_flat(),
+            Driver::Nobody => false,
+        }
     }
 
     /// The wheel speeds until the next step.
@@ -242,7 +247,8 @@ impl<const S: usize> Job<S> {
                 if is_elsewhere {
                     pilot.forget();
                 }
-                if self.pauses {
+                pilot.watch_battery(&senses.condition);
+                if self.pauses || pilot.is_flat() {
                     pilot.stand(senses.time_us);
                     return WheelSpeeds::STOP;
                 }
@@ -275,13 +281,17 @@ mod tests {
         }
 
         fn step(&mut self, whereabouts: &Whereabouts) -> WheelSpeeds {
+            self.step_in(whereabouts, Condition::default())
+        }
+
+        fn step_in(&mut self, whereabouts: &Whereabouts, condition: Condition) -> WheelSpeeds {
             self.time_us += 40_000;
             let senses = Senses {
                 time_us: self.time_us,
                 pose: Pose::ORIGIN,
                 ranges_m: [None; 8],
                 contacts: Contacts::default(),
-                condition: Condition::default(),
+                condition,
             };
             self.job.step(&senses, whereabouts)
         }
@@ -328,6 +338,22 @@ mod tests {
         assert!((0..90_000).all(|_| robot.step(&HERE) == WheelSpeeds::STOP));
         robot.job.explore(&default_rig());
         assert!((0..50).any(|_| robot.step(&HERE).is_forward()));
+    }
+
+    #[test]
+    fn a_pilot_with_an_empty_battery_stands_whatever_it_is_told() {
+        let mut robot = Robot::new();
+        let drive = |robot: &mut Robot, battery_v: f32, steps: usize| {
+            let condition = Condition { battery_v: Some(battery_v), ..Condition::default() };
+            (0..steps).map(|_| robot.step_in(&HERE, condition)).last()
+        };
+        drive(&mut robot, 11.0, 100);
+        assert_ne!(drive(&mut robot, 9.0, 10), Some(WheelSpeeds::STOP), "motors that start pull the voltage down");
+        assert_eq!(drive(&mut robot, 9.0, 100), Some(WheelSpeeds::STOP));
+        robot.job.explore(&default_rig());
+        assert!(drive(&mut robot, 9.0, 1) == Some(WheelSpeeds::STOP) && robot.job.is_over());
+        drive(&mut robot, 12.0, 200);
+        assert!(!robot.job.is_over());
     }
 
     /// Whether a robot that begins to clean in this kept map goes on with what is in the memory.

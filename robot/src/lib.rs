@@ -25,7 +25,7 @@ pub mod wheel_control;
 mod wild;
 
 pub use condition::{Condition, NoSupply, PowerSupply, StallWatch};
-pub use contact::{ContactPins, Contacts, Lift};
+pub use contact::{ContactPins, Contacts, Debounce, Lift};
 pub use floor::{
     AreaKind, Bounds, FLOOR_RECORD_BYTES, FloorConfig, FloorJob, FloorProgress, FloorRecordError, FloorState,
 };

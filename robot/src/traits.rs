@@ -48,7 +48,7 @@ pub trait DriveMotors {
     /// An output could not be set; the motors may be in any state and the caller should try to stop them.
     fn set_duty(&mut self, duty: Duty) -> Result<(), Self::Error>;
 
-    /// Let both wheels stop at once.
+    /// Brake both wheels.
     ///
     /// # Errors
     /// As [`DriveMotors::set_duty`].

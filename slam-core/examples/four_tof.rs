@@ -44,8 +44,12 @@ fn main() -> Result<(), RigError> {
     let mut slam = MySlam::new(rig())?;
     let ([mut x, mut y], mut theta) = ([0.0_f32; 2], 0.0_f32);
     for step in 0..1200_u64 {
-        // Ahead for eight seconds of ten, then a quarter turn to the left.
-        let (forward_m, turn_rad) = if step % 100 < 80 { (0.02, 0.0) } else { (0.0, FRAC_PI_2 / 20.0) };
+        // Ahead for eight seconds of ten, then a quarter turn to the left. The first sample is where motion starts from.
+        let (forward_m, turn_rad) = match step % 100 {
+            _ if step == 0 => (0.0, 0.0),
+            0..80 => (0.02, 0.0),
+            _ => (0.0, FRAC_PI_2 / 20.0),
+        };
         (x, y) = (x + forward_m * theta.cos(), y + forward_m * theta.sin());
         theta = (theta + turn_rad) % TAU;
         let motion = Motion::Increment(Increment { forward_m, left_m: 0.0, turn_rad });

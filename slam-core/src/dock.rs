@@ -1,6 +1,6 @@
 //! The dock: a place in the map that a contact tells.
 
-use crate::geometry::pose::{Pose, length};
+use crate::geometry::pose::length;
 use crate::slam::Slam;
 
 /// A dock so near to where the first drive started is where it started, metres: it forgives three centimetres, and the pose is known to one.
@@ -22,8 +22,9 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         if self.map.walls().is_empty() && self.is_at_start() {
             return false;
         }
-        self.restart_map();
-        (self.map.anchor, self.map.start) = (None, Pose::ORIGIN);
+        let has_dock = self.map.has_dock;
+        self.restart_elsewhere();
+        self.map.has_dock = has_dock;
         true
     }
 

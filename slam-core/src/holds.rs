@@ -17,7 +17,7 @@ use crate::geometry::angle::{sin_cos, wrap};
 use crate::geometry::line::Line;
 use crate::geometry::pose::{Pose, length};
 use crate::holds::claim::{Claim, Correction, Verdict, WORTH};
-use crate::holds::stillness::{Stillness, log_odds_of_staying};
+use crate::holds::stillness::{Held, Stillness, log_odds_of_staying};
 use crate::jolts::confirmation::Confirmation;
 use crate::jolts::recent::{self, Recent};
 use crate::jolts::search::Scene;
@@ -257,9 +257,9 @@ impl<const S: usize> Holds<S> {
     /// to be confirmed; one that is held and says so no more is not.
     pub fn judge(&mut self, map: Pose, number: u32) -> Option<Correction> {
         self.stillness.settle(map);
-        if let Some(pose) = self.stillness.held_at().filter(|_| !self.is_held) {
+        if let Some(Held { pose, in_doubt }) = self.stillness.held_at().filter(|_| !self.is_held) {
             self.begin_anew(true);
-            return Some(Correction { pose, in_doubt: [0.0; 3], is_held: true });
+            return Some(Correction { pose, in_doubt, is_held: true });
         }
         if self.is_claimed() {
             return None;
@@ -294,7 +294,7 @@ impl<const S: usize> Holds<S> {
             return Some(Correction { pose: to, in_doubt, is_held: false });
         }
         let begun = self.stillness.begun(since_m + 0.5 * REACH_M);
-        let (pose, in_doubt) = begun.map_or((from, in_doubt), |begun| (begun, [0.0; 3]));
+        let Held { pose, in_doubt } = begun.unwrap_or(Held { pose: from, in_doubt });
         let correction = Correction { pose, in_doubt, is_held: true };
         self.watch = Watch::Claim(Claim { correction, confirmation: Confirmation::since(number) });
         None

@@ -43,6 +43,7 @@ pub mod config;
 mod counted;
 mod displacement;
 mod dock;
+mod extended;
 mod filter;
 mod frozen_sensors;
 mod geometry;

@@ -177,6 +177,11 @@ impl<const S: usize> StepReport<S> {
         health: Health::Well,
     };
 
+    /// Readings that updated the estimate.
+    pub(crate) fn updates(&self) -> u32 {
+        self.readings.iter().filter(|reading| matches!(reading.outcome, Outcome::Updated { .. })).count() as u32
+    }
+
     /// Adds what a stage did.
     pub(crate) fn add(&mut self, changes: &Changes) {
         self.births = self.births.saturating_add(changes.births);

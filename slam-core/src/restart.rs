@@ -1,6 +1,8 @@
 //! A new map where the estimator is so unwell that the old one is of no use.
 
 use crate::filter::layout::ALPHA;
+use crate::geometry::pose::Pose;
+use crate::holds::Holds;
 use crate::jolts::Jolts;
 use crate::measurement::first_estimates::FirstEstimates;
 use crate::motion::shortfall::Shortfall;
@@ -59,6 +61,17 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
     pub fn restart_map(&mut self) {
         self.map.forget_walls(&mut self.ekf);
         self.drop_anchor();
+    }
+
+    /// Begins a new map in a frame of its own: how it lies to the old one, where the first drive started and maybe the dock is, is not known.
+    pub fn restart_elsewhere(&mut self) {
+        self.restart_map();
+        (self.map.anchor, self.map.start, self.map.has_dock) = (None, Pose::ORIGIN, false);
+    }
+
+    /// Nothing holds the robot any more: somebody lifts it.
+    pub fn release(&mut self) {
+        self.holds = Holds::NONE;
     }
 
     /// The same where the covariance is none: the calibration keeps its values, as unsure as at the start.

@@ -6,7 +6,6 @@
 //! the robot is beside those.
 
 use crate::filter::layout::ALPHA;
-use crate::jolts::Jolts;
 use crate::kept::KeptWall;
 use crate::slam::Slam;
 use crate::take_up::{Match, Placement, Unfit};
@@ -53,7 +52,6 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         let pose = Placement::of(&*self, [first, second], &beside, found.quarters).ok_or(Unfit::NoMatch)?;
         self.stand(&pose);
         self.map.forget_some(&mut self.ekf, |wall| copy.has(wall.id));
-        self.jolts = Jolts::NONE;
         self.map.begin_epoch();
         self.counters.add_second_copy(copy.grid.is_some());
         Ok(())

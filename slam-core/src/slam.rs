@@ -1,13 +1,11 @@
 //! The whole pipeline, in the order of section 3 of Rousse & Qiu: predict, observe, extend the map.
 
 use crate::births::candidates::{Candidates, Kept, Unexplained};
-use crate::births::extend::Extension;
 use crate::clock::{Clock, Tick};
 use crate::config::Config;
 use crate::filter::ekf::{Ekf, Jacobian, storage};
 use crate::filter::layout::{self, ALPHA, THETA};
 use crate::geometry::angle::{sin_cos, wrap};
-use crate::geometry::pose::Pose;
 use crate::health::{Asked, HealthMonitor};
 use crate::holds::Holds;
 use crate::holds::frozen::Frozen;
@@ -30,7 +28,6 @@ use crate::sensing::noise_level::NoiseLevels;
 use crate::sensing::output_noise::OutputNoise;
 use crate::sensing::sign::Sign;
 use crate::walls::map::{Map, MapFrame};
-use crate::walls::upkeep::upkeep;
 use heapless::Vec;
 
 /// What rounding takes from the covariance is given back once in so many steps. Twice as often, walls that are out of sight
@@ -226,23 +223,24 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.counters.add_step();
         let Some(tick) = self.clock.tick(sample.time_us) else {
             self.counters.add_motion(true);
-            self.drive.last_motion = Pose::ORIGIN;
+            self.drive.rest();
+            report.health = self.monitor.health();
             return report;
         };
         report.dt_s = tick.dt_s;
         self.predict(&sample.motion, tick);
         self.turn_round(&sample.ranges);
         let predicted = Direction::of(&self.ekf);
-        let updates = self.counters.updates;
         self.observe(&sample.ranges, tick.dt_s, &mut report);
-        self.watch_sensors(self.counters.updates.wrapping_sub(updates), &sample.ranges, &report);
+        let updates = report.updates();
+        self.watch_sensors(updates, &sample.ranges, &report);
         self.slippage.corrected(predicted, Direction::of(&self.ekf));
         if let Some(times) = self.slippage.restated() {
             let of_walls = self.map.first_state(&self.ekf);
             self.ekf.widen(times, ALPHA + 1..of_walls);
         }
         self.recover_from_hold();
-        self.recover_from_jolt(self.counters.updates != updates, tick.turns());
+        self.recover_from_jolt(updates > 0, tick.turns());
         self.extend_map(tick.turns(), &mut report);
         self.latency.settle(&mut self.ekf);
         let is_turn = self.counters.steps.is_multiple_of(ROUNDING_STEPS);
@@ -297,9 +295,16 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         }
     }
 
+    /// Time goes on by so much, seconds.
+    fn wait(&mut self, dt_s: f32) {
+        self.jolts.wait(dt_s, &self.drive.step, self.counters.steps);
+        self.holds.wait(dt_s, &self.drive.step, self.counters.steps);
+    }
+
     /// Updates with every reading that is a wall's, and keeps those that fit none (Rousse & Qiu eq. 3).
     #[inline(never)]
     fn observe(&mut self, inputs: &[RangeInput; S], dt_s: f32, report: &mut StepReport<S>) {
+        self.wait(dt_s);
         self.latency.stamps.begin_row(&mut self.ekf);
         let odometry = &self.drive.dead_reckoning;
         let timing = Timing { dt_s, step: &self.drive.step, latency: &self.latency };
@@ -318,8 +323,6 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             along_m: 0.0,
         };
         let asked = Asked::in_step(self.counters.steps, self.drive.step.beams_moved_m());
-        self.jolts.wait(dt_s, &self.drive.step, self.counters.steps);
-        self.holds.wait(dt_s, &self.drive.step, self.counters.steps);
         let sensors = self.rig.sensors.iter().zip(&mut self.sensors).enumerate();
         let rows =
             sensors.zip(inputs).zip(&mut report.readings).filter(|((_, input), _)| **input != RangeInput::Missing);
@@ -360,39 +363,5 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             }
         }
         self.latency.stamps.end_row(&self.ekf);
-    }
-
-    /// Finds new walls among the outliers (Rousse & Qiu 3.3), and keeps the map tidy. Its variables are on the stack only while it runs.
-    #[inline(never)]
-    fn extend_map(&mut self, turns: usize, report: &mut StepReport<S>) {
-        if let Some(times) = self.output_noise.settle() {
-            self.candidates.buffer.widen(times);
-        }
-        let turns = if self.output_noise.is_settling() { 0 } else { turns };
-        let born = Extension {
-            settings: &self.config.births,
-            walls: &self.config.walls,
-            ekf: &mut self.ekf,
-            map: &mut self.map,
-            candidates: &mut self.candidates,
-            drive: &self.drive,
-            sensors: &self.sensors,
-            in_rig: self.rig.sensors.len(),
-            latency: &self.latency,
-            first: &mut self.first,
-            start_variance: start_variance(&self.rig.drive),
-        }
-        .extend(turns);
-        let (number, path_m) = (self.counters.steps as usize, self.drive.dead_reckoning.path_m);
-        let tidied = upkeep(&mut self.map, &mut self.ekf, self.config.walls.policy, number, path_m);
-        if self.config.measurement.linearisation == Linearisation::FirstEstimates
-            && let Some(wall) = number.checked_rem(self.map.walls().len()).and_then(|index| self.map.wall_mut(index))
-        {
-            self.first.renew(wall, &mut self.ekf);
-        }
-        for changes in [born, tidied] {
-            self.counters.add_changes(&changes);
-            report.add(&changes);
-        }
     }
 }

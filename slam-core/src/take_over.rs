@@ -14,6 +14,7 @@ use crate::filter::layout::{self, ALPHA, THETA, X, Y};
 use crate::geometry::angle::{normal, sin_cos, wrap};
 use crate::geometry::pose::Pose;
 use crate::hand_over::{self, HandOver, PlacedWall};
+use crate::jolts::Jolts;
 use crate::motion::drive::DriveStates;
 use crate::report::NotTaken;
 use crate::rig::DriveModel;
@@ -141,6 +142,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         judged?;
         if found.is_displaced {
             self.counters.add_jolt();
+            self.jolts = Jolts::NONE;
         }
         self.replace(found);
         self.slippage.keep();
@@ -150,7 +152,8 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
 
     /// Whether it may be taken.
     fn judge(&self, found: &HandOver) -> Result<(), NotTaken> {
-        if found.epoch != self.epoch() {
+        // The walls that are in doubt went from a map that is about to be forgotten; they are not to come back before it is kept.
+        if found.epoch != self.epoch() || self.is_about_to_forget() {
             return Err(NotTaken::Outdated);
         }
         let is_snapped = matches!(self.config.walls.policy, WallPolicy::Snapped { .. });

@@ -5,6 +5,7 @@ use crate::filter::layout::{self, ALPHA, THETA, X, Y};
 use crate::geometry::angle::{normal, sin_cos, wrap};
 use crate::geometry::line::Line;
 use crate::geometry::pose::Pose;
+use crate::jolts::Jolts;
 use crate::kept::{Kept, KeptFrame, KeptWall, POSE_STATES};
 use crate::motion::shortfall::Shortfall;
 use crate::rig::DriveModel;
@@ -94,6 +95,7 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
         self.shortfall = Shortfall::NONE;
         self.candidates.clear();
         self.holds.forget();
+        self.jolts = Jolts::NONE;
     }
 
     /// Whether a kept map is one that this estimator can go on with.

@@ -77,7 +77,7 @@ pub struct WallView {
     pub lo_m: f32,
     /// End of the observed extent, metres.
     pub hi_m: f32,
-    /// 1-sigma of rho, metres.
+    /// 1-sigma of rho, metres, about the origin of the filter's frame: where walls hold the map's, without how the one lies to the other.
     pub sigma_rho_m: f32,
     /// Readings that updated it.
     pub updates: u32,

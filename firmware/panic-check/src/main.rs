@@ -127,6 +127,8 @@ fn other_maps(slam: &mut RobotSlam) {
         slam.put_off_forgetting();
     }
     slam.restart_map();
+    slam.restart_elsewhere();
+    slam.release();
     slam.stands_in_dock();
     black_box((slam.begin_in_dock(), slam.before_dock_m()));
 }

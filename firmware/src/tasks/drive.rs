@@ -8,11 +8,16 @@ use core::cell::Cell;
 use core::sync::atomic::Ordering;
 use embassy_time::Instant;
 use robot::rig::BuiltIn;
-use robot::{Condition, DriveMotors, Duty, FloorState, LastingMemory, PowerSupply, Senses, WheelControl, WheelSpeeds};
+use robot::{
+    Condition, Debounce, DriveMotors, Duty, FloorState, LastingMemory, PowerSupply, Senses, WheelControl, WheelSpeeds,
+};
 use wire::{Command, Frame};
 
 /// Longest time that a [`Command::Spin`] turns the wheels, in control periods: half a second.
 const SPIN_PERIODS: u32 = 500 / CONTROL_MS as u32;
+
+/// So many control periods the motors brake a robot that is told to stop: half a second.
+const BRAKE_PERIODS: u8 = (500 / CONTROL_MS) as u8;
 
 /// Samples between two frames of what becomes of the floor: once a second.
 const FLOOR_FRAMES: u32 = 25;
@@ -71,7 +76,7 @@ impl Decision {
 /// What is to be known of the floor after a reset goes into the memory; the first [`Command::Clean`] that is not for all of the floor goes
 /// on with what is there.
 ///
-/// A motor that is driven hard while its wheel stands is not driven forward for half a second, and the robot backs off.
+/// A motor that is driven hard while its wheel stands is not driven on for half a second, and the robot backs off.
 pub async fn drive(
     job: &mut Job,
     robot: BuiltIn,
@@ -88,6 +93,8 @@ pub async fn drive(
     let mut last_us = None;
     let mut decided = 0_u32;
     let mut goes_on = false;
+    let mut dock = Debounce::OPEN;
+    let mut stopped = 0_u8;
     loop {
         let odometry = shared.odometry.wait().await;
         while let Ok(command) = shared.commands.try_receive() {
@@ -98,7 +105,7 @@ pub async fn drive(
         decision.hold(shared.hold.load(Ordering::Relaxed));
         let is_stalled = stalls.update(duty, odometry.ticks, period_s);
         if let Some(Told { senses, whereabouts }) = shared.told.try_take() {
-            let (battery_v, is_charging) = (supply.battery_v(), supply.is_charging());
+            let (battery_v, is_charging) = (supply.battery_v(), dock.step(supply.is_charging()));
             shared.docked.store(is_charging, Ordering::Relaxed);
             let condition = Condition { battery_v, is_charging, is_stalled, ..senses.condition };
             if core::mem::take(&mut goes_on) {
@@ -129,7 +136,7 @@ pub async fn drive(
         };
         mode = age(mode);
         let is_to_stand = mode == Mode::Stopped || is_at_home(job);
-        shared.stands.store(is_to_stand && duty == Duty::default(), Ordering::Relaxed);
+        stopped = tell_stands(is_to_stand && duty == Duty::default(), stopped, shared);
         match motors.set_duty(duty) {
             Ok(()) => tell_guard(touch, shared),
             Err(_) => shared.faults.count(|faults| &mut faults.motors_failed),
@@ -170,6 +177,14 @@ fn go_on(job: &mut Job, kept: Option<u32>, memory: &impl LastingMemory) {
 /// Whether the robot stands at home with floor left to sweep, where there is time to save the map.
 fn is_at_home(job: &Job) -> bool {
     job.floor().is_some_and(|floor| matches!(floor.state, FloorState::Charging | FloorState::Waiting))
+}
+
+/// Tells whether the robot stands, after so many periods in which it did; how many these are now. It brakes first.
+fn tell_stands(stands: bool, stopped: u8, shared: &Shared) -> u8 {
+    shared.stands.store(stands, Ordering::Relaxed);
+    let stopped = if stands { stopped.saturating_add(1) } else { 0 };
+    shared.is_free.store(stopped > BRAKE_PERIODS, Ordering::Relaxed);
+    stopped
 }
 
 /// Tells what became of the floor: not in the step in which the estimator has much to tell.

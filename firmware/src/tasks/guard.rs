@@ -2,7 +2,8 @@
 //!
 //! This task runs at interrupt level. It owns the motor driver's standby input, which cuts both motors. They run while no
 //! stop by contact is unanswered (the drive task answers once the wheels are told something that the contact allows) and
-//! while the drive task goes on telling them something: it is the dead man's handle.
+//! while the drive task goes on telling them something: it is the dead man's handle. A robot that stands for a while has them off, too, so
+//! that it can be pushed.
 
 use crate::faults::Task;
 use crate::shared::{Shared, Touch};
@@ -16,6 +17,8 @@ use robot::ContactPins;
 
 /// The inputs are looked at this often even without an edge.
 const LOOK: Duration = Duration::from_millis(10);
+/// A contact is released when it was found so at this many looks in a row: a switch bounces for some milliseconds.
+const RELEASED: u8 = 2;
 /// The motors are off at the latest this long after the drive task told them something.
 const DEAD_MAN: Duration = Duration::from_millis(100);
 
@@ -27,12 +30,19 @@ where
     C: InputPin + Wait,
     D: InputPin + Wait,
 {
-    let mut before = Touch::default();
+    // What is touched at the start stops nothing that runs.
+    let mut before = Touch { contacts: inputs.read(), stop: None };
+    let mut released_looks = 0_u8;
     let mut stops = 0_u32;
     let (mut driven, mut is_held) = (false, false);
     let mut released = None;
     loop {
-        let contacts = inputs.read();
+        let seen = inputs.read();
+        let held = seen.or(before.contacts);
+        if held == seen {
+            released_looks = 0;
+        }
+        let contacts = if released_looks >= RELEASED { seen } else { held };
         let struck = contacts.struck_since(before.contacts);
         if struck {
             stops = stops.wrapping_add(1);
@@ -47,7 +57,9 @@ where
         if was_driven && !driven && !was_held {
             shared.faults.count(|faults| &mut faults.dead_man_stops);
         }
-        let done = if stop.is_none() && driven && !is_held { enable.set_high() } else { enable.set_low() };
+        let is_free = shared.is_free.load(Ordering::Relaxed);
+        let runs = stop.is_none() && driven && !is_held && !is_free;
+        let done = if runs { enable.set_high() } else { enable.set_low() };
         shared.is_held.store(is_held && done.is_ok(), Ordering::Relaxed);
         if done.is_err() {
             shared.faults.count(|faults| &mut faults.motors_failed);
@@ -59,9 +71,10 @@ where
             inputs.cliff.wait_for_any_edge(),
             inputs.lifted.wait_for_any_edge(),
         );
-        released = match select3(edges, Timer::after(LOOK), shared.release.wait()).await {
-            Either3::First(_) | Either3::Second(()) => None,
-            Either3::Third(stop) => Some(stop),
+        (released, released_looks) = match select3(edges, Timer::after(LOOK), shared.release.wait()).await {
+            Either3::First(_) => (None, 0),
+            Either3::Second(()) => (None, released_looks.saturating_add(1)),
+            Either3::Third(stop) => (Some(stop), released_looks),
         };
     }
 }

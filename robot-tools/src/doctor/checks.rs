@@ -29,10 +29,17 @@ pub struct Contact {
     pressed: Contacts,
 }
 
+impl Contact {
+    fn is_on(&self, contacts: Contacts) -> bool {
+        let is = |input: fn(&Contacts) -> bool| input(&self.pressed) && input(&contacts);
+        is(|c| c.bump_left) || is(|c| c.bump_right) || is(|c| c.cliff) || is(|c| c.lifted) || is(|c| c.docked)
+    }
+}
+
 const NONE: Contacts = Contacts { bump_left: false, bump_right: false, cliff: false, lifted: false, docked: false };
 
 /// Every contact input.
-pub const CONTACTS: [Contact; 4] = [
+pub const CONTACTS: [Contact; 5] = [
     Contact {
         name: "left bumper",
         what: "Press the left half of the bumper",
@@ -45,10 +52,15 @@ pub const CONTACTS: [Contact; 4] = [
     },
     Contact {
         name: "cliff sensor",
-        what: "Hold the robot's front over an edge",
+        what: "Take the white card from under the cliff sensor",
         pressed: Contacts { cliff: true, ..NONE },
     },
     Contact { name: "wheel drop", what: "Let go of a wheel-drop switch", pressed: Contacts { lifted: true, ..NONE } },
+    Contact {
+        name: "charging contact",
+        what: "Bridge the charging contact, PC3 to ground,",
+        pressed: Contacts { docked: true, ..NONE },
+    },
 ];
 
 /// A board at `held_m` in front of sensor `index`: does this one answer, and with about that range?
@@ -92,15 +104,29 @@ fn answer(sensor: usize, robot: &Robot, free: &[Sample], held: &[Sample]) -> f32
     }
 }
 
-/// Does this input, and no other, show that it is pressed?
-pub fn contact(contact: &Contact, samples: &[Sample]) -> Finding {
-    // It may stand in its dock.
-    let last = Contacts { docked: false, ..samples.last().ok_or("no samples")?.contacts };
-    match last {
-        seen if seen == contact.pressed => Ok("it answers".into()),
-        NONE => Err("it does not answer: check its wire".into()),
-        other => Err(format!("the inputs show {other:?}: swap wires, or one is stuck")),
+/// Does this input, and no other, change when it is pressed?
+pub fn contact(contact: &Contact, before: &[Sample], pressed: &[Sample]) -> Finding {
+    let (Some(before), Some(pressed)) = (before.last(), pressed.last()) else { return Err("no samples".into()) };
+    let all_on = |contacts: Contacts| CONTACTS.map(|contact| contact.is_on(contacts));
+    let (was, is) = (all_on(before.contacts), all_on(pressed.contacts));
+    let changed: Vec<_> = CONTACTS.iter().zip(was.iter().zip(is)).filter(|(_, (was, is))| *was != is).collect();
+    match changed[..] {
+        [(one, (false, true))] if one.name == contact.name => Ok("it answers".into()),
+        [] if contact.is_on(before.contacts) => Err("it is on all the time: its cable is cut, or it is stuck".into()),
+        [] => Err("it does not answer: check its wire".into()),
+        _ => {
+            let names: Vec<&str> = changed.iter().map(|(contact, _)| contact.name).collect();
+            Err(format!("what changed is {}: swap wires, or one is reversed", names.join(", ")))
+        }
     }
+}
+
+/// The contacts that keep the robot from turning its wheels forward; none where it may.
+pub fn blocking(samples: &[Sample]) -> Option<String> {
+    let contacts = samples.last()?.contacts;
+    let on = CONTACTS.iter().filter(|contact| !contact.pressed.docked && contact.is_on(contacts));
+    let names: Vec<&str> = on.map(|contact| contact.name).collect();
+    (!names.is_empty()).then(|| names.join(", "))
 }
 
 /// Did this wheel (0 left, 1 right), and no other, count forward?

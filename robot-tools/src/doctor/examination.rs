@@ -130,11 +130,17 @@ impl Examination {
             }
             Look::Contact(index) => {
                 let contact = &CONTACTS[index];
-                Some((contact.name.to_owned(), checks::contact(contact, heard)))
+                Some((contact.name.to_owned(), checks::contact(contact, before, heard)))
             }
             Look::Wheel(wheel) => {
-                let what = if task.send.is_some() { "motor" } else { "encoder" };
-                Some((format!("{} {what}", WHEELS[wheel]), checks::turned(wheel, before, heard)))
+                let is_motor = task.send.is_some();
+                let what = if is_motor { "motor" } else { "encoder" };
+                let blocked = checks::blocking(heard).filter(|_| is_motor);
+                let finding = blocked.map_or_else(
+                    || checks::turned(wheel, before, heard),
+                    |names| Err(format!("{names} on: the robot does not turn its wheels forward then")),
+                );
+                Some((format!("{} {what}", WHEELS[wheel]), finding))
             }
             Look::Scale => Some(("encoder scale".to_owned(), checks::scale(robot, PUSHED_M, before, heard))),
         };
@@ -172,7 +178,8 @@ const WHEELS: [&str; 2] = ["left", "right"];
 fn tasks_for(robot: &Robot) -> Vec<Task> {
     let ask = |what: String, listen, look| Task { ask: Some(what), send: None, listen, look };
     let before = || Task { ask: None, send: None, listen: 2, look: Look::Before };
-    let middle = "Put the robot in the middle of the room, nothing nearer than a metre, wheels off the floor.";
+    let middle = "Put the robot in the middle of the room, nothing nearer than a metre, wheels off the floor. \
+                  Tape a white card under the cliff sensor, and hold the wheel-drop switches closed.";
     let mut tasks = vec![
         Task { ask: None, send: Some(Command::Stop), listen: 0, look: Look::Before },
         ask(middle.to_owned(), LISTEN, Look::Free),
@@ -184,7 +191,8 @@ fn tasks_for(robot: &Robot) -> Vec<Task> {
         tasks.push(ask(what, LISTEN, Look::Sensor(index)));
     }
     for (index, part) in CONTACTS.iter().enumerate() {
-        tasks.push(ask(format!("{} and keep it so.", part.what), LISTEN / 5, Look::Contact(index)));
+        tasks.push(before());
+        tasks.push(ask(format!("{} and keep it so.", part.what), LISTEN / 2, Look::Contact(index)));
         tasks.push(ask("Let go.".to_owned(), 0, Look::Before));
     }
     for (wheel, name) in WHEELS.into_iter().enumerate() {
@@ -195,7 +203,7 @@ fn tasks_for(robot: &Robot) -> Vec<Task> {
         tasks.push(Task { ask: None, send: Some(spin), listen: LISTEN / 2, look: Look::Wheel(wheel) });
     }
     tasks.push(before());
-    let push = format!("Put the robot on the floor and push it straight forward by {PUSHED_M} m.");
+    let push = format!("Put the robot on the floor, without the card, and push it straight forward by {PUSHED_M} m.");
     tasks.push(ask(push, 2, Look::Scale));
     tasks
 }

@@ -6,13 +6,18 @@ mod view;
 
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
 use lab::input::rig_file::Robot;
+use signal_hook::consts::SIGINT;
+use signal_hook::flag;
 use wire::{Command, Frame};
 
 use crate::port::{self, Heard, Port};
 use crate::relay::relay;
+use crate::stop::stop;
 use film::Film;
 use recorder::Recorder;
 use view::View;
@@ -63,7 +68,7 @@ fn start_of(name: &str) -> Result<Command, String> {
 const DRAW_US: u64 = 250_000;
 
 impl Monitor {
-    /// Shows and records until the line ends or the user stops it.
+    /// Shows and records until the line ends or the user stops it with Ctrl-C, which stops a robot that was told to start.
     ///
     /// # Errors
     /// What is wrong with line or files, for people.
@@ -74,9 +79,10 @@ impl Monitor {
         }
         let mut port = Port::new(self.line()?);
         let mut files = None;
+        let is_over = interrupted()?;
         let mut view = View::default();
         let mut drawn_us = 0;
-        loop {
+        while !is_over.load(Ordering::Relaxed) {
             let frame = match port.frame()? {
                 Heard::Frame(frame) => frame,
                 Heard::Nothing => {
@@ -109,15 +115,27 @@ impl Monitor {
                 draw(&view);
             }
         }
+        let is_stopped = is_over.load(Ordering::Relaxed);
+        let stopped = if self.start.is_some() && is_stopped { stop(&mut port) } else { Ok(()) };
         if view.is_empty() {
             return Err(format!("{}: {}", self.port, port.trouble()));
         }
         let (log, film) = files.ok_or_else(|| format!("{}: the robot told nothing of what it senses", self.port))?;
         log.close()?;
         film.map_or(Ok(()), Film::finish)?;
-        let _ = writeln!(std::io::stdout(), "{view}the line has ended; results in {}", self.out.display());
-        Ok(())
+        let end = if is_stopped { "stopped" } else { "the line has ended" };
+        let _ = writeln!(std::io::stdout(), "{view}{end}; results in {}", self.out.display());
+        stopped
     }
+}
+
+/// What becomes true with Ctrl-C; with a second one this program ends at once.
+fn interrupted() -> Result<Arc<AtomicBool>, String> {
+    let is_over = Arc::new(AtomicBool::new(false));
+    flag::register_conditional_shutdown(SIGINT, 130, Arc::clone(&is_over))
+        .and_then(|_| flag::register(SIGINT, Arc::clone(&is_over)))
+        .map_err(|error| format!("Ctrl-C: {error}"))?;
+    Ok(is_over)
 }
 
 impl Monitor {

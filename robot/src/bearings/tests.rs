@@ -143,6 +143,21 @@ fn where_a_fresh_map_begins_elsewhere_the_job_begins_anew() {
     assert_eq!(robot.swept_m2(), before_m2);
 }
 
+/// A map that is begun anew counts its second copies from 0: that draws nothing again.
+#[test]
+fn where_the_map_is_redrawn_the_job_begins_anew() {
+    let mut robot = Robot::new();
+    let mut drive = |redrawn: u32| {
+        (0..20).for_each(|_| {
+            robot.step(&Whereabouts { redrawn, ..FOUND });
+        });
+        robot.swept_m2()
+    };
+    let [first_m2, after_reset_m2, redrawn_m2] = [2, 0, 1].map(&mut drive);
+    assert!(after_reset_m2 > 1.5 * first_m2, "{after_reset_m2} m2 after {first_m2}");
+    assert!(redrawn_m2 < 1.5 * first_m2, "{redrawn_m2} m2 after {first_m2}");
+}
+
 #[test]
 fn areas_count_when_all_their_corners_are_known() {
     let corners = [[1.0, 1.0], [2.0, 1.0], [2.0, 2.0]];
@@ -198,4 +213,19 @@ fn home_is_where_the_map_knows_now_that_it_started() {
     robot.job.go_home_to(there);
     robot.step(&FOUND);
     assert_eq!(robot.job.home(), Some(there));
+}
+
+#[test]
+fn home_stays_where_it_was_saved() {
+    let (mut robot, mut bytes) = (Robot::new(), [0; crate::FLOOR_RECORD_BYTES]);
+    let found = Whereabouts { start: Pose::new(0.15, -0.1, 0.06), ..FOUND };
+    robot.step(&FOUND);
+    robot.step(&found);
+    robot.job.save(3, &mut bytes);
+    let mut again = Robot::new();
+    again.job.restore(3, &bytes).unwrap();
+    again.bearings.go_by_own_map();
+    again.step(&Whereabouts { is_located: false, ..found });
+    again.step(&found);
+    assert_eq!(again.job.home(), robot.job.home());
 }

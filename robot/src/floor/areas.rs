@@ -135,8 +135,8 @@ impl<const S: usize> FloorJob<S> {
         self.mark_areas(bounds);
     }
 
-    /// Draws the areas into the next cells of the picture: blocked where it must not go, left out where it need not clean. Where the map moves
-    /// them, what was left out is to be cleaned, and what was swept stays so.
+    /// Draws the areas into the next cells of the picture: blocked where it must not go, and left out there, since a search forgets what is
+    /// blocked, and where it need not clean. Where the map moves them, what was left out is to be cleaned, and what was swept stays so.
     fn mark_areas(&mut self, bounds: &Bounds) {
         let origin = self.frame.origin();
         let (s, c) = slam_core::angle::sin_cos(origin.theta_rad);
@@ -148,14 +148,18 @@ impl<const S: usize> FloorJob<S> {
             self.areas.marked = (self.areas.marked + 1) % ALL;
             let quarter = |index: i16| Quarter { col: 2 * cell.col + index % 2, row: 2 * cell.row + index / 2 };
             let quarters_m = [0, 1, 2, 3].map(|index| on_map(self.sheet.centre_m(quarter(index))));
-            if quarters_m.iter().any(|at_m| bounds.is_out(*at_m)) {
-                self.sheet.picture.block(cell);
-            }
+            let is_out = quarters_m.iter().any(|at_m| bounds.is_out(*at_m));
             let is_towards = beyond.iter().any(|beyond| cell.moves_to(*beyond) <= TOWARDS);
             // What an edge of an area goes through is to be cleaned, too.
-            let is_to_clean = quarters_m.iter().any(|at_m| bounds.is_to_clean(*at_m));
+            let is_to_clean = !is_out && quarters_m.iter().any(|at_m| bounds.is_to_clean(*at_m));
             let is_left = self.sheet.swept.left_in(cell) > 0;
-            if is_towards || is_to_clean && self.sheet.swept.is_left_out(cell) {
+            if is_out {
+                self.sheet.picture.block(cell);
+            }
+            if is_to_clean && self.sheet.swept.is_left_out(cell) {
+                self.sheet.picture.unblock(cell);
+                self.sheet.swept.set(cell, false);
+            } else if is_towards && !is_out {
                 self.sheet.swept.set(cell, false);
             } else if !is_to_clean && is_left {
                 self.sheet.swept.leave_out(cell);
@@ -177,13 +181,10 @@ impl<const S: usize> FloorJob<S> {
         cells.filter(|cell| *cell != within_picture(*cell)).map(within_picture).collect()
     }
 
-    /// Whether a search has to wait until the areas are drawn into the whole picture: what it dares to go to is what they left.
-    pub(super) fn waits_for_areas(&mut self, aim: Aim, now_us: u64) -> bool {
-        if self.areas.dares {
-            // To search all of the picture takes ten seconds, and is no reason to lose patience.
-            self.moved.1 = now_us;
-        }
-        self.areas.dares && aim == Aim::Floor && self.areas.left > 0
+    /// Whether a search has to wait until the areas, if there are any, are drawn into the whole picture: what it dares to go to is what they
+    /// left.
+    pub(super) fn waits_for_areas(&self, aim: Aim) -> bool {
+        self.areas.dares && self.areas.is_any && aim == Aim::Floor && self.areas.left > 0
     }
 
     /// Something that was not seen before stands on the way through what was not seen.
@@ -298,5 +299,16 @@ mod tests {
         assert!(!job.areas.begin_search() && !job.areas.may_dare());
         job.areas.turn_home();
         assert!(job.areas.may_dare(), "the way home is looked for anew");
+    }
+
+    #[test]
+    fn one_that_dares_waits_for_areas_where_there_are_any() {
+        let mut job = job();
+        job.areas.dares = true;
+        assert!(!job.waits_for_areas(Aim::Floor));
+        job.mind_areas(&Pose::ORIGIN, &square(1.0, 1.0));
+        assert!(job.waits_for_areas(Aim::Floor));
+        draw(&mut job, &square(1.0, 1.0));
+        assert!(!job.waits_for_areas(Aim::Floor));
     }
 }

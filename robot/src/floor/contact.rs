@@ -40,6 +40,8 @@ impl<const S: usize> FloorJob<S> {
     pub(super) fn answer(&mut self, senses: &Senses<S>, pose: &Pose) -> Option<(f32, f32)> {
         let now_us = senses.time_us;
         let is_still = self.traction.is_held();
+        // A search stands and ends by itself: through a large home it takes longer.
+        let is_searching = matches!(self.phase, Phase::Plan { .. });
         if is_still && self.holds + 1 >= MAX_HOLDS && self.sees_nothing() {
             self.begin(Phase::Blind, now_us);
         } else if is_still || senses.condition.is_stalled {
@@ -48,7 +50,7 @@ impl<const S: usize> FloorJob<S> {
             self.meet_dock(pose, now_us);
         } else if senses.contacts.any() {
             self.touch(&senses.contacts, pose, now_us);
-        } else if now_us.saturating_sub(self.moved.1) > PATIENCE_US {
+        } else if !is_searching && now_us.saturating_sub(self.moved.1) > PATIENCE_US {
             self.lose_patience(pose, now_us);
         } else {
             return self.look_about(now_us);
@@ -220,7 +222,7 @@ impl<const S: usize> FloorJob<S> {
             Phase::Home | Phase::Dock { .. } | Phase::Transit { aim: Aim::Place(_), .. } => self.return_again(now_us),
             _ => {
                 self.give_up();
-                self.plan(Aim::Floor, now_us);
+                self.go_about_from(2, now_us);
             }
         }
         if self.is_over() {

@@ -95,6 +95,7 @@ impl<const S: usize> FloorJob<S> {
     /// One step of docking.
     pub(super) fn dock_step(&mut self, stage: Stage, tries: u8, senses: &Senses<S>, pose: &Pose) -> (f32, f32) {
         let now_us = senses.time_us;
+        let is_touched = senses.contacts.or_stopped(senses.condition.is_stalled).any();
         if senses.condition.is_charging && matches!(stage, Stage::Approaching | Stage::Pressing) {
             self.arrive_in_dock(now_us);
             return (0.0, 0.0);
@@ -105,7 +106,8 @@ impl<const S: usize> FloorJob<S> {
         let elapsed_us = now_us.saturating_sub(self.since_us);
         let back_to_line = 10.0 * (left_m - aside_m).clamp(-SHIFT_M, SHIFT_M);
         let straight = |to_line: f32| (to_line - 3.0 * off_rad).clamp(-0.5, 0.5);
-        if elapsed_us > LONGEST_US {
+        // A robot that turns, or cannot, does not come on.
+        if elapsed_us.max(now_us.saturating_sub(self.moved.1)) > LONGEST_US {
             self.try_at(Stage::Staging, tries + 1, now_us);
             return (0.0, 0.0);
         }
@@ -118,7 +120,7 @@ impl<const S: usize> FloorJob<S> {
                 self.towards(to_m, pose, now_us)
             }
             Stage::Aligning if off_rad.abs() > ALIGNED_RAD => {
-                // Standing begins when it looks to the dock; a turn takes as long as it takes.
+                // Standing begins when it looks to the dock.
                 self.since_us = now_us;
                 (0.0, (-2.0 * off_rad).clamp(-0.8, 0.8))
             }
@@ -130,12 +132,12 @@ impl<const S: usize> FloorJob<S> {
             }
             Stage::Approaching => {
                 // What is touched is the dock, or something beside it.
-                if before_m < PRESS_FROM_M || senses.contacts.any() {
+                if before_m < PRESS_FROM_M || is_touched {
                     self.begin(next(Stage::Pressing), now_us);
                 }
                 (APPROACH_MPS, straight(-back_to_line))
             }
-            Stage::Pressing => self.press(tries, senses),
+            Stage::Pressing => self.press(tries, is_touched, now_us),
             Stage::BackingOut => {
                 if before_m > STAGING_M {
                     let is_on_line = (left_m - aside_m).abs() < SHIFT_M;
@@ -147,13 +149,13 @@ impl<const S: usize> FloorJob<S> {
     }
 
     /// On against the dock, by time, too: the wheels may slip.
-    fn press(&mut self, tries: u8, senses: &Senses<S>) -> (f32, f32) {
-        let elapsed_us = senses.time_us.saturating_sub(self.since_us);
+    fn press(&mut self, tries: u8, is_touched: bool, now_us: u64) -> (f32, f32) {
+        let elapsed_us = now_us.saturating_sub(self.since_us);
         let most_m = PRESS_M + self.round_m() - ASIDE_M;
         let most_us = (1.5e6 * most_m / PRESS_MPS) as u64;
-        let is_no_dock = senses.contacts.any() && elapsed_us > TOUCH_US;
+        let is_no_dock = is_touched && elapsed_us > TOUCH_US;
         if is_no_dock || self.path_m - self.begun_m > most_m || elapsed_us > most_us {
-            self.begin(Phase::Dock { stage: Stage::BackingOut, tries: tries + 1 }, senses.time_us);
+            self.begin(Phase::Dock { stage: Stage::BackingOut, tries: tries + 1 }, now_us);
         }
         (PRESS_MPS, 0.0)
     }
@@ -191,9 +193,10 @@ impl<const S: usize> FloorJob<S> {
 
     fn arrive_in_dock(&mut self, now_us: u64) {
         self.rounds = 0;
+        self.areas.settle();
         match self.errand {
             Errand::Finish(_) => self.come_home(now_us),
-            Errand::Sweep { .. } | Errand::Recharge => self.begin(Phase::Charge, now_us),
+            Errand::Sweep { .. } | Errand::Recharge { .. } => self.begin(Phase::Charge, now_us),
         }
     }
 
@@ -202,9 +205,9 @@ impl<const S: usize> FloorJob<S> {
         if !condition.is_charging {
             self.begin(Phase::Dock { stage: Stage::Pressing, tries: 0 }, now_us);
         } else if self.is_charged(now_us) {
-            self.errand = Errand::FIRST;
+            self.errand = Errand::Sweep { then: self.errand.way() };
             // What barred its ways before may be gone.
-            self.retries = 0;
+            (self.retries, self.squeezes, self.pockets) = (0, 0, 0);
             self.begin(Phase::Undock, now_us);
         }
         (0.0, 0.0)
@@ -218,7 +221,7 @@ impl<const S: usize> FloorJob<S> {
 
     /// Whether it is over for want of charge: home without a dock to charge in, or on the way with an empty battery.
     pub(super) fn is_flat(&self, is_home: bool) -> bool {
-        if is_home { self.errand == Errand::Recharge } else { self.is_empty() }
+        if is_home { matches!(self.errand, Errand::Recharge { .. }) } else { self.is_empty() }
     }
 
     fn is_empty(&self) -> bool {
@@ -229,8 +232,8 @@ impl<const S: usize> FloorJob<S> {
     /// about to touch the dock.
     pub(super) fn watch_battery(&mut self, condition: &Condition, now_us: u64) {
         let Some(battery_v) = condition.battery_v.filter(|battery_v| battery_v.is_finite()) else { return };
-        // A job that has not begun has no home to go to.
-        if self.home.is_none() {
+        // A job that has not begun has no home to go to; of one that is over the voltage says why, and rises when the motors are off.
+        if self.home.is_none() || self.is_over() {
             return;
         }
         if self.battery_v.is_nan() {
@@ -238,15 +241,15 @@ impl<const S: usize> FloorJob<S> {
         }
         // A mean over two seconds: motors that start pull the voltage down.
         self.battery_v += 0.02 * (battery_v - self.battery_v);
-        let is_driving = !matches!(self.phase, Phase::Over { .. } | Phase::Charge | Phase::Wait { .. } | Phase::Paused);
+        let is_driving = !matches!(self.phase, Phase::Charge | Phase::Wait { .. } | Phase::Paused);
         let is_docking = matches!(self.phase, Phase::Dock { stage: Stage::Approaching | Stage::Pressing, .. });
         if is_driving && !is_docking && !condition.is_charging && self.is_empty() {
-            self.errand = Errand::Recharge;
+            self.errand = Errand::Recharge { then: self.errand.way() };
             return self.begin(Phase::Over { is_home: false }, now_us);
         }
         let is_sweeping = is_driving && !matches!(self.phase, Phase::Lost { .. }) && self.errand.is_to_sweep();
         if is_sweeping && self.battery_v < self.config.low_v {
-            self.errand = Errand::Recharge;
+            self.errand = Errand::Recharge { then: self.errand.way() };
             if condition.is_charging {
                 self.begin(Phase::Charge, now_us);
             } else {

@@ -16,8 +16,8 @@ use crate::traits::WheelSpeeds;
 pub(super) enum Errand {
     /// To sweep the floor, and then to go home by such a way.
     Sweep { then: Way },
-    /// To go home with floor left to sweep, since the battery is nearly empty.
-    Recharge,
+    /// To go home with floor left to sweep, since the battery is nearly empty, and then to sweep it as before.
+    Recharge { then: Way },
     /// To go home for good.
     Finish(Way),
 }
@@ -28,6 +28,12 @@ impl Errand {
 
     pub(super) fn is_to_sweep(self) -> bool {
         matches!(self, Self::Sweep { .. })
+    }
+
+    /// The way home for good.
+    pub(super) fn way(self) -> Way {
+        let (Self::Sweep { then } | Self::Recharge { then } | Self::Finish(then)) = self;
+        then
     }
 }
 
@@ -46,6 +52,10 @@ pub(super) enum Way {
 /// A pose that moved by more than this, or turned by more, between two steps has jumped: metres and radians.
 const JUMP_M: f32 = 0.1;
 const JUMP_RAD: f32 = 0.17;
+/// When a step was is kept in such units, microseconds, and a step is so many of them. They come round after two seconds: a longer gap is
+/// taken for a shorter one.
+const TICK_US: u64 = 8000;
+const STEP_TICKS: u8 = 5;
 
 /// Where much floor is left behind something that bars the way, the robot waits at home for so long, microseconds, and looks once more: doors are
 /// shut for minutes.
@@ -96,7 +106,7 @@ impl<const S: usize> FloorJob<S> {
     pub(super) fn aim(&self) -> Aim {
         match self.errand {
             Errand::Sweep { .. } => Aim::Floor,
-            Errand::Recharge | Errand::Finish(_) => self.aim_home(),
+            Errand::Recharge { .. } | Errand::Finish(_) => self.aim_home(),
         }
     }
 
@@ -113,7 +123,7 @@ impl<const S: usize> FloorJob<S> {
     /// Back home for good: over, unless much floor is left that no way led to.
     pub(super) fn come_home(&mut self, now_us: u64) {
         // One that came home for want of charge, and has no dock, has none to look once more with.
-        let may_wait = !matches!(self.errand, Errand::Recharge | Errand::Finish(Way::Waited));
+        let may_wait = !matches!(self.errand, Errand::Recharge { .. } | Errand::Finish(Way::Waited));
         let waits = may_wait && self.tally.is_room_left() && self.is_path_left();
         self.begin(if waits { Phase::Wait { is_told: false } } else { Phase::Over { is_home: true } }, now_us);
     }
@@ -195,11 +205,22 @@ impl<const S: usize> FloorJob<S> {
         WheelSpeeds::from_twist(forward_mps, turn_radps, drive.track_m)
     }
 
+    /// How much longer ago the last step was than one takes, seconds.
+    fn lost_s(&mut self, now_us: u64) -> f32 {
+        let now = (now_us / TICK_US) as u8;
+        let since = now.wrapping_sub(core::mem::replace(&mut self.stepped_at, now));
+        1e-6 * TICK_US as f32 * f32::from(since.saturating_sub(STEP_TICKS))
+    }
+
     /// Where the pose jumps, the floor of the last metres is not sure to be swept, and what was near is elsewhere.
     pub(super) fn watch_jumps(&mut self, pose: &Pose, now_us: u64) {
+        let lost_s = self.lost_s(now_us);
         let Some(last) = self.last else { return };
         let moved_m = slam_core::pose::length(pose.x_m - last.x_m, pose.y_m - last.y_m);
-        if moved_m < JUMP_M && wrap(pose.theta_rad - last.theta_rad).abs() < JUMP_RAD {
+        // Where steps are lost the robot drives on meanwhile.
+        let most_m = JUMP_M + self.config.open_mps * lost_s;
+        let most_rad = JUMP_RAD + self.config.drive.turn_radps * lost_s;
+        if moved_m < most_m && wrap(pose.theta_rad - last.theta_rad).abs() < most_rad {
             return;
         }
         let quarters = self.trail.undo(&mut self.sheet);

@@ -6,42 +6,46 @@ use slam_core::Pose;
 /// Where the job's frame lies in the map's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Frame {
-    /// Its origin in the map frame; none until the walls' grid is known: the map's.
-    origin: Option<Pose>,
+    /// Its origin in the map frame.
+    origin: Pose,
+    /// Its axes are along the walls' grid.
+    is_aligned: bool,
 }
 
 impl Frame {
     /// The map's.
-    pub(super) const MAP: Self = Self { origin: None };
+    pub(super) const MAP: Self = Self { origin: Pose::ORIGIN, is_aligned: false };
 
-    /// The frame with this origin in the map's.
+    /// The frame with this origin in the map's; the map's where there is none.
     pub(super) fn at(origin: Option<Pose>) -> Self {
-        Self { origin }
+        origin.map_or(Self::MAP, |origin| Self { origin, is_aligned: true })
     }
 
     /// Its origin in the map frame.
     pub(super) fn origin(&self) -> Pose {
-        self.origin.unwrap_or(Pose::ORIGIN)
+        self.origin
     }
 
-    /// Whether the walls' grid is known.
-    pub(super) fn is_aligned(&self) -> bool {
-        self.origin.is_some()
+    /// The same; none where it is the map's still.
+    pub(super) fn kept(&self) -> Option<Pose> {
+        (*self != Self::MAP).then_some(self.origin)
     }
 
     /// A pose of the map frame.
     pub(super) fn pose(&self, pose: &Pose) -> Pose {
-        self.origin.map_or(*pose, |origin| origin.inverse().compose(pose))
+        self.kept().map_or(*pose, |origin| origin.inverse().compose(pose))
     }
 
     /// Takes up the direction of the walls' grid; how far the frame turned, radians, where it did.
     pub(super) fn align(&mut self, grid_rad: f32) -> Option<f32> {
-        if self.is_aligned() || !grid_rad.is_finite() {
+        if self.is_aligned || !grid_rad.is_finite() {
             return None;
         }
         let quarter = core::f32::consts::FRAC_PI_2;
-        let nearest_rad = grid_rad - quarter * libm::roundf(grid_rad / quarter);
-        self.origin = Some(Pose::new(0.0, 0.0, nearest_rad));
+        let off_rad = grid_rad - self.origin.theta_rad;
+        let nearest_rad = off_rad - quarter * libm::roundf(off_rad / quarter);
+        let Pose { x_m, y_m, theta_rad } = self.origin;
+        *self = Self { origin: Pose::new(x_m, y_m, theta_rad + nearest_rad), is_aligned: true };
         Some(nearest_rad)
     }
 
@@ -49,7 +53,7 @@ impl Frame {
     pub(super) fn go_on(&mut self, before: &Pose, now: &Pose) {
         let origin = now.compose(&self.pose(before).inverse());
         if origin.x_m.is_finite() && origin.y_m.is_finite() && origin.theta_rad.is_finite() {
-            self.origin = Some(origin);
+            self.origin = origin;
         }
     }
 }
@@ -71,5 +75,15 @@ mod tests {
         let again = frame.pose(&seen_there(&chair));
         assert!((again.x_m - remembered.x_m).abs() < 1e-5 && (again.y_m - remembered.y_m).abs() < 1e-5, "{again:?}");
         assert!(frame.align(0.4).is_none(), "its axes are what they were");
+    }
+
+    #[test]
+    fn axes_that_nothing_told_yet_turn_onto_the_grid_of_another_map() {
+        let mut frame = Frame::MAP;
+        let here = Pose::new(1.0, 2.0, 0.4);
+        frame.go_on(&Pose::ORIGIN, &here);
+        assert!((frame.align(-1.4).unwrap() + 0.4 - (core::f32::consts::FRAC_PI_2 - 1.4)).abs() < 1e-6);
+        assert_eq!([frame.origin().x_m, frame.origin().y_m], [here.x_m, here.y_m], "they turn about their origin");
+        assert!(frame.align(0.3).is_none(), "once");
     }
 }

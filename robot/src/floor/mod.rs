@@ -121,6 +121,8 @@ pub struct FloorJob<const S: usize> {
     /// How often the way to the target was blocked.
     blocked: u8,
     steps: u8,
+    /// When the last step was; it wraps.
+    stepped_at: u8,
     tally: Tally,
     areas: Areas,
     /// What was written down of it for after a reset is of these cells.
@@ -157,7 +159,7 @@ impl<const S: usize> FloorJob<S> {
         gained: 0,
         target: None,
         axis: Axis::X,
-        moved: ([0.0; 2], 0),
+        moved: ([f32::INFINITY; 2], 0),
         struck_m: [f32::INFINITY; 2],
         strikes: 0,
         insistence: Insistence::NONE,
@@ -169,6 +171,7 @@ impl<const S: usize> FloorJob<S> {
         squeezes: 0,
         blocked: 0,
         steps: 0,
+        stepped_at: 0,
         tally: Tally::new(),
         areas: Areas::NONE,
         is_noted: false,

@@ -55,7 +55,8 @@ impl core::fmt::Display for FloorRecordError {
 impl core::error::Error for FloorRecordError {}
 
 /// Of the sixteen ways in which the quarters of a free cell are swept or not, the two where only opposite corners are count as none, so
-/// that a cell fits in four bits with two more for what is unknown and what stands there.
+/// that a cell fits in four bits with two more for what is unknown and what stands there. One of the two stands for a cell that is left
+/// out: the areas are drawn anew after a reset, and may be elsewhere.
 const SWEPT: [u8; 14] = [0, 1, 2, 3, 4, 5, 7, 8, 10, 11, 12, 13, 14, 15];
 const UNKNOWN: u8 = 14;
 const OBSTACLE: u8 = 15;
@@ -68,7 +69,7 @@ impl Sheet {
         if !self.picture.is_free(cell) {
             return UNKNOWN;
         }
-        let swept = self.swept.of(cell);
+        let swept = self.swept.kept_of(cell);
         SWEPT.iter().position(|kept| *kept == swept).unwrap_or(0) as u8
     }
 
@@ -191,13 +192,12 @@ impl<const S: usize> FloorJob<S> {
     fn note_head(&self, map: u32, number: u32, serial: u16, memory: &mut impl LastingMemory) {
         let errand = match self.errand {
             Errand::Sweep { .. } => 0,
-            Errand::Recharge => 1,
+            Errand::Recharge { .. } => 1,
             Errand::Finish(_) => 2,
         };
         let errand = [errand, u8::from(self.has_dock), self.retries, 0];
         let [low, high] = serial.to_le_bytes();
-        let origin = Some(self.frame.origin()).filter(|_| self.frame.is_aligned());
-        let poses = [origin, self.home].into_iter().flat_map(pose_words);
+        let poses = [self.frame.kept(), self.home].into_iter().flat_map(pose_words);
         let [col, row] = self.sheet.picture.corner().map(i32::to_le_bytes);
         let words = [[low, high, 0, 0], map.to_le_bytes(), errand].into_iter();
         let words = words.chain(poses).chain([col, row, self.tally.swept().to_le_bytes()]).flatten();
@@ -221,7 +221,7 @@ impl<const S: usize> FloorJob<S> {
         let [errand, has_dock, retries, _] = word();
         self.errand = match errand {
             0 => Errand::FIRST,
-            1 => Errand::Recharge,
+            1 => Errand::Recharge { then: Way::Open },
             2 => Errand::Finish(Way::Open),
             _ => return Err(FloorRecordError::Value),
         };
@@ -272,7 +272,7 @@ mod tests {
         job.align(0.2);
         job.go_on_in(&Pose::ORIGIN, &Pose::new(0.3, 0.4, 0.5));
         job.home = Some(Pose::new(0.5, -0.25, seed as f32));
-        job.errand = Errand::Recharge;
+        job.errand = Errand::Recharge { then: Way::Open };
         let mut bits = seed;
         for cell in (0..CELLS as i16).flat_map(pairs).flatten() {
             bits = bits.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -308,6 +308,18 @@ mod tests {
         let corner = Cell { col: 3, row: 70 };
         assert_eq!(again.sheet.picture.centre_m(corner), job.sheet.picture.centre_m(corner));
         assert_eq!(again.progress().swept_m2, job.progress().swept_m2);
+    }
+
+    #[test]
+    fn a_cell_that_was_left_out_is_not_swept_after_a_reset() {
+        let (mut memory, mut job) = ([0; FLOOR_RECORD_BYTES], blank());
+        let cell = Cell { col: 30, row: 40 };
+        job.sheet.picture.see_free(cell);
+        job.sheet.swept.leave_out(cell);
+        save(&mut job, &mut Notes::default(), &mut memory);
+        let mut again = blank();
+        again.restore(7, &memory).unwrap();
+        assert!(again.sheet.picture.is_free(cell) && again.sheet.swept.left_in(cell) == 4);
     }
 
     #[test]

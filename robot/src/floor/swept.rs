@@ -56,7 +56,8 @@ impl Swept {
         Some([stored::<CELLS>(cell.row, self.origin[1])?, stored::<CELLS>(cell.col, self.origin[0])?])
     }
 
-    fn kept_of(&self, cell: Cell) -> u8 {
+    /// What is kept of a cell: its swept quarters, a bit each, or what stands for one that need not be swept.
+    pub(super) fn kept_of(&self, cell: Cell) -> u8 {
         let Some([row, col]) = self.stored_at(cell) else { return WHOLE };
         let both = self.cells.get(row).and_then(|row| row.get(col / 2)).copied().unwrap_or(0xFF);
         (both >> (4 * (col % 2))) & WHOLE

@@ -1,5 +1,7 @@
 //! The floor job by itself, without a home around it.
 
+mod rooms;
+
 use super::swept::CELLS;
 use super::*;
 use crate::condition::Condition;

@@ -81,7 +81,7 @@ impl<const S: usize> FloorJob<S> {
     }
 
     pub(super) fn search(&mut self, aim: Aim, escape: i16, begun: bool, pose: &Pose, now_us: u64) -> (f32, f32) {
-        if self.waits_for_areas(aim, now_us) {
+        if self.waits_for_areas(aim) {
             return (0.0, 0.0);
         }
         if !begun {
@@ -222,8 +222,7 @@ impl<const S: usize> FloorJob<S> {
             self.doubt_what_bars();
             self.plan(Aim::Floor, now_us);
         } else {
-            let then = if let Errand::Sweep { then } = self.errand { then } else { Way::Open };
-            self.errand = Errand::Finish(then);
+            self.errand = Errand::Finish(self.errand.way());
             self.gained = 0;
             self.areas.turn_home();
             self.go_about(now_us);

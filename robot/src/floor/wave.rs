@@ -79,7 +79,7 @@ pub(super) struct Wave {
     front: Deque<([u8; 2], u8), FRONT>,
     start: Cell,
     /// The nearest open floor, and its steps from the start.
-    open: Option<(Cell, u8)>,
+    open: Option<([u8; 2], u8)>,
     /// Cells from the start within which the way may be narrow.
     escape: i16,
     /// What was not seen is taken for floor.
@@ -137,17 +137,17 @@ impl Wave {
         }
         for _ in 0..SLICE {
             let Some((cell, steps)) = self.front.pop_front().map(|(cell, steps)| (Cell::unpacked(cell), steps)) else {
-                return self.open.map_or(Slice::Nothing, |(cell, _)| Slice::Found(Target::Open(cell)));
+                return self.open.map_or(Slice::Nothing, |(cell, _)| Slice::Found(Target::Open(Cell::unpacked(cell))));
             };
             self.reached = self.reached.saturating_add(1);
             if let Some((open, near)) = self.open
                 && steps > near.saturating_add(EDGE_PREFERENCE)
             {
-                return Slice::Found(Target::Open(open));
+                return Slice::Found(Target::Open(Cell::unpacked(open)));
             }
             match target_at(sheet, cell, aim) {
                 Some(Target::Open(_)) if self.open.is_some() => {}
-                Some(Target::Open(open)) => self.open = Some((open, steps)),
+                Some(Target::Open(open)) => self.open = Some((open.packed(), steps)),
                 Some(target) => return Slice::Found(target),
                 None => {}
             }

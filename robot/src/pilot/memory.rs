@@ -193,6 +193,11 @@ impl<const N: usize> Memory<N> {
         self.edit(cell, |value| value | BLOCKED);
     }
 
+    /// What kept it out of here is elsewhere.
+    pub(crate) fn unblock(&mut self, cell: Cell) {
+        self.edit(cell, |value| value & !BLOCKED);
+    }
+
     /// The robot's centre is here: whatever was thought to be here is not.
     pub(crate) fn stand_on(&mut self, cell: Cell) {
         self.edit(cell, |value| (value & !(EVIDENCE | BLOCKED)) | 2);

@@ -19,8 +19,9 @@ pub(crate) mod steer;
 
 use slam_core::{Pose, Rig};
 
-use crate::condition::Condition;
+use crate::condition::{Battery, Condition};
 use crate::contact::{Contacts, Insistence};
+use crate::floor::FloorConfig;
 use crate::traits::WheelSpeeds;
 use beam::{Beam, Passed, draw_beam};
 pub use config::PilotConfig;
@@ -117,6 +118,7 @@ pub struct Pilot<const S: usize, const N: usize = 80> {
     moving_us: u64,
     rounds: u16,
     given_up: u16,
+    battery: Battery,
 }
 
 impl<const S: usize, const N: usize> Pilot<S, N> {
@@ -139,6 +141,7 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
         moving_us: 0,
         rounds: 0,
         given_up: 0,
+        battery: Battery::UNKNOWN,
     };
 
     /// A pilot that knows nothing of the home.
@@ -173,6 +176,16 @@ impl<const S: usize, const N: usize> Pilot<S, N> {
         self.memory.clear(self.config.cell_m);
         self.route = None;
         self.look_anew();
+    }
+
+    /// Takes note of the battery, in each step.
+    pub(crate) fn watch_battery(&mut self, condition: &Condition) {
+        self.battery.step(condition);
+    }
+
+    /// Whether the battery is empty.
+    pub(crate) fn is_flat(&self) -> bool {
+        self.battery.is_below(FloorConfig::DEFAULT.empty_v)
     }
 
     /// Stands in a pause, in which somebody may carry it: after it, it looks anew where to go.

@@ -133,8 +133,9 @@ impl<const B: usize> Extension<'_, B> {
         local.add_relief(self.walls.relief_m);
         let path_m = self.drive.dead_reckoning.path_m;
         let states = if matches!(verdict, Verdict::OnGrid(_)) { 1 } else { 2 };
-        let is_full = self.map.is_full() || self.ekf.len() + states > self.ekf.capacity();
-        if is_full && self.map.evict(self.ekf, line.count, path_m) {
+        let lacking = (self.ekf.len() + states).saturating_sub(self.ekf.capacity());
+        let is_full = self.map.is_full() || lacking > 0;
+        if is_full && self.map.evict(self.ekf, line.count, lacking, path_m) {
             changes.prunes = changes.prunes.saturating_add(1);
         }
         let first_normal = match verdict {

@@ -85,6 +85,16 @@ struct Kept {
     is_near: bool,
 }
 
+/// Where a robot is held, in the map, and the 1-sigma vector of what is in doubt of that, metres and radians.
+#[derive(Clone, Copy, Debug)]
+pub struct Held {
+    pub pose: Pose,
+    pub in_doubt: [f32; 3],
+}
+
+/// Standard deviation of what is spread evenly over a length, of half of that: one over the root of three.
+const EVEN: f32 = 0.577_350_3;
+
 /// The readings of all sensors since one of them last changed.
 #[derive(Clone, Debug)]
 pub struct Stillness<const S: usize> {
@@ -97,12 +107,21 @@ pub struct Stillness<const S: usize> {
     /// Where it was then, in the map.
     begun: Option<Pose>,
     is_changed: bool,
+    /// Sensors that look along the way, a bit each.
+    along: u16,
 }
 
 impl<const S: usize> Stillness<S> {
     /// Nothing was read.
-    pub const NONE: Self =
-        Self { kept: [Kept::NONE; S], turned_rad: 0.0, moved_m: 0.0, ahead_m: 0.0, begun: None, is_changed: false };
+    pub const NONE: Self = Self {
+        kept: [Kept::NONE; S],
+        turned_rad: 0.0,
+        moved_m: 0.0,
+        ahead_m: 0.0,
+        begun: None,
+        is_changed: false,
+        along: 0,
+    };
 
     /// The wheels move the robot so, in its frame, and its beams by so much, metres.
     pub fn follow(&mut self, motion: &Pose, moved_m: f32) {
@@ -119,6 +138,8 @@ impl<const S: usize> Stillness<S> {
             kept.begin_anew();
         }
         kept.age = 0;
+        let bit = 1 << (sensor.index & 15);
+        self.along = if sensor.state.looks_along() { self.along | bit } else { self.along & !bit };
         kept.is_near = range_m < NEAR * sensor.limits.min_m;
         let turned = (PER_RAD * self.turned_rad) as i8;
         if kept.readings.0 == 0 && (kept.readings.1 == FIRST || kept.readings.1 > 0 && kept.over(turned) > FIRST_TURN) {
@@ -175,7 +196,8 @@ impl<const S: usize> Stillness<S> {
 
     /// After the readings of a step, with the pose in the map.
     pub fn settle(&mut self, map: Pose) {
-        let begins = self.is_changed || self.begun.is_none();
+        // Where nothing was read of late, nothing stays.
+        let begins = self.is_changed || self.begun.is_none() || !self.kept.iter().any(Kept::is_read);
         for kept in &mut self.kept {
             kept.age = kept.age.saturating_add(1);
             if begins {
@@ -220,13 +242,25 @@ impl<const S: usize> Stillness<S> {
     }
 
     /// Where it is held.
-    pub fn held_at(&self) -> Option<Pose> {
-        self.begun.filter(|_| self.says() > HELD)
+    pub fn held_at(&self) -> Option<Held> {
+        self.place().filter(|_| self.says() > HELD)
     }
 
-    /// Where it was when a reading last changed, if its beams should have moved by more than this since, metres.
-    pub fn begun(&self, moved_m: f32) -> Option<Pose> {
-        self.begun.filter(|_| self.is_same_over(moved_m))
+    /// Where it is held, if its beams should have moved by more than this since a reading last changed, metres.
+    pub fn begun(&self, moved_m: f32) -> Option<Held> {
+        self.place().filter(|_| self.is_same_over(moved_m))
+    }
+
+    /// Where something holds it that turned its wheels since a reading last changed. Beside a wall, with nothing before it and behind it,
+    /// readings stay as well while it drives ahead: it was held from any place of that way on.
+    fn place(&self) -> Option<Held> {
+        let is_seen =
+            self.kept.iter().enumerate().any(|(index, kept)| kept.is_told() && self.along >> (index & 15) & 1 != 0);
+        let ahead_m = if is_seen { 0.0 } else { self.ahead_m };
+        let begun = self.begun?;
+        let pose = begun.compose(&Pose { x_m: 0.5 * ahead_m, ..Pose::ORIGIN });
+        let [x_m, y_m] = [pose.x_m - begun.x_m, pose.y_m - begun.y_m];
+        Some(Held { pose, in_doubt: [EVEN * x_m, EVEN * y_m, 0.0] })
     }
 
     /// Log odds of a robot that does not turn, by all sensors.
@@ -279,6 +313,11 @@ impl Kept {
     /// Turn since the first look, radians.
     fn since_first(&self, at: i8) -> f32 {
         (f32::from(at) - f32::from(self.first_at)) * (1.0 / PER_RAD)
+    }
+
+    /// Whether there were readings of late.
+    fn is_read(&self) -> bool {
+        self.readings != (0, 0) && self.age < UNSEEN
     }
 
     /// Whether it had first readings, and has some still.

@@ -23,6 +23,11 @@ impl FixedMount {
         Self { origin_m: [mount.x_m, mount.y_m], sin_cos: sin_cos(mount.bearing_rad) }
     }
 
+    /// Sine of its beam's bearing.
+    pub fn sin(&self) -> f32 {
+        self.sin_cos.0
+    }
+
     /// How far along its beam it is beyond a point so far to the left of the axle's centre, both metres.
     pub fn along_m(&self, left_m: f32) -> f32 {
         let ([x, y], (s, c)) = (self.origin_m, self.sin_cos);

@@ -43,6 +43,11 @@ impl SensorState {
         self.gain_state().map_or(1.0, |i| ekf.mean(i))
     }
 
+    /// Whether it looks so nearly along the way ahead or back that it does not see a wall beside it.
+    pub fn looks_along(&self) -> bool {
+        self.mount.sin().abs() < self.min_cos
+    }
+
     /// How far along its beam a range ends beyond a point so far to the left of the axle's centre, all metres.
     pub fn past_axle_m(&self, range_m: f32, left_m: f32) -> f32 {
         range_m + self.mount.along_m(left_m)

@@ -21,7 +21,7 @@ const STRETCH_M: f32 = 1.0;
 const BELIEVED: f32 = 2.0;
 
 /// Wheels slip no less than the rig states; where the variance is a hundred times as large, ten degrees a metre with the default robot,
-/// they tell nothing of the heading any more. The factor believed may be twice as large or half, 1-sigma: 1 / ln^2 2.
+/// they tell nothing of the heading any more. The factor believed may be e times as large or as small, 1-sigma: 2 / ln^2 e.
 const PRIOR: Prior = Prior { limits: [1.0 / BELIEVED, 100.0 / BELIEVED], information: 2.0 };
 
 /// A covariance whose noise of motion was so many times another is as many times another to this power: to the first where motion alone

@@ -118,12 +118,15 @@ impl Drive {
         let factors = self.states.factors(model, ekf);
         let driven = if way.is_reversed { logged.map(|travel| travel.reversed()) } else { logged };
         let step = match &driven {
-            Some(travel) => self.real_step(model, settings, travel, dt_s, &factors),
+            Some(travel) => {
+                let step = self.real_step(model, settings, travel, dt_s, &factors);
+                Step { noise: step.noise.map(|row| row.map(|entry| way.noise * entry)), ..step }
+            }
+            // However much wheels slip, a robot whose motion is not known goes no faster.
             None => self.step.lost(dt_s),
         };
         // What holds it gives way by what the wheels' noise is.
-        let mut step = if way.is_held { Step { noise: step.noise, ..Step::STILL } } else { step };
-        step.noise = step.noise.map(|row| row.map(|entry| way.noise * entry));
+        let step = if way.is_held { Step { noise: step.noise, ..Step::STILL } } else { step };
         self.dead_reckoning.advance(&step);
         self.step = step;
         let nominal = |travel: Travel| step::step(model, &travel, &Factors::nominal(model));
@@ -133,6 +136,11 @@ impl Drive {
         self.turned = driven.map_or(Pose::ORIGIN, |travel| nominal(travel).applied_to(&Pose::ORIGIN));
         self.last_motion = if way.is_held { Pose::ORIGIN } else { self.turned };
         factors
+    }
+
+    /// There is no motion in this step.
+    pub fn rest(&mut self) {
+        (self.step, self.last_motion) = (Step::STILL, Pose::ORIGIN);
     }
 
     /// The motion so far turns out to have been another: moves the dead reckoning by so much, metres, in its frame, as part of the last

@@ -19,6 +19,7 @@ mod grids;
 mod healths;
 mod jacobians;
 mod lines;
+mod mishaps;
 mod motions;
 mod noise_levels;
 mod numeric;

@@ -286,9 +286,11 @@ impl MapView {
     }
 
     /// Makes room where the map is full: removes the wall that the fewest readings met of those not seen for
-    /// [`FORGET_AFTER_M`], if they are fewer than `points` of the newborn times [`WORTH`]. True where one went.
-    pub fn evict(&mut self, ekf: &mut EkfView, points: u32, path_m: f32) -> bool {
-        let unseen = self.walls.iter().enumerate().filter(|(_, w)| path_m - w.seen_at_m > FORGET_AFTER_M);
+    /// [`FORGET_AFTER_M`] with as many states as are `lacking`, if they are fewer than `points` of the newborn times [`WORTH`]. True where one
+    /// went.
+    pub fn evict(&mut self, ekf: &mut EkfView, points: u32, lacking: usize, path_m: f32) -> bool {
+        let is_unseen = |w: &Wall| path_m - w.seen_at_m > FORGET_AFTER_M && w.states() >= lacking;
+        let unseen = self.walls.iter().enumerate().filter(|(_, w)| is_unseen(w));
         let least = unseen.min_by_key(|(_, w)| w.updates).filter(|(_, w)| w.updates < WORTH.saturating_mul(points));
         let Some(index) = least.map(|(index, _)| index) else { return false };
         self.remove(ekf, index);

@@ -36,6 +36,7 @@ use firmware::burst::{BurstBank, Converter};
 use robot::{ContactPins, HBridge, MotorPair, PowerSupply, WheelCounter, WheelEncoders};
 use slam_core::Ticks;
 use static_cell::ConstStaticCell;
+use stm32_metapac::timer::vals::FilterValue;
 use stm32_metapac::{FLASH, RCC};
 
 const MOTOR_PWM: Hertz = khz(20);
@@ -86,16 +87,18 @@ pub struct Board {
     pub floor_backup: FloorBackup,
     /// Where it is written down where the robot is.
     pub pose_backup: PoseBackup,
-    /// Watchdog, not running yet.
+    /// Watchdog, running.
     pub watchdog: IndependentWatchdog<'static, IWDG>,
-    /// Whether the watchdog caused this start.
-    pub watchdog_bit: bool,
+    /// What caused this start.
+    pub cause: Cause,
 }
 
 impl Board {
     /// Sets up clocks, pins and peripherals; the motors are off.
     pub fn new() -> Self {
         let p = start();
+        // First of all: what panics from here on does not stay silent.
+        let watchdog = watchdog(p.IWDG);
         let output = |pin: Peri<'static, AnyPin>| Output::new(pin, Level::Low, Speed::Low);
         let speeds = SimplePwm::new(
             p.TIM1,
@@ -108,8 +111,7 @@ impl Board {
         );
         let speeds = speeds.split();
         let (mut left, mut right) = (speeds.ch1, speeds.ch2);
-        left.enable();
-        right.enable();
+        [&mut left, &mut right].into_iter().for_each(SimplePwmChannel::enable);
         let motors = MotorPair {
             left: HBridge::new(left, output(p.PB12.into()), output(p.PB13.into())),
             right: HBridge::new(right, output(p.PB14.into()), output(p.PB15.into())),
@@ -132,13 +134,13 @@ impl Board {
             p.PC1.degrade_adc(),
         ];
         let (floor_backup, pose_backup) = backup_ram::parts();
-        let line = Uart::new(p.USART2, p.PA3, p.PA2, p.DMA1_CH6, p.DMA1_CH5, Interrupts, usart::Config::default());
+        let line = Uart::new(p.USART2, p.PA3, p.PA2, p.DMA1_CH6, p.DMA1_CH5, Interrupts, serial());
         let (transmitter, receiver) = line.expect("115200 baud is possible").split();
         Self {
             ranges: BurstBank::new(SharpSensors { adc: Adc::new(p.ADC1), sensors }),
             encoders: Encoders::new(
-                Qei::new(p.TIM3, p.PC6, p.PC7, qei::Config::default()),
-                Qei::new(p.TIM4, p.PB6, p.PB7, qei::Config::default()),
+                Qei::new(p.TIM3, p.PC6, p.PC7, encoder_inputs()),
+                Qei::new(p.TIM4, p.PB6, p.PB7, encoder_inputs()),
             ),
             motors,
             enable: output(p.PC8.into()),
@@ -153,8 +155,8 @@ impl Board {
             map_flash: SmallSectors::new(p.FLASH),
             floor_backup,
             pose_backup,
-            watchdog: IndependentWatchdog::new(p.IWDG, WATCHDOG_US),
-            watchdog_bit: watchdog_bit(),
+            watchdog,
+            cause: cause(),
         }
     }
 }
@@ -189,11 +191,39 @@ fn start() -> Peripherals {
     peripherals
 }
 
+/// The watchdog, running.
+fn watchdog(part: Peri<'static, IWDG>) -> IndependentWatchdog<'static, IWDG> {
+    let mut watchdog = IndependentWatchdog::new(part, WATCHDOG_US);
+    watchdog.unleash();
+    watchdog
+}
+
+/// 115200 baud, 8N1; a line that is not connected is silent.
+fn serial() -> usart::Config {
+    let mut config = usart::Config::default();
+    config.rx_pull = Pull::Up;
+    config
+}
+
+/// What caused a start; neither where the supply came, the reset input was pulled, or a debug probe did it.
+#[derive(Clone, Copy)]
+pub struct Cause {
+    /// The watchdog bit.
+    pub watchdog: bool,
+    /// The supply broke in, and did not go altogether.
+    pub brown_out: bool,
+}
+
 /// Reads and clears the cause of the last reset.
-fn watchdog_bit() -> bool {
-    let bit = RCC.csr().read().wdgrstf();
+fn cause() -> Cause {
+    let flags = RCC.csr().read();
     RCC.csr().modify(|csr| csr.set_rmvf(true));
-    bit
+    Cause { watchdog: flags.wdgrstf(), brown_out: flags.borrstf() && !flags.porrstf() }
+}
+
+/// Whether the processor runs on with a supply that is too low for its flash, as it does until its option bytes say otherwise.
+pub fn brown_out_reset_is_off() -> bool {
+    FLASH.optcr().read().bor_lev() == 0b11
 }
 
 /// The Sharp sensors on the converter.
@@ -241,8 +271,17 @@ pub struct Encoders {
     right: (Qei<'static, TIM4>, WheelCounter),
 }
 
+/// Encoders with open collectors need the pull-up resistors, those that drive their outputs do not mind.
+fn encoder_inputs() -> qei::Config {
+    qei::Config { ch1_pull: Pull::Up, ch2_pull: Pull::Up, ..Default::default() }
+}
+
 impl Encoders {
     fn new(left: Qei<'static, TIM3>, right: Qei<'static, TIM4>) -> Self {
+        // An edge counts when it lasted for eight samples, 3 us: shorter ones are the motors'. At full speed edges are 700 us apart.
+        for timer in [stm32_metapac::TIM3, stm32_metapac::TIM4] {
+            timer.ccmr_input(0).modify(|inputs| (0..2).for_each(|n| inputs.set_icf(n, FilterValue::FDTS_DIV32_N8)));
+        }
         let counters = [left.count(), right.count()].map(WheelCounter::starting_at);
         Self { left: (left, counters[0]), right: (right, counters[1]) }
     }

@@ -15,7 +15,7 @@ mod small_sectors;
 mod stack;
 
 use backup_ram::{FloorBackup, PoseBackup};
-use board::{Board, Contacts, Encoders, Motor, SharpSensors, Supply};
+use board::{Board, Cause, Contacts, Encoders, Motor, SharpSensors, Supply};
 use defmt_rtt as _;
 use embassy_executor::Spawner;
 use embassy_stm32::gpio::Output;
@@ -44,8 +44,12 @@ static BACK_END: ConstStaticCell<RobotBackEnd> = ConstStaticCell::new(RobotBackE
 #[embassy_executor::main]
 async fn main(below: Spawner) {
     let board = Board::new();
-    defmt::info!("wall-slam {}, watchdog bit: {}", env!("CARGO_PKG_VERSION"), board.watchdog_bit);
-    SHARED.faults.update(|faults| faults.watchdog_resets = board.watchdog_bit.into());
+    let Cause { watchdog, brown_out } = board.cause;
+    defmt::info!("wall-slam {}, watchdog bit: {}, brown-out: {}", env!("CARGO_PKG_VERSION"), watchdog, brown_out);
+    if board::brown_out_reset_is_off() {
+        defmt::error!("brown-out reset is off: set BOR level 3 in the option bytes");
+    }
+    SHARED.faults.update(|faults| faults.watchdog_resets = watchdog.into());
     let slam = core_ram::SLAM.take();
     assert!(slam.start_with_config(ROBOT.rig(), config()).is_ok(), "the built-in rig is valid");
     let job = core_ram::job(ROBOT);
@@ -126,8 +130,7 @@ async fn commands(mut line: RingBufferedUartRx<'static>) -> ! {
 }
 
 #[embassy_executor::task]
-async fn supervise(mut watchdog: IndependentWatchdog<'static, IWDG>) -> ! {
-    watchdog.unleash();
+async fn supervise(watchdog: IndependentWatchdog<'static, IWDG>) -> ! {
     tasks::supervise(&mut Processor { watchdog }, &SHARED).await
 }
 
