@@ -11,6 +11,7 @@ const NEIGHBOURS: [(i16, i16); 8] = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (
 
 /// Cells of the wave's front. When it is full the wave leaves out cells: far places are found later.
 const FRONT: usize = 240;
+const _: () = assert!(FRONT <= u8::MAX as usize);
 
 /// How much farther an edge may be than open floor to be preferred, in cells: what is beside walls is swept first, for lanes
 /// overlap it on their way.
@@ -75,8 +76,11 @@ pub(super) type Route = Vec<[u8; 2], ROUTE>;
 /// A search under way.
 #[derive(Clone, Debug)]
 pub(super) struct Wave {
-    /// Cells of the front, and their steps from the start.
-    front: Deque<([u8; 2], u8), FRONT>,
+    /// Cells of the front, in the order of their steps from the start.
+    front: Deque<[u8; 2], FRONT>,
+    /// Steps of the next one, and how many of the front are as far.
+    steps: u8,
+    as_far: u8,
     start: Cell,
     /// The nearest open floor, and its steps from the start.
     open: Option<([u8; 2], u8)>,
@@ -94,6 +98,8 @@ impl Wave {
     pub(super) const fn new() -> Self {
         Self {
             front: Deque::new(),
+            steps: 0,
+            as_far: 0,
             start: Cell { col: 0, row: 0 },
             open: None,
             escape: 0,
@@ -108,6 +114,7 @@ impl Wave {
     pub(super) fn begin(&mut self, start: Cell, escape: i16, dares: bool) {
         self.front.clear();
         self.open = None;
+        (self.steps, self.as_far) = (0, 1);
         self.reached = 0;
         self.row = 0;
         self.start = start;
@@ -125,9 +132,20 @@ impl Wave {
         }
         if self.row == CELLS as i16 && sheet.picture.is_inside(self.start) {
             sheet.picture.set_step_label(self.start, 0);
-            let _ = self.front.push_back((self.start.packed(), 0));
+            let _ = self.front.push_back(self.start.packed());
         }
         false
+    }
+
+    /// The next cell of the front.
+    fn next(&mut self) -> Option<Cell> {
+        if self.as_far == 0 {
+            // What is in the front by now is one step farther.
+            self.steps = self.steps.saturating_add(1);
+            self.as_far = self.front.len() as u8;
+        }
+        self.as_far = self.as_far.saturating_sub(1);
+        self.front.pop_front().map(Cell::unpacked)
     }
 
     /// Searches on, as much as a step allows.
@@ -136,18 +154,18 @@ impl Wave {
             return Slice::More;
         }
         for _ in 0..SLICE {
-            let Some((cell, steps)) = self.front.pop_front().map(|(cell, steps)| (Cell::unpacked(cell), steps)) else {
+            let Some(cell) = self.next() else {
                 return self.open.map_or(Slice::Nothing, |(cell, _)| Slice::Found(Target::Open(Cell::unpacked(cell))));
             };
             self.reached = self.reached.saturating_add(1);
             if let Some((open, near)) = self.open
-                && steps > near.saturating_add(EDGE_PREFERENCE)
+                && self.steps > near.saturating_add(EDGE_PREFERENCE)
             {
                 return Slice::Found(Target::Open(Cell::unpacked(open)));
             }
             match target_at(sheet, cell, aim) {
                 Some(Target::Open(_)) if self.open.is_some() => {}
-                Some(Target::Open(open)) => self.open = Some((open.packed(), steps)),
+                Some(Target::Open(open)) => self.open = Some((open.packed(), self.steps)),
                 Some(target) => return Slice::Found(target),
                 None => {}
             }
@@ -157,7 +175,7 @@ impl Wave {
                 if sheet.picture.is_inside(next) && sheet.picture.step_label(next).is_none() && self.is_way(sheet, next)
                 {
                     sheet.picture.set_step_label(next, (label + 1) % 3);
-                    let _ = self.front.push_back((next.packed(), steps.saturating_add(1)));
+                    let _ = self.front.push_back(next.packed());
                 }
             }
         }
