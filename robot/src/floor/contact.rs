@@ -296,7 +296,7 @@ impl<const S: usize> FloorJob<S> {
     /// Leaves the target for good; its cell, where there is floor left in it.
     pub(super) fn leave(&mut self) -> Option<Cell> {
         let cell = match self.target.take()? {
-            Target::Open(cell) | Target::Place(cell) => cell,
+            Target::Open(cell) | Target::Place(cell) | Target::Exit(cell) => cell,
             Target::Edge { at, .. } => at,
         };
         let is_left = self.sheet.swept.left_in(cell) > 0;

@@ -24,7 +24,7 @@ impl<const S: usize> FloorJob<S> {
         let is_there = |to_m: [f32; 2]| slam_core::pose::length(to_m[0] - pose.x_m, to_m[1] - pose.y_m) < 0.05;
         if along.nearest_m < MEET_M {
             self.begin_edge(self.better_side(pose, now_us), now_us);
-        } else if to_m.is_some_and(is_there) {
+        } else if to_m.map_or_else(|| self.is_at_brink(pose), is_there) {
             self.finish_target(now_us);
         }
         to_m.map_or((self.config.drive.speed_mps, 0.0), |to_m| self.towards(to_m, pose, now_us))
@@ -67,7 +67,7 @@ impl<const S: usize> FloorJob<S> {
         if along.is_beside {
             self.beside_m = self.path_m;
         }
-        if self.credit_m < 0.0 || self.path_m - self.beside_m > LOST_M {
+        if self.credit_m < 0.0 || self.path_m - self.beside_m > LOST_M || self.is_at_brink(pose) {
             self.finish_target(now_us);
         }
         (along.forward_mps, along.turn_radps)

@@ -65,7 +65,8 @@ impl<const S: usize> FloorJob<S> {
             } else {
                 (high - 1, -1)
             };
-            let Some(stretch) = self.sheet.stretch(axis, across, near, 2) else { continue };
+            let stretch = self.sheet.stretch(axis, across, near, 2);
+            let Some(stretch) = stretch.and_then(|stretch| self.before_brink(axis, stretch)) else { continue };
             let is_from_low = (here - stretch.from).abs() <= (here - stretch.to).abs();
             let sign = if is_from_low { 1 } else { -1 };
             let at_m = self.sheet.begin_m(axis, across, &stretch, sign);
@@ -114,7 +115,8 @@ impl<const S: usize> FloorJob<S> {
         let forward_mps = self.config.open_mps.min(2.0 * (free_m - 0.01)) * (1.0 - off_rad.abs() / 0.6).max(0.0);
         let [along, _] = self.sheet.place(lane.axis, [pose.x_m, pose.y_m]);
         let [_, across] = self.sheet.place(lane.axis, self.lane_point_m(&lane, pose));
-        if free_m < 0.025 || !self.sheet.is_more_ahead(lane.axis, along, across, lane.sign) {
+        let is_more = self.sheet.is_more_ahead(lane.axis, along, across, lane.sign);
+        if free_m < 0.025 || !is_more || self.is_at_brink(pose) {
             self.next_lane(lane, now_us);
             return (0.0, 0.0);
         }
@@ -137,7 +139,8 @@ impl<const S: usize> FloorJob<S> {
         let missed = self.trail.settle(lane.axis, self.path_m - self.begun_m, &mut self.sheet);
         self.tally.take_back(missed);
         for shift in [3 * lane.side, -3 * lane.side, 2 * lane.side, -2 * lane.side] {
-            let Some(stretch) = self.sheet.stretch(lane.axis, across + shift, along, 6) else { continue };
+            let stretch = self.sheet.stretch(lane.axis, across + shift, along, 6);
+            let Some(stretch) = stretch.and_then(|stretch| self.before_brink(lane.axis, stretch)) else { continue };
             if stretch.count < 8 {
                 continue;
             }

@@ -15,7 +15,9 @@ mod errand;
 mod frame;
 mod hug;
 mod lanes;
+mod larger;
 mod near;
+mod overview;
 mod phase;
 mod place;
 mod progress;
@@ -70,8 +72,6 @@ pub struct FloorJob<const S: usize> {
     sheet: Sheet,
     near: Near,
     beams: [Beam; S],
-    /// Ranges of the step before, metres.
-    before_m: [f32; S],
     wave: Wave,
     route: Route,
     phase: Phase,
@@ -111,7 +111,7 @@ pub struct FloorJob<const S: usize> {
     insistence: Insistence,
     /// To which side it turns away next: 1 counter-clockwise, -1 clockwise.
     turn_sign: i8,
-    given_up: heapless::Vec<Place, GIVEN_UP>,
+    given_up: heapless::Vec<Place, GIVEN_UP, u8>,
     retries: u8,
     /// Rounds of tries to dock.
     rounds: u8,
@@ -137,7 +137,6 @@ impl<const S: usize> FloorJob<S> {
         sheet: Sheet::new(),
         near: Near::new(),
         beams: [Beam::NONE; S],
-        before_m: [f32::INFINITY; S],
         wave: Wave::new(),
         route: Route::new(),
         phase: Phase::Seek { to_m: None },
@@ -222,6 +221,7 @@ impl<const S: usize> FloorJob<S> {
             Phase::Lane(_) | Phase::Enter { .. } => FloorState::Lane,
             Phase::Plan { .. } | Phase::Trace { .. } => FloorState::Planning,
             Phase::Transit { aim: Aim::Place(_), .. } | Phase::Home => FloorState::Return,
+            Phase::Transit { aim: Aim::Exit(_), .. } if !self.errand.is_to_sweep() => FloorState::Return,
             Phase::Transit { .. } if self.retries > 0 => FloorState::Retry,
             Phase::Transit { .. } => FloorState::Transit,
             Phase::Back | Phase::Turn { .. } | Phase::Retreat { .. } => FloorState::BackingOff,
@@ -283,10 +283,10 @@ impl<const S: usize> FloorJob<S> {
 
     /// Takes in what the sensors show.
     fn look(&mut self, senses: &Senses<S>, pose: &Pose) {
-        if self.sheet.keep_around(pose) {
+        if self.take_picture_along(pose) {
             self.rename_cells();
             if let Phase::Transit { aim, .. } | Phase::Trace { aim, .. } | Phase::Plan { aim, .. } = self.phase {
-                let aim = if let Aim::Place(_) = aim { self.aim_home() } else { aim };
+                let aim = if let Aim::Place(_) | Aim::Exit(_) = aim { self.aim() } else { aim };
                 self.plan(aim, senses.time_us);
             }
         }
@@ -311,12 +311,12 @@ impl<const S: usize> FloorJob<S> {
             y_m: pose.y_m - share * (pose.y_m - last.y_m),
             theta_rad: pose.theta_rad - share * wrap(pose.theta_rad - last.theta_rad),
         };
-        for ((beam, before_m), range_m) in self.beams.iter_mut().zip(&mut self.before_m).zip(senses.ranges_m) {
+        for (beam, range_m) in self.beams.iter_mut().zip(senses.ranges_m) {
+            let before_m = if beam.age == 0 { beam.range_m } else { f32::INFINITY };
             beam.take(range_m);
             if beam.max_m <= 0.0 {
                 continue;
             }
-            let before_m = core::mem::replace(before_m, range_m.unwrap_or(f32::INFINITY));
             // What a blinded sensor shows, and what it does not, says nothing of what is beyond.
             if self.near.is_blinded(beam, &then, senses.time_us) {
                 continue;

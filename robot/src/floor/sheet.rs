@@ -2,6 +2,8 @@
 
 use slam_core::Pose;
 
+use super::larger::Border;
+use super::overview::Overview;
 use super::swept::{CELLS, Quarter, Swept};
 use crate::pilot::memory::{Cell, Memory};
 use crate::pilot::search::{borders_on_unknown, is_passable};
@@ -71,27 +73,25 @@ pub(super) struct Stretch {
 pub(super) struct Sheet {
     pub picture: Memory<CELLS>,
     pub swept: Swept,
+    pub overview: Overview,
+    pub border: Border,
 }
 
 impl Sheet {
     pub(super) const fn new() -> Self {
-        Self { picture: Memory::new(2.0 * QUARTER_M), swept: Swept::new() }
+        Self {
+            picture: Memory::new(2.0 * QUARTER_M),
+            swept: Swept::new(),
+            overview: Overview::new(),
+            border: Border::NEW,
+        }
     }
 
     /// The same, where it lies.
     pub(super) fn clear(&mut self) {
         self.picture.clear(2.0 * QUARTER_M);
         self.swept.clear();
-    }
-
-    /// Moves the picture when the robot comes near its edge.
-    pub(super) fn keep_around(&mut self, pose: &Pose) -> bool {
-        let (cols, rows) = self.picture.keep_around(pose);
-        let is_moved = (cols, rows) != (0, 0);
-        if is_moved {
-            self.swept.shift(cols, rows);
-        }
-        is_moved
+        (self.overview, self.border) = (Overview::new(), Border::NEW);
     }
 
     /// The quarter at a point, metres.
@@ -168,7 +168,13 @@ impl Sheet {
         self.swept.left_in(cell) > 0 && has_room(cell) && self.left_around(cell, has_room) >= WORTHWHILE
     }
 
-    /// The same of such floor that borders on what was not seen.
+    /// The same at any time.
+    pub(super) fn is_passable_left(&self, cell: Cell) -> bool {
+        let has_room = |cell: Cell| is_passable(&self.picture, cell);
+        self.swept.left_in(cell) > 0 && has_room(cell) && self.left_around(cell, has_room) >= WORTHWHILE
+    }
+
+    /// The same, during a search, of such floor that borders on what was not seen.
     pub(super) fn leads_on(&self, cell: Cell) -> bool {
         self.is_open_left(cell) && borders_on_unknown(&self.picture, cell)
     }

@@ -1,6 +1,7 @@
 //! The floor job by itself, without a home around it.
 
 mod rooms;
+mod world;
 
 use super::swept::CELLS;
 use super::*;

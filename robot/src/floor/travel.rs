@@ -54,11 +54,20 @@ impl<const S: usize> FloorJob<S> {
         if self.has_dock { self.staging_m() } else { [home.x_m, home.y_m] }
     }
 
+    fn is_home_in_picture(&self) -> bool {
+        let [x_m, y_m] = self.home_m();
+        self.sheet.picture.is_inside(self.sheet.picture.cell_at(x_m, y_m))
+    }
+
     pub(super) fn aim_home(&self) -> Aim {
         let [x_m, y_m] = self.home_m();
         let cell = self.sheet.picture.cell_at(x_m, y_m);
         // As far as the picture reaches: it moves on before the robot is there.
-        Aim::Place(if self.areas.dares { within_picture(cell) } else { cell })
+        match self.areas.dares {
+            true => Aim::Place(within_picture(cell)),
+            false if self.sheet.picture.is_inside(cell) => Aim::Place(cell),
+            false => self.exit_to(cell).unwrap_or(Aim::Place(cell)),
+        }
     }
 
     /// Whether nothing came of what it was after.
@@ -87,6 +96,8 @@ impl<const S: usize> FloorJob<S> {
         if !begun {
             let here = self.sheet.picture.cell_at(pose.x_m, pose.y_m);
             let dares = self.areas.begin_search();
+            self.sheet.look_at_border();
+            self.sheet.border.leaves = matches!(aim, Aim::Exit(_));
             self.wave.begin(here, escape, dares);
             self.phase = Phase::Plan { aim, escape, begun: true };
         }
@@ -113,7 +124,8 @@ impl<const S: usize> FloorJob<S> {
     /// The way home is blocked: what the bumper felt may be gone. Then the robot goes straight through what it has not seen, for where it was
     /// before it knew its grid is not in the picture, and from farther along the walls, by turns. Walls that led to new floor are no try.
     pub(super) fn return_again(&mut self, now_us: u64) {
-        if self.errand == Errand::Finish(Way::Open) {
+        // What is beyond the picture is not barred.
+        if self.errand == Errand::Finish(Way::Open) && self.is_home_in_picture() {
             self.errand = Errand::Finish(Way::Barred);
         }
         let leads_on = core::mem::take(&mut self.gained) > 0;
@@ -161,13 +173,13 @@ impl<const S: usize> FloorJob<S> {
             // Little was seen of it: there may be a room.
             Aim::Floor => (tries_little && self.wave.reached >= POCKET).then_some(Aim::Beyond),
             Aim::Beyond => (tries_little && is_first).then_some(aim),
-            Aim::Place(_) => is_first.then_some(aim),
+            Aim::Place(_) | Aim::Exit(_) => is_first.then_some(aim),
         }
     }
 
     /// Whether the way home that was found opened after it had been barred: nobody knows how much floor was barred with it. It is swept once.
     fn leads_to_what_was_left(&self) -> bool {
-        self.errand == Errand::Finish(Way::Barred) && !self.areas.dares
+        self.errand == Errand::Finish(Way::Barred) && !self.areas.dares && self.is_home_in_picture()
     }
 
     fn sweep_again(&mut self, now_us: u64) {
@@ -204,12 +216,17 @@ impl<const S: usize> FloorJob<S> {
         if self.areas.may_dare() {
             self.areas.dares = true;
             self.go_about(now_us);
-        } else if matches!(aim, Aim::Place(_)) {
+        } else if let (Aim::Exit(exit), true) = (aim, self.errand.is_to_sweep()) {
+            self.give_up_exit(exit);
+            self.go_about(now_us);
+        } else if matches!(aim, Aim::Place(_) | Aim::Exit(_)) {
             self.return_again(now_us);
         } else if self.wave.reached < POCKET && self.pockets < MAX_POCKETS {
             // It came into a pocket along its walls, and so it gets out.
             self.pockets += 1;
             self.begin_along_walls(now_us);
+        } else if let Some(exit) = self.next_exit() {
+            self.plan(exit, now_us);
         } else if self.retries == 0 && (self.is_much_left() || !self.given_up.is_empty() || self.areas.missed != 0) {
             self.retries = 1;
             self.sheet.picture.forget_visits();
@@ -293,6 +310,7 @@ impl<const S: usize> FloorJob<S> {
             Target::Place(_) if self.leads_to_what_was_left() => self.sweep_again(now_us),
             Target::Place(_) if self.has_dock => self.begin_docking(now_us),
             Target::Place(_) => self.begin(Phase::Home, now_us),
+            Target::Exit(_) => self.go_about(now_us),
             // What it sees from there tells where to begin.
             _ if dared => self.finish_target(now_us),
             Target::Edge { at, .. } => {

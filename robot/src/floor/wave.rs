@@ -2,6 +2,7 @@
 
 use heapless::{Deque, Vec};
 
+use super::overview::BLOCK;
 use super::sheet::Sheet;
 use super::swept::CELLS;
 use crate::pilot::memory::Cell;
@@ -37,6 +38,8 @@ pub(super) enum Aim {
     Beyond,
     /// A place, in cells.
     Place(Cell),
+    /// The block with this first cell, on the way to what is beyond the picture.
+    Exit(Cell),
 }
 
 /// What the wave found.
@@ -48,14 +51,28 @@ pub(super) enum Target {
     Edge { at: Cell, from: Cell },
     /// The place that was aimed at.
     Place(Cell),
+    /// In the block that was.
+    Exit(Cell),
 }
 
 impl Target {
     /// The cell to drive to.
     pub(super) fn stand(self) -> Cell {
         match self {
-            Self::Open(cell) | Self::Place(cell) | Self::Edge { from: cell, .. } => cell,
+            Self::Open(cell) | Self::Place(cell) | Self::Exit(cell) | Self::Edge { from: cell, .. } => cell,
         }
+    }
+
+    /// Floor to sweep in four bytes: the cell, and that to drive to.
+    fn packed(self) -> [[u8; 2]; 2] {
+        let stand = self.stand();
+        let at = if let Self::Edge { at, .. } = self { at } else { stand };
+        [at, stand].map(Cell::packed)
+    }
+
+    fn unpacked(packed: [[u8; 2]; 2]) -> Self {
+        let [at, from] = packed.map(Cell::unpacked);
+        if at == from { Self::Open(at) } else { Self::Edge { at, from } }
     }
 }
 
@@ -71,7 +88,7 @@ pub(super) enum Slice {
 }
 
 /// The way to a target, cell by cell, the next one last.
-pub(super) type Route = Vec<[u8; 2], ROUTE>;
+pub(super) type Route = Vec<[u8; 2], ROUTE, u8>;
 
 /// A search under way.
 #[derive(Clone, Debug)]
@@ -84,6 +101,8 @@ pub(super) struct Wave {
     start: Cell,
     /// The nearest open floor, and its steps from the start.
     open: Option<([u8; 2], u8)>,
+    /// The nearest for which the picture would lose what it knows: the cell, and that to go to.
+    far: Option<[[u8; 2]; 2]>,
     /// Cells from the start within which the way may be narrow.
     escape: i16,
     /// What was not seen is taken for floor.
@@ -102,6 +121,7 @@ impl Wave {
             as_far: 0,
             start: Cell { col: 0, row: 0 },
             open: None,
+            far: None,
             escape: 0,
             dares: false,
             row: 0,
@@ -113,7 +133,7 @@ impl Wave {
     /// for floor.
     pub(super) fn begin(&mut self, start: Cell, escape: i16, dares: bool) {
         self.front.clear();
-        self.open = None;
+        (self.open, self.far) = (None, None);
         (self.steps, self.as_far) = (0, 1);
         self.reached = 0;
         self.row = 0;
@@ -155,7 +175,7 @@ impl Wave {
         }
         for _ in 0..SLICE {
             let Some(cell) = self.next() else {
-                return self.open.map_or(Slice::Nothing, |(cell, _)| Slice::Found(Target::Open(Cell::unpacked(cell))));
+                return self.rest(sheet);
             };
             self.reached = self.reached.saturating_add(1);
             if let Some((open, near)) = self.open
@@ -165,6 +185,7 @@ impl Wave {
             }
             match target_at(sheet, cell, aim) {
                 Some(Target::Open(_)) if self.open.is_some() => {}
+                Some(target) if is_far(sheet, target) => self.far = self.far.or(Some(target.packed())),
                 Some(Target::Open(open)) => self.open = Some((open.packed(), self.steps)),
                 Some(target) => return Slice::Found(target),
                 None => {}
@@ -180,6 +201,18 @@ impl Wave {
             }
         }
         Slice::More
+    }
+
+    /// What there is after all cells were gone through.
+    fn rest(&self, sheet: &mut Sheet) -> Slice {
+        match (self.open, self.far) {
+            (Some((open, _)), _) => Slice::Found(Target::Open(Cell::unpacked(open))),
+            (None, Some(far)) => {
+                sheet.border.leaves = true;
+                Slice::Found(Target::unpacked(far))
+            }
+            (None, None) => Slice::Nothing,
+        }
     }
 
     fn is_way(&self, sheet: &Sheet, cell: Cell) -> bool {
@@ -210,10 +243,19 @@ impl Wave {
     }
 }
 
+/// Whether the floor in the picture is to be swept before it moves on to there.
+fn is_far(sheet: &Sheet, target: Target) -> bool {
+    matches!(target, Target::Open(_) | Target::Edge { .. }) && sheet.is_brink(target.stand())
+}
+
 fn target_at(sheet: &Sheet, cell: Cell, aim: Aim) -> Option<Target> {
     match aim {
         Aim::Beyond => sheet.leads_on(cell).then_some(Target::Open(cell)),
         Aim::Place(place) => (cell.moves_to(place) <= 1).then_some(Target::Place(cell)),
+        Aim::Exit(first) => {
+            let [cols, rows] = [cell.col - first.col, cell.row - first.row];
+            ((0..BLOCK).contains(&cols) && (0..BLOCK).contains(&rows)).then_some(Target::Exit(cell))
+        }
         Aim::Floor => {
             let edge =
                 NEIGHBOURS.iter().map(|&(cols, rows)| cell.offset(cols, rows)).find(|&at| sheet.is_edge_left(at));

@@ -293,7 +293,8 @@ impl<const N: usize> Memory<N> {
         (cols, rows)
     }
 
-    fn shift(&mut self, cols: i16, rows: i16) {
+    /// Moves the picture by so many columns and rows: cells are called otherwise by so much less. What falls off is forgotten.
+    pub(crate) fn shift(&mut self, cols: i16, rows: i16) {
         self.corner[0] += i32::from(cols);
         self.corner[1] += i32::from(rows);
         self.origin = [moved_origin::<N>(self.origin[0], cols), moved_origin::<N>(self.origin[1], rows)];

@@ -1,0 +1,289 @@
+//! Homes that are larger than the picture.
+//!
+//! The picture moves on with the robot, as far as nothing that is known falls off at its far side. Where something would, the floor in the
+//! picture is swept first; then it moves on by half its width, and the [overview](super::overview) remembers what falls off. Where nothing is
+//! left in the picture, the robot goes to where the overview has floor left. On its way home it takes the picture along.
+
+use slam_core::Pose;
+
+use super::FloorJob;
+use super::overview::{BLOCK, Block, Known, Overview};
+use super::sheet::{Axis, Sheet, Stretch};
+use super::swept::CELLS;
+use super::wave::Aim;
+use crate::pilot::memory::Cell;
+use crate::pilot::search::is_passable;
+
+/// So near to its border the picture is to move on, and has to where it may not lose anything, in cells: the robot sees ten cells far.
+const MARGIN: i16 = CELLS as i16 / 8;
+const BRINK: i16 = 3;
+/// Cosine of the angle off the way straight out of the picture up to which a robot leaves it.
+const OUTWARD: f32 = 0.5;
+/// Ways to what is left beyond the picture, one picture after the other: eight times through all that the overview holds.
+const MAX_TRIPS: u8 = 32;
+/// Of a block with fewer free cells than these nothing is known; with fewer that were not seen all of it is.
+const FEW: usize = 5;
+const UNSEEN: usize = 3;
+
+/// What the picture may lose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Moves {
+    /// Nothing, while there is floor to sweep in it.
+    Keeping,
+    /// What is in it is swept: half of it.
+    Leaving,
+    /// What falls off does not matter.
+    Freely,
+}
+
+/// A side of the picture.
+#[derive(Clone, Copy)]
+struct Side {
+    axis: usize,
+    is_low: bool,
+}
+
+const SIDES: [Side; 4] = [
+    Side { axis: 0, is_low: true },
+    Side { axis: 0, is_low: false },
+    Side { axis: 1, is_low: true },
+    Side { axis: 1, is_low: false },
+];
+
+impl Side {
+    fn bit(self) -> u8 {
+        1 << (2 * self.axis + usize::from(self.is_low))
+    }
+
+    /// Cells between a cell and this side; negative beyond it.
+    fn depth(self, cell: Cell) -> i16 {
+        let index = if self.axis == 0 { cell.col } else { cell.row };
+        if self.is_low { index } else { CELLS as i16 - 1 - index }
+    }
+
+    /// A cell by its depth from this side and its place along it.
+    fn cell(self, depth: i16, along: i16) -> Cell {
+        let across = if self.is_low { depth } else { CELLS as i16 - 1 - depth };
+        if self.axis == 0 { Cell { col: across, row: along } } else { Cell { col: along, row: across } }
+    }
+}
+
+/// How the picture is about to move.
+#[derive(Clone, Debug)]
+pub(super) struct Border {
+    /// Sides towards which it cannot move without losing something, a bit each.
+    loses: u8,
+    /// The floor in it is swept: it may lose what it has.
+    pub leaves: bool,
+    /// Blocks by which it is yet to move along each axis, one a step.
+    due: [i8; 2],
+    /// Ways that led beyond it.
+    pub trips: u8,
+}
+
+impl Border {
+    pub(super) const NEW: Self = Self { loses: 0, leaves: false, due: [0; 2], trips: 0 };
+}
+
+/// The cells of a block with this first one.
+fn cells(first: Cell) -> impl Iterator<Item = Cell> {
+    (0..BLOCK).flat_map(move |row| (0..BLOCK).map(move |col| first.offset(col, row)))
+}
+
+impl Sheet {
+    /// The block that a cell is in.
+    fn block_of(&self, cell: Cell) -> Block {
+        let [col, row] = self.picture.corner().map(|corner| corner as i16);
+        [(col + cell.col).div_euclid(BLOCK), (row + cell.row).div_euclid(BLOCK)]
+    }
+
+    /// The first cell of a block.
+    fn first_cell(&self, block: Block) -> Cell {
+        let [col, row] = self.picture.corner().map(|corner| corner as i16);
+        Cell { col: BLOCK * block[0] - col, row: BLOCK * block[1] - row }
+    }
+
+    /// What is known of the block with this first cell.
+    fn known_of(&self, first: Cell) -> Known {
+        if cells(first).any(|cell| self.is_passable_left(cell)) {
+            return Known::Left;
+        }
+        let count = |is: fn(&Sheet, Cell) -> bool| cells(first).filter(|cell| is(self, *cell)).count();
+        let free = count(|sheet, cell| sheet.picture.is_free(cell));
+        match count(|sheet, cell| !sheet.picture.is_known(cell)) {
+            _ if free < FEW => Known::Nothing,
+            0..UNSEEN => Known::Swept,
+            _ => Known::Floor,
+        }
+    }
+
+    /// Whether something known falls off where the picture moves on by a block at this side.
+    fn loses(&self, side: Side) -> bool {
+        let far = Side { is_low: !side.is_low, ..side };
+        (0..BLOCK).any(|depth| (0..CELLS as i16).any(|along| self.picture.is_known(far.cell(depth, along))))
+    }
+
+    /// Sees anew what it would lose.
+    pub(super) fn look_at_border(&mut self) {
+        let loses = SIDES.iter().filter(|side| self.loses(**side)).fold(0, |bits, side| bits | side.bit());
+        self.border.loses = loses;
+    }
+
+    /// Moves on by a block at this side.
+    fn move_on(&mut self, side: Side) {
+        let far = Side { is_low: !side.is_low, ..side };
+        let blocks = (0..CELLS as i16).step_by(BLOCK as usize);
+        let first = |side: Side, along: i16| side.cell(if side.is_low { 0 } else { BLOCK - 1 }, along);
+        for cell in blocks.clone().map(|along| first(far, along)) {
+            match self.known_of(cell) {
+                // What was not seen again is what it was.
+                Known::Nothing => {}
+                known => self.overview.put(self.block_of(cell), known),
+            }
+        }
+        let by = if side.is_low { -BLOCK } else { BLOCK };
+        let (cols, rows) = if side.axis == 0 { (by, 0) } else { (0, by) };
+        self.picture.shift(cols, rows);
+        self.swept.shift(cols, rows);
+        for cell in blocks.map(|along| first(side, along)) {
+            let block = self.block_of(cell);
+            if self.overview.of(block) == Known::Swept {
+                cells(cell).for_each(|cell| self.swept.set(cell, true));
+            }
+            self.overview.include(block);
+        }
+        self.border.loses = 0;
+    }
+
+    /// By how many blocks it is to move along an axis for a robot in this cell.
+    fn due(&mut self, axis: usize, cell: Cell, moves: Moves) -> i8 {
+        let Some(side) = SIDES.into_iter().find(|side| side.axis == axis && side.depth(cell) < MARGIN) else { return 0 };
+        if self.border.loses & side.bit() == 0 && self.loses(side) {
+            self.border.loses |= side.bit();
+        }
+        let loses = self.border.loses & side.bit() != 0;
+        let blocks = match moves {
+            Moves::Leaving if loses => (CELLS as i16 / 2 - side.depth(cell)) / BLOCK,
+            Moves::Keeping if loses && side.depth(cell) >= 0 => 0,
+            _ => 1,
+        };
+        let blocks = blocks.clamp(0, i8::MAX.into()) as i8;
+        if side.is_low { -blocks } else { blocks }
+    }
+
+    /// Moves on with a robot there; whether it did.
+    fn follow(&mut self, pose: &Pose, moves: Moves) -> bool {
+        let cell = self.picture.cell_at(pose.x_m, pose.y_m);
+        let mut is_moved = false;
+        for axis in [0, 1] {
+            let due = match self.border.due.get(axis) {
+                Some(0) => self.due(axis, cell, moves),
+                due => due.copied().unwrap_or(0),
+            };
+            if due != 0 {
+                self.move_on(Side { axis, is_low: due < 0 });
+                is_moved = true;
+            }
+            if let Some(left) = self.border.due.get_mut(axis) {
+                *left = due - due.signum();
+            }
+        }
+        if is_moved && self.border.due == [0; 2] {
+            self.border.leaves = false;
+        }
+        is_moved
+    }
+
+    /// Whether the picture would lose what it knows for a robot in this cell.
+    pub(super) fn is_brink(&self, cell: Cell) -> bool {
+        SIDES.into_iter().any(|side| self.is_brink_at(side, cell))
+    }
+
+    fn is_brink_at(&self, side: Side, cell: Cell) -> bool {
+        self.border.loses & side.bit() != 0 && side.depth(cell) < BRINK
+    }
+
+    /// First and last quarter along an axis up to which a robot does not make it lose what it knows.
+    fn kept(&self, axis: usize) -> [i16; 2] {
+        let off = |is_low| {
+            let side = Side { axis, is_low };
+            if self.border.loses & side.bit() == 0 { 0 } else { 2 * BRINK }
+        };
+        [off(true), 2 * CELLS as i16 - 1 - off(false)]
+    }
+
+    /// Whether a robot goes on out of the picture there.
+    fn leads_off(&self, pose: &Pose) -> bool {
+        let (s, c) = slam_core::angle::sin_cos(pose.theta_rad);
+        let cell = self.picture.cell_at(pose.x_m, pose.y_m);
+        SIDES.into_iter().any(|side| {
+            let outward = if side.axis == 0 { c } else { s } * if side.is_low { -1.0 } else { 1.0 };
+            outward > OUTWARD && self.is_brink_at(side, cell)
+        })
+    }
+
+    /// The block of the picture that is next on the way to such a block beyond it.
+    fn exit(&self, is_goal: impl Fn(&Overview, Block) -> bool) -> Option<Block> {
+        let has_room = |block| cells(self.first_cell(block)).any(|cell| is_passable(&self.picture, cell));
+        let corner = self.block_of(Cell { col: 0, row: 0 });
+        self.overview.exit(corner, |block| is_goal(&self.overview, block), has_room)
+    }
+}
+
+impl<const S: usize> FloorJob<S> {
+    /// Moves the picture on with the robot; whether it did.
+    pub(super) fn take_picture_along(&mut self, pose: &Pose) -> bool {
+        let moves = match self.errand.is_to_sweep() {
+            true if self.sheet.border.leaves => Moves::Leaving,
+            true if !self.areas.dares => Moves::Keeping,
+            _ => Moves::Freely,
+        };
+        self.sheet.follow(pose, moves)
+    }
+
+    /// The part of a stretch that is swept before the picture moves on.
+    pub(super) fn before_brink(&self, axis: Axis, stretch: Stretch) -> Option<Stretch> {
+        if self.sheet.border.leaves || !self.errand.is_to_sweep() {
+            return Some(stretch);
+        }
+        let [first, last] = self.sheet.kept(usize::from(axis == Axis::Y));
+        let (from, to) = (stretch.from.max(first), stretch.to.min(last));
+        (from <= to).then(|| Stretch { from, to, count: stretch.count.min(3 * (to - from + 1)) })
+    }
+
+    /// Whether what it goes along leads out of a picture that it has not swept yet.
+    pub(super) fn is_at_brink(&self, pose: &Pose) -> bool {
+        self.errand.is_to_sweep() && !self.sheet.border.leaves && self.sheet.leads_off(pose)
+    }
+
+    /// On to floor that is left beyond the picture, while there is none in it.
+    pub(super) fn next_exit(&mut self) -> Option<Aim> {
+        while self.sheet.border.trips < MAX_TRIPS && self.is_path_left() {
+            self.sheet.border.trips += 1;
+            let exit = self.sheet.exit(|overview, block| overview.of(block) == Known::Left)?;
+            if !self.is_in(exit) {
+                return Some(Aim::Exit(self.sheet.first_cell(exit)));
+            }
+            // It is there, and sees nothing of it.
+            self.sheet.overview.give_up_near(exit);
+        }
+        None
+    }
+
+    /// No way leads there.
+    pub(super) fn give_up_exit(&mut self, exit: Cell) {
+        let block = self.sheet.block_of(exit);
+        self.sheet.overview.give_up_near(block);
+    }
+
+    /// Where a cell beyond the picture is to be gone to, the next part of the way.
+    pub(super) fn exit_to(&self, cell: Cell) -> Option<Aim> {
+        let goal = self.sheet.block_of(cell);
+        let exit = self.sheet.exit(|_, block| block == goal).filter(|exit| !self.is_in(*exit));
+        exit.map(|exit| Aim::Exit(self.sheet.first_cell(exit)))
+    }
+
+    fn is_in(&self, block: Block) -> bool {
+        self.last.is_some_and(|pose| self.sheet.block_of(self.sheet.picture.cell_at(pose.x_m, pose.y_m)) == block)
+    }
+}

@@ -1,0 +1,146 @@
+//! What is known of the home beyond the picture, in blocks of 78 cm: where there is floor, where all of it was swept, and where some is left.
+
+use super::swept::CELLS;
+
+/// Cells of the picture along an edge of a block.
+pub(super) const BLOCK: i16 = 5;
+
+/// Blocks along an edge of what is known: 25 m.
+const BLOCKS: usize = 32;
+
+/// Blocks along an edge of the picture.
+const PICTURE: i16 = CELLS as i16 / BLOCK;
+const _: () = assert!(CELLS as i16 % BLOCK == 0);
+
+/// A block by its column and row, counted from where the job's frame begins.
+pub(super) type Block = [i16; 2];
+
+/// What is known of a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Known {
+    Nothing = 0,
+    /// There is floor.
+    Floor = 1,
+    /// All of it was seen, and none of it is left to sweep.
+    Swept = 2,
+    /// There is floor left to sweep.
+    Left = 3,
+}
+
+/// The first block and the last one along an axis.
+#[derive(Clone, Copy, Debug)]
+struct Span {
+    from: i16,
+    to: i16,
+}
+
+/// What is known of the blocks that fell off the picture: a plane that is rolled up both ways.
+#[derive(Clone, Debug)]
+pub(super) struct Overview {
+    /// Two bits a block.
+    rows: [u64; BLOCKS],
+    /// Columns and rows that are remembered; those of the picture are among them.
+    spans: [Span; 2],
+}
+
+/// Where a column or row is stored.
+fn stored(index: i16) -> usize {
+    index.rem_euclid(BLOCKS as i16) as usize
+}
+
+impl Overview {
+    pub(super) const fn new() -> Self {
+        Self { rows: [0; BLOCKS], spans: [Span { from: 0, to: 0 }, Span { from: 0, to: 0 }] }
+    }
+
+    pub(super) fn of(&self, [col, row]: Block) -> Known {
+        let is_within = [col, row].iter().zip(&self.spans).all(|(index, span)| (span.from..=span.to).contains(index));
+        let known = self.rows.get(stored(row)).map_or(0, |row| (row >> (2 * stored(col))) & 3);
+        match known {
+            1 if is_within => Known::Floor,
+            2 if is_within => Known::Swept,
+            3 if is_within => Known::Left,
+            _ => Known::Nothing,
+        }
+    }
+
+    pub(super) fn put(&mut self, [col, row]: Block, known: Known) {
+        self.include([col, row]);
+        let shift = 2 * stored(col);
+        if let Some(row) = self.rows.get_mut(stored(row)) {
+            *row = *row & !(3 << shift) | (known as u64) << shift;
+        }
+    }
+
+    /// Remembers this block from now on, and none that is 25 m from there.
+    pub(super) fn include(&mut self, block: Block) {
+        for (axis, (index, span)) in block.into_iter().zip(&mut self.spans).enumerate() {
+            let most = BLOCKS as i16 - 1;
+            let before = *span;
+            if index < span.from {
+                *span = Span { from: index, to: span.to.min(index + most) };
+            } else if index > span.to {
+                *span = Span { from: span.from.max(index - most), to: index };
+            }
+            for line in (before.from..span.from).chain(span.to + 1..=before.to) {
+                if axis == 0 {
+                    self.rows.iter_mut().for_each(|row| *row &= !(3 << (2 * stored(line))));
+                } else if let Some(row) = self.rows.get_mut(stored(line)) {
+                    *row = 0;
+                }
+            }
+        }
+    }
+
+    /// The block of the picture that is next on a shortest way to one of these goals, over what is known beyond it. `picture` is its first
+    /// block; in some of its blocks the robot was and has room, others count as they are known.
+    pub(super) fn exit(
+        &self,
+        picture: Block,
+        is_goal: impl Fn(Block) -> bool,
+        has_room: impl Fn(Block) -> bool,
+    ) -> Option<Block> {
+        let [cols, rows] = self.spans;
+        let is_inside = |block: Block| block.iter().zip(picture).all(|(index, first)| (first..first + PICTURE).contains(index));
+        // A line of bits for each row: where the wave is, and where it may go.
+        let [mut reached, mut ways] = [[0_u32; BLOCKS]; 2];
+        for (row, (reached, ways)) in (rows.from..=rows.to).zip(reached.iter_mut().zip(&mut ways)) {
+            for col in cols.from..=cols.to {
+                let block = [col, row];
+                let (is_way, is_goal) = (self.of(block) != Known::Nothing, is_goal(block));
+                if (is_way || is_goal) && !(is_inside(block) && has_room(block)) {
+                    let bit = 1 << (col - cols.from);
+                    *ways |= bit;
+                    *reached |= if is_goal { bit } else { 0 };
+                }
+            }
+        }
+        loop {
+            let before = reached;
+            let at = |line: usize| before.get(line).copied().unwrap_or(0);
+            for (line, (row, (reached, ways))) in (rows.from..=rows.to).zip(reached.iter_mut().zip(&ways)).enumerate() {
+                let here = *reached;
+                let around = here | here << 1 | here >> 1 | at(line.wrapping_sub(1)) | at(line + 1);
+                *reached |= around & ways;
+                let exits = (cols.from..=cols.to).filter(|col| (around & !ways) >> (col - cols.from) & 1 != 0);
+                let mut exits = exits.map(|col| [col, row]);
+                if let Some(exit) = exits.find(|block| is_inside(*block) && has_room(*block)) {
+                    return Some(exit);
+                }
+            }
+            if reached == before {
+                return None;
+            }
+        }
+    }
+
+    /// What is left near there is given up: the nearest such block counts as floor.
+    pub(super) fn give_up_near(&mut self, [col, row]: Block) {
+        let [cols, rows] = self.spans.map(|span| span.from..=span.to);
+        let blocks = rows.flat_map(|row| cols.clone().map(move |col| [col, row]));
+        let left = blocks.filter(|block| self.of(*block) == Known::Left);
+        if let Some(nearest) = left.min_by_key(|left| (left[0] - col).abs().max((left[1] - row).abs())) {
+            self.put(nearest, Known::Floor);
+        }
+    }
+}
