@@ -66,7 +66,7 @@ impl<const S: usize> FloorJob<S> {
                 (high - 1, -1)
             };
             let stretch = self.sheet.stretch(axis, across, near, 2);
-            let Some(stretch) = stretch.and_then(|stretch| self.before_brink(axis, stretch)) else { continue };
+            let Some(stretch) = stretch.and_then(|stretch| self.before_brink(axis, across, stretch)) else { continue };
             let is_from_low = (here - stretch.from).abs() <= (here - stretch.to).abs();
             let sign = if is_from_low { 1 } else { -1 };
             let at_m = self.sheet.begin_m(axis, across, &stretch, sign);
@@ -140,7 +140,7 @@ impl<const S: usize> FloorJob<S> {
         self.tally.take_back(missed);
         for shift in [3 * lane.side, -3 * lane.side, 2 * lane.side, -2 * lane.side] {
             let stretch = self.sheet.stretch(lane.axis, across + shift, along, 6);
-            let Some(stretch) = stretch.and_then(|stretch| self.before_brink(lane.axis, stretch)) else { continue };
+            let Some(stretch) = stretch.and_then(|stretch| self.before_brink(lane.axis, across + shift, stretch)) else { continue };
             if stretch.count < 8 {
                 continue;
             }

@@ -75,6 +75,8 @@ pub(super) struct Border {
     loses: u8,
     /// The floor in it is swept: it may lose what it has.
     pub leaves: bool,
+    /// Nothing that is left in it can be reached.
+    pub is_spent: bool,
     /// Blocks by which it is yet to move along each axis, one a step.
     due: [i8; 2],
     /// Ways that led beyond it.
@@ -82,7 +84,7 @@ pub(super) struct Border {
 }
 
 impl Border {
-    pub(super) const NEW: Self = Self { loses: 0, leaves: false, due: [0; 2], trips: 0 };
+    pub(super) const NEW: Self = Self { loses: 0, leaves: false, is_spent: false, due: [0; 2], trips: 0 };
 }
 
 /// The cells of a block with this first one.
@@ -92,19 +94,19 @@ fn cells(first: Cell) -> impl Iterator<Item = Cell> {
 
 impl Sheet {
     /// The block that a cell is in.
-    fn block_of(&self, cell: Cell) -> Block {
+    pub(super) fn block_of(&self, cell: Cell) -> Block {
         let [col, row] = self.picture.corner().map(|corner| corner as i16);
         [(col + cell.col).div_euclid(BLOCK), (row + cell.row).div_euclid(BLOCK)]
     }
 
     /// The first cell of a block.
-    fn first_cell(&self, block: Block) -> Cell {
+    pub(super) fn first_cell(&self, block: Block) -> Cell {
         let [col, row] = self.picture.corner().map(|corner| corner as i16);
         Cell { col: BLOCK * block[0] - col, row: BLOCK * block[1] - row }
     }
 
     /// What is known of the block with this first cell.
-    fn known_of(&self, first: Cell) -> Known {
+    pub(super) fn known_of(&self, first: Cell) -> Known {
         if cells(first).any(|cell| self.is_passable_left(cell)) {
             return Known::Left;
         }
@@ -123,10 +125,12 @@ impl Sheet {
         (0..BLOCK).any(|depth| (0..CELLS as i16).any(|along| self.picture.is_known(far.cell(depth, along))))
     }
 
-    /// Sees anew what it would lose.
-    pub(super) fn look_at_border(&mut self) {
-        let loses = SIDES.iter().filter(|side| self.loses(**side)).fold(0, |bits, side| bits | side.bit());
-        self.border.loses = loses;
+    /// A search begins: for a way out of the picture, or for what is in it.
+    pub(super) fn begin_search(&mut self, leaves: bool, is_to_sweep: bool) {
+        self.border.loses = SIDES.iter().filter(|side| self.loses(**side)).fold(0, |bits, side| bits | side.bit());
+        if self.border.due == [0; 2] {
+            (self.border.leaves, self.border.is_spent) = (leaves, leaves && is_to_sweep);
+        }
     }
 
     /// Moves on by a block at this side.
@@ -138,6 +142,8 @@ impl Sheet {
             match self.known_of(cell) {
                 // What was not seen again is what it was.
                 Known::Nothing => {}
+                // What could be reached is swept by now.
+                Known::Left if self.border.is_spent => self.overview.put(self.block_of(cell), Known::Floor),
                 known => self.overview.put(self.block_of(cell), known),
             }
         }
@@ -147,10 +153,12 @@ impl Sheet {
         self.swept.shift(cols, rows);
         for cell in blocks.map(|along| first(side, along)) {
             let block = self.block_of(cell);
-            if self.overview.of(block) == Known::Swept {
+            self.overview.include(block);
+            if matches!(self.overview.of(block), Known::Swept | Known::Floor) {
+                // As one beam would see it: where walls are is seen anew.
+                cells(cell).for_each(|cell| self.picture.see_free(cell));
                 cells(cell).for_each(|cell| self.swept.set(cell, true));
             }
-            self.overview.include(block);
         }
         self.border.loses = 0;
     }
@@ -163,7 +171,7 @@ impl Sheet {
         }
         let loses = self.border.loses & side.bit() != 0;
         let blocks = match moves {
-            Moves::Leaving if loses => (CELLS as i16 / 2 - side.depth(cell)) / BLOCK,
+            Moves::Leaving => (CELLS as i16 / 2 - side.depth(cell)) / BLOCK,
             Moves::Keeping if loses && side.depth(cell) >= 0 => 0,
             _ => 1,
         };
@@ -189,7 +197,7 @@ impl Sheet {
             }
         }
         if is_moved && self.border.due == [0; 2] {
-            self.border.leaves = false;
+            (self.border.leaves, self.border.is_spent) = (false, false);
         }
         is_moved
     }
@@ -241,14 +249,19 @@ impl<const S: usize> FloorJob<S> {
         self.sheet.follow(pose, moves)
     }
 
-    /// The part of a stretch that is swept before the picture moves on.
-    pub(super) fn before_brink(&self, axis: Axis, stretch: Stretch) -> Option<Stretch> {
+    /// The part of a stretch on a lane there that is swept before the picture moves on.
+    pub(super) fn before_brink(&self, axis: Axis, across: i16, stretch: Stretch) -> Option<Stretch> {
         if self.sheet.border.leaves || !self.errand.is_to_sweep() {
             return Some(stretch);
         }
-        let [first, last] = self.sheet.kept(usize::from(axis == Axis::Y));
+        let [[first, last], rows] = match axis {
+            Axis::X => [0, 1],
+            Axis::Y => [1, 0],
+        }
+        .map(|axis| self.sheet.kept(axis));
         let (from, to) = (stretch.from.max(first), stretch.to.min(last));
-        (from <= to).then(|| Stretch { from, to, count: stretch.count.min(3 * (to - from + 1)) })
+        let is_kept = from <= to && (rows[0]..=rows[1]).contains(&across);
+        is_kept.then(|| Stretch { from, to, count: stretch.count.min(3 * (to - from + 1)) })
     }
 
     /// Whether what it goes along leads out of a picture that it has not swept yet.

@@ -96,8 +96,7 @@ impl<const S: usize> FloorJob<S> {
         if !begun {
             let here = self.sheet.picture.cell_at(pose.x_m, pose.y_m);
             let dares = self.areas.begin_search();
-            self.sheet.look_at_border();
-            self.sheet.border.leaves = matches!(aim, Aim::Exit(_));
+            self.sheet.begin_search(matches!(aim, Aim::Exit(_)), self.errand.is_to_sweep());
             self.wave.begin(here, escape, dares);
             self.phase = Phase::Plan { aim, escape, begun: true };
         }

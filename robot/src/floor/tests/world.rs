@@ -3,6 +3,7 @@ use super::*;
 use crate::condition::Condition;
 use crate::contact::Contacts;
 use crate::wild::Wild;
+use super::super::overview::Known;
 extern crate std;
 use std::{eprintln, vec, vec::Vec};
 
@@ -236,18 +237,95 @@ fn k_clutter() {
         }
     }
 }
-#[test]
-fn zz_debug() {
-    let mut w = World::new(rect(-1.0, -1.0, 15.0, 3.0), Pose::ORIGIN);
-    let mut last = None;
-    for s in 1..=25 * 3600 {
+
+/// Cells of 10 cm that the brush came to, of those where the robot's centre can be.
+struct Truth { seen: std::collections::BTreeSet<(i32, i32)> }
+fn reachable(segs: &[Seg]) -> std::collections::BTreeSet<(i32, i32)> {
+    let free = |c: (i32, i32)| { let p = [c.0 as f32 * 0.1, c.1 as f32 * 0.1]; segs.iter().all(|s| near_seg(p, s).1 > 0.18) };
+    let mut seen = std::collections::BTreeSet::from([(0, 0)]);
+    let mut front = vec![(0, 0)];
+    while let Some((x, y)) = front.pop() {
+        for n in [(x + 1, y), (x - 1, y), (x, y + 1), (x, y - 1)] { if !seen.contains(&n) && free(n) { seen.insert(n); front.push(n); } }
+    }
+    seen
+}
+fn judge(segs: Vec<Seg>, most_s: u64, name: &str) -> f32 {
+    let goal = reachable(&segs);
+    let mut w = World::new(segs, Pose::ORIGIN);
+    let mut truth = Truth { seen: std::collections::BTreeSet::new() };
+    for _ in 0..25 * most_s {
         w.step();
-        let p = std::mem::discriminant(&w.job.phase);
-        if s > 25 * 60 * 12 && last != Some(p) { eprintln!("{} {:.2} {:.2} {:.2} {:?} {:?} target {:?} border {:?} reached {} retries {}", s / 25, w.at.x_m, w.at.y_m, w.at.theta_rad, w.job.phase, w.job.errand, w.job.target, w.job.sheet.border, w.job.wave.reached, w.job.retries); }
-        last = Some(p);
+        let (cx, cy) = ((w.at.x_m * 10.0).round() as i32, (w.at.y_m * 10.0).round() as i32);
+        for x in cx - 2..=cx + 2 { for y in cy - 2..=cy + 2 { if slam_core::pose::length(x as f32 * 0.1 - w.at.x_m, y as f32 * 0.1 - w.at.y_m) < 0.125 { truth.seen.insert((x, y)); } } }
         if w.job.is_over() { break; }
     }
-    let m = w.job.sheet.picture.corner();
-    eprintln!("{m:?}");
-    for row in (0..80).rev() { let line: std::string::String = (0..80).map(|c| { let cell = Cell { col: c, row }; if w.job.sheet.picture.is_obstacle(cell) { '#' } else if !w.job.sheet.picture.is_free(cell) { ' ' } else if w.job.sheet.swept.left_in(cell) > 0 { 'o' } else { '.' } }).collect(); if line.trim() != "" { eprintln!("{line}|"); } }
+    let share = goal.intersection(&truth.seen).count() as f32 / goal.len() as f32;
+    let d = w.job.home.map(|h| slam_core::pose::length(h.x_m - w.at.x_m, h.y_m - w.at.y_m));
+    eprintln!("{name}: {share:.3} of {:.0} m2, {:?} after {} min, path {:.0} m = {:.2} m per m2 x 0.25, home {:.2} trips {} bumps {} planning {} s", goal.len() as f32 * 0.01, w.job.state(), w.s / 1500, w.job.path_m, 0.25 * w.job.path_m / (goal.len() as f32 * 0.01 * share), d.unwrap_or(9.0), w.job.sheet.border.trips, w.bumps, w.job.progress().seconds_in[3]);
+    share
+}
+/// A wall along x with doors of 0.9 m at these places.
+fn wall(y: f32, x0: f32, x1: f32, doors: &[f32]) -> Vec<Seg> {
+    let mut s = vec![]; let mut from = x0;
+    for d in doors { s.push(([from, y], [*d - 0.45, y])); from = *d + 0.45; }
+    s.push(([from, y], [x1, y])); s
+}
+fn turned(s: Vec<Seg>) -> Vec<Seg> { s.into_iter().map(|(a, b)| ([a[1], a[0]], [b[1], b[0]])).collect() }
+#[test]
+fn l_larger() {
+    let flat = |x0: f32, y0: f32| {
+        // 20 x 12 m: a corridor of 1.6 m in the middle with four rooms on each side.
+        let mut s = rect(x0, y0, x0 + 20.0, y0 + 12.0);
+        s.extend(wall(y0 + 5.2, x0, x0 + 20.0, &[x0 + 2.0, x0 + 7.0, x0 + 13.0, x0 + 18.0]));
+        s.extend(wall(y0 + 6.8, x0, x0 + 20.0, &[x0 + 3.0, x0 + 8.0, x0 + 12.0, x0 + 17.0]));
+        for k in 1..4 { let x = x0 + 5.0 * k as f32; s.extend([([x, y0], [x, y0 + 5.2]), ([x, y0 + 6.8], [x, y0 + 12.0])]); }
+        s
+    };
+    judge(flat(-1.0, -6.0), 6 * 3600, "20 x 12 flat, from the west end");
+    judge(flat(-10.0, -6.0), 6 * 3600, "20 x 12 flat, from the middle");
+    judge(flat(-3.0, -1.0), 6 * 3600, "20 x 12 flat, from a room");
+    judge(turned(flat(-3.0, -1.0)), 6 * 3600, "12 x 20 flat, from a room");
+    // A corridor round a core of 13 m.
+    let mut ring = rect(-1.0, -1.0, 16.0, 16.0); ring.extend(rect(1.0, 1.0, 14.0, 14.0));
+    judge(ring, 6 * 3600, "ring");
+    // U: two rooms of 18 x 3 m side by side that meet at the far end.
+    let mut u = rect(-1.0, -1.0, 17.0, 5.2); u.push(([-1.0, 2.1], [15.5, 2.1]));
+    judge(u, 6 * 3600, "U of 18 m");
+    // T and L.
+    let t = vec![([-9.0, -1.0], [9.0, -1.0]), ([9.0, -1.0], [9.0, 1.5]), ([9.0, 1.5], [1.5, 1.5]), ([1.5, 1.5], [1.5, 10.0]), ([1.5, 10.0], [-1.5, 10.0]), ([-1.5, 10.0], [-1.5, 1.5]), ([-1.5, 1.5], [-9.0, 1.5]), ([-9.0, 1.5], [-9.0, -1.0])];
+    judge(t, 6 * 3600, "T of 18 x 11 m");
+    let l = vec![([-1.0, -1.0], [15.0, -1.0]), ([15.0, -1.0], [15.0, 2.0]), ([15.0, 2.0], [2.0, 2.0]), ([2.0, 2.0], [2.0, 15.0]), ([2.0, 15.0], [-1.0, 15.0]), ([-1.0, 15.0], [-1.0, -1.0])];
+    judge(l, 6 * 3600, "L of 16 x 16 m");
+    judge(rect(-12.0, -1.0, 12.0, 2.0), 6 * 3600, "corridor 24 x 3 from the middle");
+    judge(rect(-1.0, -1.0, 29.0, 1.5), 6 * 3600, "corridor 30 x 2.5");
+    let mut s = rect(-1.0, -1.0, 23.0, 3.0);
+    for k in 1..6 { let x = 4.0 * k as f32 - 1.0; s.extend([([x, -1.0], [x, 0.5]), ([x, 1.4], [x, 3.0])]); }
+    judge(s, 6 * 3600, "six rooms in a row, 24 m");
+    judge(rect(-1.0, -1.0, 13.0, 7.0), 6 * 3600, "hall 14 x 8");
+}
+
+fn show(w: &World) {
+    let here = w.job.sheet.picture.cell_at(w.at.x_m, w.at.y_m);
+    for row in (-20..20).rev() { let line: std::string::String = (-20..24).map(|col| {
+        let b = [col, row];
+        let f = w.job.sheet.first_cell(b);
+        let inside = f.col >= 0 && f.row >= 0 && f.col < 80 && f.row < 80;
+        let k = match w.job.sheet.overview.of(b) { Known::Nothing => ' ', Known::Floor => 'f', Known::Swept => 's', Known::Left => 'L' };
+        if w.job.sheet.block_of(here) == b { 'R' } else if inside { match w.job.sheet.known_of(f) { Known::Nothing => if k == ' ' { '_' } else { k.to_ascii_uppercase() }, Known::Floor => '-', Known::Swept => '.', Known::Left => 'o' } } else { k }
+    }).collect(); eprintln!("{line}|"); }
+}
+#[test]
+fn m_debug() {
+    let l = vec![([-1.0, -1.0], [15.0, -1.0]), ([15.0, -1.0], [15.0, 2.0]), ([15.0, 2.0], [2.0, 2.0]), ([2.0, 2.0], [2.0, 15.0]), ([2.0, 15.0], [-1.0, 15.0]), ([-1.0, 15.0], [-1.0, -1.0])]; let mut w = World::new(l, Pose::ORIGIN);
+    let mut trips = 0; let mut leaves = false; let mut corner = [0; 2]; let mut ph = std::string::String::new(); use std::format;
+    for _ in 0..25 * 3600 * 4 {
+        w.step();
+        let b = w.job.sheet.border.clone();
+        if w.job.sheet.picture.corner() != corner { corner = w.job.sheet.picture.corner(); eprintln!("{} s moved to {corner:?} at {:.2} {:.2} {:?} path {:.0} {b:?}", w.s / 25, w.at.x_m, w.at.y_m, w.job.phase, w.job.path_m); }
+        if b.trips != trips || b.leaves != leaves { (trips, leaves) = (b.trips, b.leaves); eprintln!("{} s trip {trips} at {:.2} {:.2} {:?} {:?} path {:.0} {b:?}", w.s / 25, w.at.x_m, w.at.y_m, w.job.phase, w.job.errand, w.job.path_m); show(&w); }
+        if false { let p = format!("{:?}", w.job.phase); if p != ph { ph = p; eprintln!("{} {:.2} {:.2} {ph} target {:?} {b:?}", w.s / 25, w.at.x_m, w.at.y_m, w.job.target); } }
+        if w.job.is_over() { break; }
+    }
+    show(&w);
+    eprintln!("{:?}", w.job.progress());
 }
