@@ -112,7 +112,7 @@ impl Shadow {
     fn is_of(&self, sample: &Sample, shown: &Sample) -> bool {
         let but_contacts = Sample { contacts: shown.contacts, ..sample.clone() };
         let is_late = self.is_timed && sample.contacts == self.shown;
-        but_contacts == *shown && (sample.contacts == shown.contacts || is_late)
+        but_contacts == *shown && (is_held(&sample.contacts, &shown.contacts, &self.shown) || is_late)
     }
 
     fn differ(&mut self, sample: &Sample, what: &str) {
@@ -150,6 +150,18 @@ impl Shadow {
             swept: None,
         }
     }
+}
+
+/// Whether these contacts are those that were shown, but for some that were shown before: the firmware releases a contact late, for switches
+/// bounce.
+fn is_held(sample: &Contacts, shown: &Contacts, before: &Contacts) -> bool {
+    let of = |contacts: &Contacts| {
+        let Contacts { bump_left, bump_right, cliff, lifted, docked: _ } = *contacts;
+        [bump_left, bump_right, cliff, lifted]
+    };
+    let contacts = of(sample).into_iter().zip(of(shown)).zip(of(before));
+    let are_held = contacts.into_iter().all(|((sample, shown), before)| sample == shown || (sample && before));
+    are_held && sample.docked == shown.docked
 }
 
 #[cfg(test)]

@@ -21,9 +21,8 @@ const BRINK: i16 = 3;
 const OUTWARD: f32 = 0.5;
 /// Ways to what is left beyond the picture, one picture after the other: eight times through all that the overview holds.
 const MAX_TRIPS: u8 = 32;
-/// Of a block with fewer free cells than these nothing is known; with fewer that were not seen all of it is.
+/// Of a block with fewer free cells than these nothing is remembered.
 const FEW: usize = 5;
-const UNSEEN: usize = 3;
 
 /// What the picture may lose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -95,14 +94,15 @@ fn cells(first: Cell) -> impl Iterator<Item = Cell> {
 impl Sheet {
     /// The block that a cell is in.
     pub(super) fn block_of(&self, cell: Cell) -> Block {
-        let [col, row] = self.picture.corner().map(|corner| corner as i16);
-        [(col + cell.col).div_euclid(BLOCK), (row + cell.row).div_euclid(BLOCK)]
+        let [col, row] = self.picture.corner();
+        [col + i32::from(cell.col), row + i32::from(cell.row)].map(|index| index.div_euclid(BLOCK.into()) as i16)
     }
 
     /// The first cell of a block.
-    pub(super) fn first_cell(&self, block: Block) -> Cell {
-        let [col, row] = self.picture.corner().map(|corner| corner as i16);
-        Cell { col: BLOCK * block[0] - col, row: BLOCK * block[1] - row }
+    fn first_cell(&self, [col, row]: Block) -> Cell {
+        let corner = self.picture.corner();
+        let place = |block: i16, corner: i32| (i32::from(block) * i32::from(BLOCK) - corner).clamp(-1000, 1000) as i16;
+        Cell { col: place(col, corner[0]), row: place(row, corner[1]) }
     }
 
     /// What is known of the block with this first cell.
@@ -110,13 +110,8 @@ impl Sheet {
         if cells(first).any(|cell| self.is_passable_left(cell)) {
             return Known::Left;
         }
-        let count = |is: fn(&Sheet, Cell) -> bool| cells(first).filter(|cell| is(self, *cell)).count();
-        let free = count(|sheet, cell| sheet.picture.is_free(cell));
-        match count(|sheet, cell| !sheet.picture.is_known(cell)) {
-            _ if free < FEW => Known::Nothing,
-            0..UNSEEN => Known::Swept,
-            _ => Known::Floor,
-        }
+        let free = cells(first).filter(|cell| self.picture.is_free(*cell)).count();
+        if free < FEW { Known::Nothing } else { Known::Swept }
     }
 
     /// Whether something known falls off where the picture moves on by a block at this side.
@@ -143,7 +138,7 @@ impl Sheet {
                 // What was not seen again is what it was.
                 Known::Nothing => {}
                 // What could be reached is swept by now.
-                Known::Left if self.border.is_spent => self.overview.put(self.block_of(cell), Known::Floor),
+                Known::Left if self.border.is_spent => self.overview.put(self.block_of(cell), Known::Swept),
                 known => self.overview.put(self.block_of(cell), known),
             }
         }
@@ -154,7 +149,7 @@ impl Sheet {
         for cell in blocks.map(|along| first(side, along)) {
             let block = self.block_of(cell);
             self.overview.include(block);
-            if matches!(self.overview.of(block), Known::Swept | Known::Floor) {
+            if self.overview.of(block) == Known::Swept {
                 // As one beam would see it: where walls are is seen anew.
                 cells(cell).for_each(|cell| self.picture.see_free(cell));
                 cells(cell).for_each(|cell| self.swept.set(cell, true));

@@ -1,4 +1,4 @@
-//! What is known of the home beyond the picture, in blocks of 78 cm: where there is floor, where all of it was swept, and where some is left.
+//! What is known of the home beyond the picture, in blocks of 78 cm: where there is floor, and where some of it is left to sweep.
 
 use super::swept::CELLS;
 
@@ -19,12 +19,10 @@ pub(super) type Block = [i16; 2];
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Known {
     Nothing = 0,
-    /// There is floor.
-    Floor = 1,
-    /// All of it was seen, and none of it is left to sweep.
-    Swept = 2,
+    /// There is floor, and what was seen of it is swept.
+    Swept = 1,
     /// There is floor left to sweep.
-    Left = 3,
+    Left = 2,
 }
 
 /// The first block and the last one along an axis.
@@ -53,22 +51,21 @@ impl Overview {
         Self { rows: [0; BLOCKS], spans: [Span { from: 0, to: 0 }, Span { from: 0, to: 0 }] }
     }
 
-    pub(super) fn of(&self, [col, row]: Block) -> Known {
-        let is_within = [col, row].iter().zip(&self.spans).all(|(index, span)| (span.from..=span.to).contains(index));
-        let known = self.rows.get(stored(row)).map_or(0, |row| (row >> (2 * stored(col))) & 3);
-        match known {
-            1 if is_within => Known::Floor,
-            2 if is_within => Known::Swept,
-            3 if is_within => Known::Left,
+    pub(super) fn of(&self, block: Block) -> Known {
+        let is_within = block.iter().zip(&self.spans).all(|(index, span)| (span.from..=span.to).contains(index));
+        let [col, row] = block.map(stored);
+        match self.rows.get(row).map_or(0, |row| row >> (2 * col) & 3) {
+            1 if is_within => Known::Swept,
+            2 if is_within => Known::Left,
             _ => Known::Nothing,
         }
     }
 
-    pub(super) fn put(&mut self, [col, row]: Block, known: Known) {
-        self.include([col, row]);
-        let shift = 2 * stored(col);
-        if let Some(row) = self.rows.get_mut(stored(row)) {
-            *row = *row & !(3 << shift) | (known as u64) << shift;
+    pub(super) fn put(&mut self, block: Block, known: Known) {
+        self.include(block);
+        let [col, row] = block.map(stored);
+        if let Some(row) = self.rows.get_mut(row) {
+            *row = *row & !(3 << (2 * col)) | (known as u64) << (2 * col);
         }
     }
 
@@ -134,13 +131,13 @@ impl Overview {
         }
     }
 
-    /// What is left near there is given up: the nearest such block counts as floor.
+    /// What is left nearest to a block is given up.
     pub(super) fn give_up_near(&mut self, [col, row]: Block) {
         let [cols, rows] = self.spans.map(|span| span.from..=span.to);
         let blocks = rows.flat_map(|row| cols.clone().map(move |col| [col, row]));
         let left = blocks.filter(|block| self.of(*block) == Known::Left);
         if let Some(nearest) = left.min_by_key(|left| (left[0] - col).abs().max((left[1] - row).abs())) {
-            self.put(nearest, Known::Floor);
+            self.put(nearest, Known::Swept);
         }
     }
 }

@@ -3,7 +3,6 @@ use super::*;
 use crate::condition::Condition;
 use crate::contact::Contacts;
 use crate::wild::Wild;
-use super::super::overview::Known;
 extern crate std;
 use std::{eprintln, vec, vec::Vec};
 
@@ -302,30 +301,4 @@ fn l_larger() {
     for k in 1..6 { let x = 4.0 * k as f32 - 1.0; s.extend([([x, -1.0], [x, 0.5]), ([x, 1.4], [x, 3.0])]); }
     judge(s, 6 * 3600, "six rooms in a row, 24 m");
     judge(rect(-1.0, -1.0, 13.0, 7.0), 6 * 3600, "hall 14 x 8");
-}
-
-fn show(w: &World) {
-    let here = w.job.sheet.picture.cell_at(w.at.x_m, w.at.y_m);
-    for row in (-20..20).rev() { let line: std::string::String = (-20..24).map(|col| {
-        let b = [col, row];
-        let f = w.job.sheet.first_cell(b);
-        let inside = f.col >= 0 && f.row >= 0 && f.col < 80 && f.row < 80;
-        let k = match w.job.sheet.overview.of(b) { Known::Nothing => ' ', Known::Floor => 'f', Known::Swept => 's', Known::Left => 'L' };
-        if w.job.sheet.block_of(here) == b { 'R' } else if inside { match w.job.sheet.known_of(f) { Known::Nothing => if k == ' ' { '_' } else { k.to_ascii_uppercase() }, Known::Floor => '-', Known::Swept => '.', Known::Left => 'o' } } else { k }
-    }).collect(); eprintln!("{line}|"); }
-}
-#[test]
-fn m_debug() {
-    let l = vec![([-1.0, -1.0], [15.0, -1.0]), ([15.0, -1.0], [15.0, 2.0]), ([15.0, 2.0], [2.0, 2.0]), ([2.0, 2.0], [2.0, 15.0]), ([2.0, 15.0], [-1.0, 15.0]), ([-1.0, 15.0], [-1.0, -1.0])]; let mut w = World::new(l, Pose::ORIGIN);
-    let mut trips = 0; let mut leaves = false; let mut corner = [0; 2]; let mut ph = std::string::String::new(); use std::format;
-    for _ in 0..25 * 3600 * 4 {
-        w.step();
-        let b = w.job.sheet.border.clone();
-        if w.job.sheet.picture.corner() != corner { corner = w.job.sheet.picture.corner(); eprintln!("{} s moved to {corner:?} at {:.2} {:.2} {:?} path {:.0} {b:?}", w.s / 25, w.at.x_m, w.at.y_m, w.job.phase, w.job.path_m); }
-        if b.trips != trips || b.leaves != leaves { (trips, leaves) = (b.trips, b.leaves); eprintln!("{} s trip {trips} at {:.2} {:.2} {:?} {:?} path {:.0} {b:?}", w.s / 25, w.at.x_m, w.at.y_m, w.job.phase, w.job.errand, w.job.path_m); show(&w); }
-        if false { let p = format!("{:?}", w.job.phase); if p != ph { ph = p; eprintln!("{} {:.2} {:.2} {ph} target {:?} {b:?}", w.s / 25, w.at.x_m, w.at.y_m, w.job.target); } }
-        if w.job.is_over() { break; }
-    }
-    show(&w);
-    eprintln!("{:?}", w.job.progress());
 }
