@@ -12,6 +12,9 @@ const BLOCKS: usize = 32;
 const PICTURE: i16 = CELLS as i16 / BLOCK;
 const _: () = assert!(CELLS as i16 % BLOCK == 0);
 
+/// Bytes of all that is known.
+pub(super) const OVERVIEW_BYTES: usize = 8 * BLOCKS + 8;
+
 /// A block by its column and row, counted from where the job's frame begins.
 pub(super) type Block = [i16; 2];
 
@@ -66,6 +69,39 @@ impl Overview {
         let [col, row] = block.map(stored);
         if let Some(row) = self.rows.get_mut(row) {
             *row = *row & !(3 << (2 * col)) | (known as u64) << (2 * col);
+        }
+    }
+
+    /// What is known in bytes: eight of each row, and the first and last column and row, two bytes each, lowest first.
+    pub(super) fn byte(&self, place: usize) -> u8 {
+        let word = self.rows.get(place / 8).copied().unwrap_or_else(|| {
+            let [cols, rows] = self.spans;
+            let ends = [cols.from, cols.to, rows.from, rows.to].map(|end| u64::from(end as u16));
+            ends.iter().rev().fold(0, |word, end| word << 16 | end)
+        });
+        (word >> (8 * (place % 8))) as u8
+    }
+
+    /// Puts such a byte there.
+    pub(super) fn put_byte(&mut self, place: usize, byte: u8) {
+        let shift = 8 * (place % 8);
+        if let Some(row) = self.rows.get_mut(place / 8) {
+            *row = *row & !(0xFF << shift) | u64::from(byte) << shift;
+            return;
+        }
+        let [cols, rows] = &mut self.spans;
+        let ends = [&mut cols.from, &mut cols.to, &mut rows.from, &mut rows.to];
+        if let Some(end) = ends.into_iter().nth(place % 8 / 2) {
+            let shift = 8 * (place % 2);
+            *end = (*end as u16 & !(0xFF << shift) | u16::from(byte) << shift) as i16;
+        }
+    }
+
+    /// Forgets all where it cannot be: more columns or rows than are stored.
+    pub(super) fn check(&mut self) {
+        let is_whole = |span: &Span| (0..BLOCKS as i32).contains(&(i32::from(span.to) - i32::from(span.from)));
+        if !self.spans.iter().all(is_whole) {
+            *self = Self::new();
         }
     }
 

@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! two heads      the whole one with the higher number counts
-//! rows           of the picture, two cells a byte, each with a serial: that of its head, or it counts for nothing
+//! rows           of the picture, two cells a byte, and of what lies beyond it, each with a serial: that of its head, or it counts for nothing
 //! ```
 //!
 //! Where cells come to mean another place (another job, other axes, the picture moves), the serial changes; within one serial a cell only
@@ -15,6 +15,7 @@ use slam_core::Pose;
 
 use super::errand::{Errand, Way};
 use super::frame::Frame;
+use super::overview::OVERVIEW_BYTES;
 use super::sheet::Sheet;
 use super::swept::CELLS;
 use super::{FloorJob, FloorState, Phase};
@@ -23,12 +24,14 @@ use crate::pilot::memory::Cell;
 use crate::traits::LastingMemory;
 
 const STATES: usize = FloorState::ALL.len();
-const HEADS: InTurn = InTurn::new(*b"FLJ\x06", 48 + 2 * STATES);
+const HEADS: InTurn = InTurn::new(*b"FLJ\x07", 48 + 2 * STATES);
 const SERIAL: usize = 2;
 const ROW: usize = SERIAL + CELLS / 2;
+/// Rows of the picture and of the overview.
+const ROWS: usize = CELLS + OVERVIEW_BYTES.div_ceil(CELLS / 2);
 
 /// Bytes of a memory that a floor job is saved in.
-pub const FLOOR_RECORD_BYTES: usize = 2 * HEADS.len + CELLS * ROW;
+pub const FLOOR_RECORD_BYTES: usize = 2 * HEADS.len + ROWS * ROW;
 
 /// Why a memory has no floor job to go on with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,6 +76,15 @@ impl Sheet {
         SWEPT.iter().position(|kept| *kept == swept).unwrap_or(0) as u8
     }
 
+    fn codes(&self, [first, second]: [Cell; 2]) -> u8 {
+        self.code(first) | self.code(second) << 4
+    }
+
+    fn decode_pair(&mut self, [first, second]: [Cell; 2], codes: u8) {
+        self.decode(first, codes & 0xF);
+        self.decode(second, codes >> 4);
+    }
+
     fn decode(&mut self, cell: Cell, code: u8) {
         match SWEPT.get(usize::from(code)) {
             Some(swept) => {
@@ -88,6 +100,12 @@ impl Sheet {
 /// The cells of a row of the picture in pairs.
 fn pairs(row: i16) -> impl Iterator<Item = [Cell; 2]> {
     (0..CELLS as i16 / 2).map(move |col| [0, 1].map(|second| Cell { col: 2 * col + second, row }))
+}
+
+/// The bytes of the overview that a row after those of the picture holds; none for one of the picture.
+fn overview_row(row: i16) -> Option<core::ops::Range<usize>> {
+    let from = (row as usize).checked_sub(CELLS)? * (CELLS / 2);
+    Some(from..(from + CELLS / 2).min(OVERVIEW_BYTES))
 }
 
 /// Where a row is in the memory.
@@ -116,7 +134,7 @@ impl Notes {
             let found = HEADS.newest(memory);
             self.is_there = found.is_some();
             if found.is_none() {
-                (0..CELLS as i16).for_each(|row| put(memory, row_at(row), [0; SERIAL]));
+                (0..ROWS as i16).for_each(|row| put(memory, row_at(row), [0; SERIAL]));
             }
             found.map_or((0, 0), |number| (number, serial_in(HEADS.said(number, memory))))
         })
@@ -157,7 +175,7 @@ impl<const S: usize> FloorJob<S> {
         }
         // Where the map was saved since, the floor as it is written down is that in the new one, too.
         let is_saved_anew = notes.is_there && is_of_other_map(HEADS.said(number, memory), serial, map);
-        if !is_saved_anew && usize::try_from(notes.row).is_ok_and(|row| row < CELLS) {
+        if !is_saved_anew && usize::try_from(notes.row).is_ok_and(|row| row < ROWS) {
             self.note_row(notes.row, serial, memory);
             notes.row += 1;
             return false;
@@ -182,8 +200,11 @@ impl<const S: usize> FloorJob<S> {
         if is_other {
             put(memory, row_at(row), [0; SERIAL]);
         }
-        let cells = pairs(row).map(|[first, second]| self.sheet.code(first) | self.sheet.code(second) << 4);
-        put(memory, row_at(row) + SERIAL, cells);
+        let at = row_at(row) + SERIAL;
+        match overview_row(row) {
+            Some(bytes) => put(memory, at, bytes.map(|place| self.sheet.overview.byte(place))),
+            None => put(memory, at, pairs(row).map(|pair| self.sheet.codes(pair))),
+        }
         if is_other {
             put(memory, row_at(row), serial.to_le_bytes());
         }
@@ -232,13 +253,14 @@ impl<const S: usize> FloorJob<S> {
         let swept = u32::from_le_bytes(word());
         let seconds_in = [0_u16; STATES].map(|_| u16::from_le_bytes([(); 2].map(|()| bytes.next().unwrap_or(0))));
         self.tally.take_up(swept, seconds_in);
-        for row in (0..CELLS as i16).filter(|row| serial_of(memory, *row) == serial) {
-            for ([first, second], place) in pairs(row).zip(row_at(row) + SERIAL..) {
-                let code = memory.read(place);
-                self.sheet.decode(first, code & 0xF);
-                self.sheet.decode(second, code >> 4);
+        for row in (0..ROWS as i16).filter(|row| serial_of(memory, *row) == serial) {
+            let bytes = (row_at(row) + SERIAL..).map(|place| memory.read(place));
+            match overview_row(row) {
+                Some(places) => places.zip(bytes).for_each(|(place, byte)| self.sheet.overview.put_byte(place, byte)),
+                None => pairs(row).zip(bytes).for_each(|(pair, codes)| self.sheet.decode_pair(pair, codes)),
             }
         }
+        self.sheet.overview.check();
         self.phase = Phase::Plan { aim: self.aim(), escape: 5, begun: false };
         Ok(())
     }
@@ -258,6 +280,7 @@ fn pose_of(words: [[u8; 4]; 3]) -> Option<Pose> {
 #[cfg(test)]
 mod tests {
     use super::super::FloorConfig;
+    use super::super::overview::Known;
     use super::*;
     use crate::in_turn::Failing;
     use crate::rig::default_rig;
@@ -273,6 +296,8 @@ mod tests {
         job.go_on_in(&Pose::ORIGIN, &Pose::new(0.3, 0.4, 0.5));
         job.home = Some(Pose::new(0.5, -0.25, seed as f32));
         job.errand = Errand::Recharge { then: Way::Open };
+        job.sheet.overview.put([-20, 5], Known::Left);
+        job.sheet.overview.put([3, -7], Known::Swept);
         let mut bits = seed;
         for cell in (0..CELLS as i16).flat_map(pairs).flatten() {
             bits = bits.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -308,6 +333,9 @@ mod tests {
         let corner = Cell { col: 3, row: 70 };
         assert_eq!(again.sheet.picture.centre_m(corner), job.sheet.picture.centre_m(corner));
         assert_eq!(again.progress().swept_m2, job.progress().swept_m2);
+        let bytes = |job: &FloorJob<8>| (0..OVERVIEW_BYTES).map(|place| job.sheet.overview.byte(place)).collect::<Vec<u8>>();
+        assert_eq!(bytes(&again), bytes(&job));
+        assert_eq!(again.sheet.overview.of([-20, 5]), Known::Left);
     }
 
     #[test]

@@ -9,6 +9,8 @@ use crate::condition::Condition;
 use crate::contact::Contacts;
 use crate::pilot::memory::Cell;
 use crate::wild::Wild;
+extern crate std;
+use std::vec::Vec;
 
 #[test]
 fn the_job_of_the_robot_fits_in_12_kib() {
