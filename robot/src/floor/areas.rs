@@ -190,7 +190,8 @@ impl<const S: usize> FloorJob<S> {
     /// Something that was not seen before stands on the way through what was not seen.
     pub(super) fn sees_obstacle_on_way(&self) -> bool {
         let mut ahead = self.route.iter().rev().take(6);
-        (self.areas.dares || self.sheet.border.leaves) && ahead.any(|cell| self.sheet.picture.is_obstacle(Cell::unpacked(*cell)))
+        (self.areas.dares || self.sheet.border.leaves)
+            && ahead.any(|cell| self.sheet.picture.is_obstacle(Cell::unpacked(*cell)))
     }
 }
 

@@ -140,7 +140,10 @@ impl<const S: usize> FloorJob<S> {
         self.tally.take_back(missed);
         for shift in [3 * lane.side, -3 * lane.side, 2 * lane.side, -2 * lane.side] {
             let stretch = self.sheet.stretch(lane.axis, across + shift, along, 6);
-            let Some(stretch) = stretch.and_then(|stretch| self.before_brink(lane.axis, across + shift, stretch)) else { continue };
+            let Some(stretch) = stretch.and_then(|stretch| self.before_brink(lane.axis, across + shift, stretch))
+            else {
+                continue;
+            };
             if stretch.count < 8 {
                 continue;
             }

@@ -160,7 +160,9 @@ impl Sheet {
 
     /// By how many blocks it is to move along an axis for a robot in this cell.
     fn due(&mut self, axis: usize, cell: Cell, moves: Moves) -> i8 {
-        let Some(side) = SIDES.into_iter().find(|side| side.axis == axis && side.depth(cell) < MARGIN) else { return 0 };
+        let Some(side) = SIDES.into_iter().find(|side| side.axis == axis && side.depth(cell) < MARGIN) else {
+            return 0;
+        };
         if self.border.loses & side.bit() == 0 && self.loses(side) {
             self.border.loses |= side.bit();
         }

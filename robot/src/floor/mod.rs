@@ -72,6 +72,8 @@ pub struct FloorJob<const S: usize> {
     sheet: Sheet,
     near: Near,
     beams: [Beam; S],
+    /// Ranges of the step before, tenths of a millimetre.
+    before: [u16; S],
     wave: Wave,
     route: Route,
     phase: Phase,
@@ -137,6 +139,7 @@ impl<const S: usize> FloorJob<S> {
         sheet: Sheet::new(),
         near: Near::new(),
         beams: [Beam::NONE; S],
+        before: [u16::MAX; S],
         wave: Wave::new(),
         route: Route::new(),
         phase: Phase::Seek { to_m: None },
@@ -311,12 +314,13 @@ impl<const S: usize> FloorJob<S> {
             y_m: pose.y_m - share * (pose.y_m - last.y_m),
             theta_rad: pose.theta_rad - share * wrap(pose.theta_rad - last.theta_rad),
         };
-        for (beam, range_m) in self.beams.iter_mut().zip(senses.ranges_m) {
-            let before_m = if beam.age == 0 { beam.range_m } else { f32::INFINITY };
+        for ((beam, before), range_m) in self.beams.iter_mut().zip(&mut self.before).zip(senses.ranges_m) {
             beam.take(range_m);
             if beam.max_m <= 0.0 {
                 continue;
             }
+            let before_m = 1e-4
+                * f32::from(core::mem::replace(before, range_m.map_or(u16::MAX, |range_m| (1e4 * range_m) as u16)));
             // What a blinded sensor shows, and what it does not, says nothing of what is beyond.
             if self.near.is_blinded(beam, &then, senses.time_us) {
                 continue;

@@ -134,7 +134,8 @@ impl Overview {
         has_room: impl Fn(Block) -> bool,
     ) -> Option<Block> {
         let [cols, rows] = self.spans;
-        let is_inside = |block: Block| block.iter().zip(picture).all(|(index, first)| (first..first + PICTURE).contains(index));
+        let is_inside =
+            |block: Block| block.iter().zip(picture).all(|(index, first)| (first..first + PICTURE).contains(index));
         // A line of bits for each row: where the wave is, and where it may go.
         let [mut reached, mut ways] = [[0_u32; BLOCKS]; 2];
         for (row, (reached, ways)) in (rows.from..=rows.to).zip(reached.iter_mut().zip(&mut ways)) {

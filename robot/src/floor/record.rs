@@ -333,7 +333,8 @@ mod tests {
         let corner = Cell { col: 3, row: 70 };
         assert_eq!(again.sheet.picture.centre_m(corner), job.sheet.picture.centre_m(corner));
         assert_eq!(again.progress().swept_m2, job.progress().swept_m2);
-        let bytes = |job: &FloorJob<8>| (0..OVERVIEW_BYTES).map(|place| job.sheet.overview.byte(place)).collect::<Vec<u8>>();
+        let bytes =
+            |job: &FloorJob<8>| (0..OVERVIEW_BYTES).map(|place| job.sheet.overview.byte(place)).collect::<Vec<u8>>();
         assert_eq!(bytes(&again), bytes(&job));
         assert_eq!(again.sheet.overview.of([-20, 5]), Known::Left);
     }
