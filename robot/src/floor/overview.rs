@@ -111,11 +111,11 @@ impl Overview {
             let most = BLOCKS as i16 - 1;
             let before = *span;
             if index < span.from {
-                *span = Span { from: index, to: span.to.min(index + most) };
+                *span = Span { from: index, to: span.to.min(index.saturating_add(most)) };
             } else if index > span.to {
-                *span = Span { from: span.from.max(index - most), to: index };
+                *span = Span { from: span.from.max(index.saturating_sub(most)), to: index };
             }
-            for line in (before.from..span.from).chain(span.to + 1..=before.to) {
+            for line in (before.from..span.from).chain(span.to.saturating_add(1)..=before.to) {
                 if axis == 0 {
                     self.rows.iter_mut().for_each(|row| *row &= !(3 << (2 * stored(line))));
                 } else if let Some(row) = self.rows.get_mut(stored(line)) {
@@ -176,5 +176,81 @@ impl Overview {
         if let Some(nearest) = left.min_by_key(|left| (left[0] - col).abs().max((left[1] - row).abs())) {
             self.put(nearest, Known::Swept);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The picture's first block.
+    const PICTURE_AT: Block = [0, 0];
+
+    fn towards_left(overview: &Overview, has_room: impl Fn(Block) -> bool) -> Option<Block> {
+        overview.exit(PICTURE_AT, |block| overview.of(block) == Known::Left, has_room)
+    }
+
+    /// Swept floor all along this row, up to floor that is left.
+    fn corridor(row: i16, cols: core::ops::Range<i16>) -> Overview {
+        let mut overview = Overview::new();
+        [PICTURE_AT, [PICTURE - 1; 2]].into_iter().for_each(|block| overview.include(block));
+        overview.put([cols.end, row], Known::Left);
+        cols.for_each(|col| overview.put([col, row], Known::Swept));
+        overview
+    }
+
+    #[test]
+    fn a_block_is_remembered_until_one_comes_that_is_25_m_from_it() {
+        let mut overview = Overview::new();
+        overview.put([-5, 7], Known::Left);
+        overview.put([4, -12], Known::Swept);
+        overview.include([26, 0]);
+        assert_eq!((overview.of([-5, 7]), overview.of([4, -12])), (Known::Left, Known::Swept));
+        assert_eq!(overview.of([27, 7]), Known::Nothing, "it is stored where the first one is");
+        overview.include([27, 0]);
+        assert_eq!((overview.of([-5, 7]), overview.of([27, 7])), (Known::Nothing, Known::Nothing));
+        assert_eq!(overview.of([4, -12]), Known::Swept);
+        overview.include([4, 20]);
+        assert_eq!(overview.of([4, -12]), Known::Nothing);
+    }
+
+    #[test]
+    fn the_way_to_what_is_left_leads_out_of_the_picture_where_what_is_known_begins() {
+        let mut overview = corridor(5, PICTURE..PICTURE + 6);
+        assert_eq!(towards_left(&overview, |_| true), Some([PICTURE - 1, 5]));
+        assert_eq!(towards_left(&overview, |[_, row]| row != 5), None, "the robot cannot stand there");
+        overview.put([PICTURE + 2, 5], Known::Nothing);
+        assert_eq!(towards_left(&overview, |_| true), None, "there is a gap");
+    }
+
+    #[test]
+    fn blocks_of_the_picture_that_were_not_seen_again_are_on_the_way_or_are_what_is_left() {
+        // It came into the picture by half.
+        let overview = corridor(5, PICTURE - 8..PICTURE - 3);
+        let was_seen = |[col, _]: Block| col < PICTURE - 8;
+        assert_eq!(towards_left(&overview, was_seen), Some([PICTURE - 9, 5]));
+        assert_eq!(towards_left(&overview, |_| true), None, "all of it was seen: the picture knows");
+    }
+
+    #[test]
+    fn what_is_given_up_is_the_nearest_that_is_left() {
+        let mut overview = corridor(5, PICTURE..PICTURE + 6);
+        overview.put([PICTURE + 9, 0], Known::Left);
+        overview.give_up_near([PICTURE - 1, 5]);
+        assert_eq!((overview.of([PICTURE + 6, 5]), overview.of([PICTURE + 9, 0])), (Known::Swept, Known::Left));
+        overview.give_up_near([PICTURE - 1, 5]);
+        assert_eq!(towards_left(&overview, |_| true), None);
+    }
+
+    #[test]
+    fn bytes_bring_all_of_it_back_and_those_that_cannot_be_bring_nothing() {
+        let overview = corridor(-9, -11..3);
+        let mut again = Overview::new();
+        (0..OVERVIEW_BYTES).for_each(|place| again.put_byte(place, overview.byte(place)));
+        again.check();
+        assert!((-20..20).all(|col| again.of([col, -9]) == overview.of([col, -9])));
+        again.put_byte(OVERVIEW_BYTES - 1, 0x70);
+        again.check();
+        assert_eq!(again.of([3, -9]), Known::Nothing);
     }
 }
