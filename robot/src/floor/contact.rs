@@ -39,10 +39,12 @@ impl<const S: usize> FloorJob<S> {
     /// Answers what it meets on its way over the floor; speed and turn rate where that needs no other phase.
     pub(super) fn answer(&mut self, senses: &Senses<S>, pose: &Pose) -> Option<(f32, f32)> {
         let now_us = senses.time_us;
-        let is_still = self.traction.is_held();
+        let is_still = self.traction.is_held() && !self.is_nothing_in_reach(pose);
         // A search stands and ends by itself: through a large home it takes longer.
         let is_searching = matches!(self.phase, Phase::Plan { .. });
         if is_still && self.holds + 1 >= MAX_HOLDS && self.sees_nothing() {
+            // Wheels alone said where it was.
+            self.doubt_what_it_swept();
             self.begin(Phase::Blind, now_us);
         } else if is_still || senses.condition.is_stalled {
             self.be_held(now_us);
@@ -264,6 +266,18 @@ impl<const S: usize> FloorJob<S> {
     fn sees_nothing(&self) -> bool {
         let beams = || self.beams.iter().filter(|beam| beam.max_m > 0.0);
         4 * beams().filter(|beam| beam.age == u8::MAX).count() >= 3 * beams().count()
+    }
+
+    /// Whether it sees nothing, and as far as is known there is nothing that it could see: in the middle of a hall.
+    fn is_nothing_in_reach(&mut self, pose: &Pose) -> bool {
+        let reach_m = self.beams.iter().map(|beam| beam.max_m).fold(0.0, f32::max);
+        let moves = (core::f32::consts::FRAC_1_SQRT_2 * reach_m / self.config.drive.cell_m) as i16;
+        let here = self.sheet.picture.cell_at(pose.x_m, pose.y_m);
+        let is_nothing = self.sees_nothing() && !self.sheet.picture.obstacle_within(here, moves);
+        if is_nothing {
+            self.traction.begin();
+        }
+        is_nothing
     }
 
     /// Whatever silenced the sensors may end; one that shows something is a spike. Where nothing is in their reach it has to go and see.

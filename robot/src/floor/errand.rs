@@ -176,6 +176,12 @@ impl<const S: usize> FloorJob<S> {
         self.sheet.picture.doubt_obstacles();
     }
 
+    /// The floor of the last metres is not sure to be swept: the robot was elsewhere.
+    pub(super) fn doubt_what_it_swept(&mut self) {
+        let quarters = self.trail.undo(&mut self.sheet);
+        self.tally.take_back(quarters);
+    }
+
     /// Off the floor the robot stands, and in its dock until the battery is full; else it goes along walls until it is located, after a lap
     /// along others.
     pub(super) fn find_oneself(&mut self, senses: &Senses<S>) -> WheelSpeeds {
@@ -223,8 +229,7 @@ impl<const S: usize> FloorJob<S> {
         if moved_m < most_m && wrap(pose.theta_rad - last.theta_rad).abs() < most_rad {
             return;
         }
-        let quarters = self.trail.undo(&mut self.sheet);
-        self.tally.take_back(quarters);
+        self.doubt_what_it_swept();
         self.near.clear();
         self.last = None;
         let is_under_way =

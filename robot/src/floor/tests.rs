@@ -344,14 +344,17 @@ fn a_bumper_that_is_jammed_stops_it_until_it_is_freed() {
 #[test]
 fn a_robot_that_sees_nothing_any_more_stands_until_it_does() {
     let mut robot = Adrift::new();
-    let mut drive = |seconds: u64, ranges_m: [Option<f32>; 8]| robot.drive(seconds, Contacts::default(), ranges_m);
-    drive(2, [Some(1.0); 8]);
+    robot.drive(2, Contacts::default(), [Some(1.0); 8]);
     let (mut state, mut path_m) = (FloorState::Edge, 0.0);
+    let mut swept = 0;
     while state != FloorState::Blind && path_m < 30.0 {
-        let (now, driven_m) = drive(1, [None; 8]);
+        swept = robot.job.tally.swept();
+        let (now, driven_m) = robot.drive(1, Contacts::default(), [None; 8]);
         (state, path_m) = (now, path_m + driven_m);
     }
     assert!(state == FloorState::Blind && path_m > 12.0, "{state:?} after {path_m} m");
+    assert!(robot.job.tally.swept() + 50 < swept, "what it swept of late is not sure to be swept");
+    let mut drive = |seconds: u64, ranges_m: [Option<f32>; 8]| robot.drive(seconds, Contacts::default(), ranges_m);
     let mut spike = [None; 8];
     spike[3] = Some(0.5);
     assert_eq!(drive(100, spike), (FloorState::Blind, 0.0));

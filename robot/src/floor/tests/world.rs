@@ -164,7 +164,7 @@ fn larger() -> [(&'static str, Vec<Wall>); 8] {
         ("five rooms in a row, 20 m", row),
         ("corridor of 24 m, from its middle", room(-12.0, -1.0, 12.0, 2.0)),
         ("corridor of 18 m, from its end", room(-1.0, -1.0, 17.0, 1.5)),
-        ("hall of 14 x 8 m", room(-1.0, -1.0, 13.0, 7.0)),
+        ("hall of 14 x 14 m", room(-1.0, -1.0, 13.0, 13.0)),
     ]
 }
 
