@@ -7,7 +7,7 @@
 use slam_core::Pose;
 
 use super::FloorJob;
-use super::overview::{BLOCK, Block, Known, Overview};
+use super::overview::{BLOCK, Block, Known};
 use super::sheet::{Axis, Sheet, Stretch};
 use super::swept::CELLS;
 use super::wave::Aim;
@@ -227,11 +227,10 @@ impl Sheet {
         })
     }
 
-    /// The block of the picture that is next on the way to such a block beyond it.
-    fn exit(&self, is_goal: impl Fn(&Overview, Block) -> bool) -> Option<Block> {
+    /// The block of the picture that is next on the way to this one beyond it, or to one with floor left.
+    fn exit(&self, goal: Option<Block>) -> Option<Block> {
         let has_room = |block| cells(self.first_cell(block)).any(|cell| is_passable(&self.picture, cell));
-        let corner = self.block_of(Cell { col: 0, row: 0 });
-        self.overview.exit(corner, |block| is_goal(&self.overview, block), has_room)
+        self.overview.exit(self.block_of(Cell::default()), goal, has_room)
     }
 }
 
@@ -270,7 +269,7 @@ impl<const S: usize> FloorJob<S> {
     pub(super) fn next_exit(&mut self) -> Option<Aim> {
         while self.sheet.border.trips < MAX_TRIPS && self.is_path_left() {
             self.sheet.border.trips += 1;
-            let exit = self.sheet.exit(|overview, block| overview.of(block) == Known::Left)?;
+            let exit = self.sheet.exit(None)?;
             if !self.is_in(exit) {
                 return Some(Aim::Exit(self.sheet.first_cell(exit)));
             }
@@ -289,7 +288,7 @@ impl<const S: usize> FloorJob<S> {
     /// Where a cell beyond the picture is to be gone to, the next part of the way.
     pub(super) fn exit_to(&self, cell: Cell) -> Option<Aim> {
         let goal = self.sheet.block_of(cell);
-        let exit = self.sheet.exit(|_, block| block == goal).filter(|exit| !self.is_in(*exit));
+        let exit = self.sheet.exit(Some(goal)).filter(|exit| !self.is_in(*exit));
         exit.map(|exit| Aim::Exit(self.sheet.first_cell(exit)))
     }
 

@@ -12,10 +12,13 @@ const BLOCKS: usize = 32;
 const PICTURE: i16 = CELLS as i16 / BLOCK;
 const _: () = assert!(CELLS as i16 % BLOCK == 0);
 
-/// Bytes of all that is known.
-pub(super) const OVERVIEW_BYTES: usize = 8 * BLOCKS + 8;
+/// Bytes of a row.
+const ROW: usize = BLOCKS / 4;
 
-/// A block by its column and row, counted from where the job's frame begins.
+/// Bytes of all that is known.
+pub(super) const OVERVIEW_BYTES: usize = ROW * BLOCKS + 4;
+
+/// A block by its column and row, counted from where the job's frame begins. Beyond 99 m from there all are one.
 pub(super) type Block = [i16; 2];
 
 /// What is known of a block.
@@ -28,36 +31,45 @@ pub(super) enum Known {
     Left = 2,
 }
 
-/// The first block and the last one along an axis.
-#[derive(Clone, Copy, Debug)]
-struct Span {
-    from: i16,
-    to: i16,
-}
-
 /// What is known of the blocks that fell off the picture: a plane that is rolled up both ways.
 #[derive(Clone, Debug)]
 pub(super) struct Overview {
-    /// Two bits a block.
-    rows: [u64; BLOCKS],
-    /// Columns and rows that are remembered; those of the picture are among them.
-    spans: [Span; 2],
+    /// Row by row two bits a block, and then the first column, the first row, the last column and the last row that are remembered; those of
+    /// the picture are among them.
+    bytes: [u8; OVERVIEW_BYTES],
 }
 
-/// Where a column or row is stored.
-fn stored(index: i16) -> usize {
-    index.rem_euclid(BLOCKS as i16) as usize
+/// Where a block is stored: its byte, and how far its bits are shifted there.
+fn place([col, row]: Block) -> (usize, u32) {
+    let [col, row] = [col, row].map(|index| index.rem_euclid(BLOCKS as i16) as usize);
+    (ROW * row + col / 4, 2 * (col as u32 % 4))
 }
 
 impl Overview {
     pub(super) const fn new() -> Self {
-        Self { rows: [0; BLOCKS], spans: [Span { from: 0, to: 0 }, Span { from: 0, to: 0 }] }
+        Self { bytes: [0; OVERVIEW_BYTES] }
+    }
+
+    /// All of it, for a memory that lasts.
+    pub(super) fn bytes(&mut self) -> &mut [u8; OVERVIEW_BYTES] {
+        &mut self.bytes
+    }
+
+    /// First and last block of those that are remembered.
+    fn ends(&self) -> [Block; 2] {
+        let mut ends = [[0; 2]; 2];
+        let bytes = self.bytes.iter().skip(ROW * BLOCKS);
+        ends.as_flattened_mut().iter_mut().zip(bytes).for_each(|(end, byte)| *end = i16::from(*byte as i8));
+        // Whatever a damaged memory says: no more than there are.
+        let [from, to] = ends;
+        [from, [0, 1].map(|axis| to[axis].min(from[axis] + BLOCKS as i16 - 1))]
     }
 
     pub(super) fn of(&self, block: Block) -> Known {
-        let is_within = block.iter().zip(&self.spans).all(|(index, span)| (span.from..=span.to).contains(index));
-        let [col, row] = block.map(stored);
-        match self.rows.get(row).map_or(0, |row| row >> (2 * col) & 3) {
+        let [from, to] = self.ends();
+        let is_within = (0..2).all(|axis| (from[axis]..=to[axis]).contains(&block[axis]));
+        let (byte, shift) = place(block);
+        match self.bytes.get(byte).map_or(0, |byte| byte >> shift & 3) {
             1 if is_within => Known::Swept,
             2 if is_within => Known::Left,
             _ => Known::Nothing,
@@ -66,116 +78,101 @@ impl Overview {
 
     pub(super) fn put(&mut self, block: Block, known: Known) {
         self.include(block);
-        let [col, row] = block.map(stored);
-        if let Some(row) = self.rows.get_mut(row) {
-            *row = *row & !(3 << (2 * col)) | (known as u64) << (2 * col);
-        }
+        self.set(block, known);
     }
 
-    /// What is known in bytes: eight of each row, and the first and last column and row, two bytes each, lowest first.
-    pub(super) fn byte(&self, place: usize) -> u8 {
-        let word = self.rows.get(place / 8).copied().unwrap_or_else(|| {
-            let [cols, rows] = self.spans;
-            let ends = [cols.from, cols.to, rows.from, rows.to].map(|end| u64::from(end as u16));
-            ends.iter().rev().fold(0, |word, end| word << 16 | end)
-        });
-        (word >> (8 * (place % 8))) as u8
-    }
-
-    /// Puts such a byte there.
-    pub(super) fn put_byte(&mut self, place: usize, byte: u8) {
-        let shift = 8 * (place % 8);
-        if let Some(row) = self.rows.get_mut(place / 8) {
-            *row = *row & !(0xFF << shift) | u64::from(byte) << shift;
-            return;
-        }
-        let [cols, rows] = &mut self.spans;
-        let ends = [&mut cols.from, &mut cols.to, &mut rows.from, &mut rows.to];
-        if let Some(end) = ends.into_iter().nth(place % 8 / 2) {
-            let shift = 8 * (place % 2);
-            *end = (*end as u16 & !(0xFF << shift) | u16::from(byte) << shift) as i16;
-        }
-    }
-
-    /// Forgets all where it cannot be: more columns or rows than are stored.
-    pub(super) fn check(&mut self) {
-        let is_whole = |span: &Span| (0..BLOCKS as i32).contains(&(i32::from(span.to) - i32::from(span.from)));
-        if !self.spans.iter().all(is_whole) {
-            *self = Self::new();
+    fn set(&mut self, block: Block, known: Known) {
+        let (byte, shift) = place(block);
+        if let Some(byte) = self.bytes.get_mut(byte) {
+            *byte = *byte & !(3 << shift) | (known as u8) << shift;
         }
     }
 
     /// Remembers this block from now on, and none that is 25 m from there.
     pub(super) fn include(&mut self, block: Block) {
-        for (axis, (index, span)) in block.into_iter().zip(&mut self.spans).enumerate() {
-            let most = BLOCKS as i16 - 1;
-            let before = *span;
-            if index < span.from {
-                *span = Span { from: index, to: span.to.min(index.saturating_add(most)) };
-            } else if index > span.to {
-                *span = Span { from: span.from.max(index.saturating_sub(most)), to: index };
+        let before = self.ends();
+        let [mut from, mut to] = before;
+        for axis in 0..2 {
+            let index = block[axis].clamp(i8::MIN.into(), i8::MAX.into());
+            if index < from[axis] {
+                from[axis] = index;
+                to[axis] = to[axis].min(index + BLOCKS as i16 - 1);
+            } else if index > to[axis] {
+                to[axis] = index;
+                from[axis] = from[axis].max(index - BLOCKS as i16 + 1);
             }
-            for line in (before.from..span.from).chain(span.to.saturating_add(1)..=before.to) {
-                if axis == 0 {
-                    self.rows.iter_mut().for_each(|row| *row &= !(3 << (2 * stored(line))));
-                } else if let Some(row) = self.rows.get_mut(stored(line)) {
-                    *row = 0;
+        }
+        if [from, to] == before {
+            return;
+        }
+        for row in before[0][1]..=before[1][1] {
+            for col in before[0][0]..=before[1][0] {
+                if !((from[0]..=to[0]).contains(&col) && (from[1]..=to[1]).contains(&row)) {
+                    self.set([col, row], Known::Nothing);
                 }
             }
         }
+        let ends = [from, to];
+        let bytes = self.bytes.iter_mut().skip(ROW * BLOCKS);
+        bytes.zip(ends.as_flattened()).for_each(|(byte, end)| *byte = *end as u8);
     }
 
-    /// The block of the picture that is next on a shortest way to one of these goals, over what is known beyond it. `picture` is its first
-    /// block; in some of its blocks the robot was and has room, others count as they are known.
-    pub(super) fn exit(
-        &self,
-        picture: Block,
-        is_goal: impl Fn(Block) -> bool,
-        has_room: impl Fn(Block) -> bool,
-    ) -> Option<Block> {
-        let [cols, rows] = self.spans;
-        let is_inside =
-            |block: Block| block.iter().zip(picture).all(|(index, first)| (first..first + PICTURE).contains(index));
+    /// The block of the picture that is next on a shortest way to a goal, over what is known beyond it: to this block, or to any where floor is
+    /// left. `picture` is its first block; in some of its blocks the robot was and has room, others count as they are known.
+    pub(super) fn exit(&self, picture: Block, goal: Option<Block>, has_room: impl Fn(Block) -> bool) -> Option<Block> {
+        let [from, to] = self.ends();
+        let is_exit =
+            |block: Block| (0..2).all(|axis| (0..PICTURE).contains(&(block[axis] - picture[axis]))) && has_room(block);
         // A line of bits for each row: where the wave is, and where it may go.
-        let [mut reached, mut ways] = [[0_u32; BLOCKS]; 2];
-        for (row, (reached, ways)) in (rows.from..=rows.to).zip(reached.iter_mut().zip(&mut ways)) {
-            for col in cols.from..=cols.to {
-                let block = [col, row];
-                let (is_way, is_goal) = (self.of(block) != Known::Nothing, is_goal(block));
-                if (is_way || is_goal) && !(is_inside(block) && has_room(block)) {
-                    let bit = 1 << (col - cols.from);
-                    *ways |= bit;
-                    *reached |= if is_goal { bit } else { 0 };
+        let [mut reached, mut ways] = [[0_u32; BLOCKS + 2]; 2];
+        for (line, (reached, ways)) in
+            reached.iter_mut().zip(&mut ways).skip(1).take((to[1] - from[1] + 1) as usize).enumerate()
+        {
+            for col in 0..=to[0] - from[0] {
+                let block = [from[0] + col, from[1] + line as i16];
+                let known = self.of(block);
+                let is_goal = goal.map_or(known == Known::Left, |goal| block == goal);
+                if (is_goal || known != Known::Nothing) && !is_exit(block) {
+                    *ways |= 1 << col;
+                    *reached |= u32::from(is_goal) << col;
                 }
             }
         }
-        loop {
+        for _ in 0..BLOCKS * BLOCKS {
             let before = reached;
-            let at = |line: usize| before.get(line).copied().unwrap_or(0);
-            for (line, (row, (reached, ways))) in (rows.from..=rows.to).zip(reached.iter_mut().zip(&ways)).enumerate() {
-                let here = *reached;
-                let around = here | here << 1 | here >> 1 | at(line.wrapping_sub(1)) | at(line + 1);
+            for ((line, around), (reached, ways)) in
+                before.windows(3).enumerate().zip(reached.iter_mut().zip(&ways).skip(1))
+            {
+                let [above, here, below] = around else { continue };
+                let around = here | here << 1 | here >> 1 | above | below;
                 *reached |= around & ways;
-                let exits = (cols.from..=cols.to).filter(|col| (around & !ways) >> (col - cols.from) & 1 != 0);
-                let mut exits = exits.map(|col| [col, row]);
-                if let Some(exit) = exits.find(|block| is_inside(*block) && has_room(*block)) {
-                    return Some(exit);
+                for col in (0..32).filter(|col| (around & !ways) >> col & 1 != 0) {
+                    let block = [from[0] + col, from[1] + line as i16];
+                    if is_exit(block) {
+                        return Some(block);
+                    }
                 }
             }
             if reached == before {
-                return None;
+                break;
             }
         }
+        None
     }
 
     /// What is left nearest to a block is given up.
-    pub(super) fn give_up_near(&mut self, [col, row]: Block) {
-        let [cols, rows] = self.spans.map(|span| span.from..=span.to);
-        let blocks = rows.flat_map(|row| cols.clone().map(move |col| [col, row]));
-        let left = blocks.filter(|block| self.of(*block) == Known::Left);
-        if let Some(nearest) = left.min_by_key(|left| (left[0] - col).abs().max((left[1] - row).abs())) {
-            self.put(nearest, Known::Swept);
+    pub(super) fn give_up_near(&mut self, near: Block) {
+        let [from, to] = self.ends();
+        let mut nearest = (i16::MAX, near);
+        for row in from[1]..=to[1] {
+            for col in from[0]..=to[0] {
+                let moves = (col - near[0]).abs().max((row - near[1]).abs());
+                if moves < nearest.0 && self.of([col, row]) == Known::Left {
+                    nearest = (moves, [col, row]);
+                }
+            }
         }
+        self.set(nearest.1, Known::Swept);
     }
 }
 
@@ -187,7 +184,7 @@ mod tests {
     const PICTURE_AT: Block = [0, 0];
 
     fn towards_left(overview: &Overview, has_room: impl Fn(Block) -> bool) -> Option<Block> {
-        overview.exit(PICTURE_AT, |block| overview.of(block) == Known::Left, has_room)
+        overview.exit(PICTURE_AT, None, has_room)
     }
 
     /// Swept floor all along this row, up to floor that is left.
@@ -243,14 +240,10 @@ mod tests {
     }
 
     #[test]
-    fn bytes_bring_all_of_it_back_and_those_that_cannot_be_bring_nothing() {
+    fn bytes_bring_all_of_it_back() {
         let overview = corridor(-9, -11..3);
         let mut again = Overview::new();
-        (0..OVERVIEW_BYTES).for_each(|place| again.put_byte(place, overview.byte(place)));
-        again.check();
+        *again.bytes() = *overview.clone().bytes();
         assert!((-20..20).all(|col| again.of([col, -9]) == overview.of([col, -9])));
-        again.put_byte(OVERVIEW_BYTES - 1, 0x70);
-        again.check();
-        assert_eq!(again.of([3, -9]), Known::Nothing);
     }
 }
