@@ -48,6 +48,9 @@ pub(crate) struct Battery {
 }
 
 impl Battery {
+    /// Empty.
+    pub(crate) const ZERO: Self = Self { mean_v: 0.0 };
+
     /// Nothing is known of it.
     pub(crate) const UNKNOWN: Self = Self { mean_v: f32::NAN };
 

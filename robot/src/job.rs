@@ -120,7 +120,7 @@ impl<const S: usize> Job<S> {
 
     fn begin_to_explore(&mut self, config: PilotConfig, rig: &Rig<S>) {
         self.known = None;
-        self.driver = Driver::Pilot(const { ManuallyDrop::new(Pilot::BLANK) });
+        self.driver = Driver::Pilot(const { ManuallyDrop::new(Pilot::ZEROS) });
         if let Driver::Pilot(pilot) = &mut self.driver {
             pilot.prepare(config, rig);
         }

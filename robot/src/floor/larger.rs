@@ -88,7 +88,7 @@ impl Border {
 
 /// The cells of a block with this first one.
 fn cells(first: Cell) -> impl Iterator<Item = Cell> {
-    (0..BLOCK).flat_map(move |row| (0..BLOCK).map(move |col| first.offset(col, row)))
+    (0..BLOCK * BLOCK).map(move |index| first.offset(index % BLOCK, index / BLOCK))
 }
 
 impl Sheet {

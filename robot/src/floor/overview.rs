@@ -68,10 +68,15 @@ impl Overview {
     pub(super) fn of(&self, block: Block) -> Known {
         let [from, to] = self.ends();
         let is_within = (0..2).all(|axis| (from[axis]..=to[axis]).contains(&block[axis]));
+        if is_within { self.within(block) } else { Known::Nothing }
+    }
+
+    /// Of one that is remembered.
+    fn within(&self, block: Block) -> Known {
         let (byte, shift) = place(block);
         match self.bytes.get(byte).map_or(0, |byte| byte >> shift & 3) {
-            1 if is_within => Known::Swept,
-            2 if is_within => Known::Left,
+            1 => Known::Swept,
+            2 => Known::Left,
             _ => Known::Nothing,
         }
     }
@@ -121,16 +126,16 @@ impl Overview {
     /// left. `picture` is its first block; in some of its blocks the robot was and has room, others count as they are known.
     pub(super) fn exit(&self, picture: Block, goal: Option<Block>, has_room: impl Fn(Block) -> bool) -> Option<Block> {
         let [from, to] = self.ends();
+        let [cols, rows] = [0, 1].map(|axis| 0..=(to[axis] - from[axis]));
+        let block = |col: i16, row: i16| [from[0] + col, from[1] + row];
         let is_exit =
             |block: Block| (0..2).all(|axis| (0..PICTURE).contains(&(block[axis] - picture[axis]))) && has_room(block);
         // A line of bits for each row: where the wave is, and where it may go.
-        let [mut reached, mut ways] = [[0_u32; BLOCKS + 2]; 2];
-        for (line, (reached, ways)) in
-            reached.iter_mut().zip(&mut ways).skip(1).take((to[1] - from[1] + 1) as usize).enumerate()
-        {
-            for col in 0..=to[0] - from[0] {
-                let block = [from[0] + col, from[1] + line as i16];
-                let known = self.of(block);
+        let [mut reached, mut ways] = [[0_u32; BLOCKS]; 2];
+        for (row, (reached, ways)) in rows.clone().zip(reached.iter_mut().zip(&mut ways)) {
+            for col in cols.clone() {
+                let block = block(col, row);
+                let known = self.within(block);
                 let is_goal = goal.map_or(known == Known::Left, |goal| block == goal);
                 if (is_goal || known != Known::Nothing) && !is_exit(block) {
                     *ways |= 1 << col;
@@ -138,23 +143,26 @@ impl Overview {
                 }
             }
         }
-        for _ in 0..BLOCKS * BLOCKS {
-            let before = reached;
-            for ((line, around), (reached, ways)) in
-                before.windows(3).enumerate().zip(reached.iter_mut().zip(&ways).skip(1))
-            {
-                let [above, here, below] = around else { continue };
-                let around = here | here << 1 | here >> 1 | above | below;
-                *reached |= around & ways;
-                for col in (0..32).filter(|col| (around & !ways) >> col & 1 != 0) {
-                    let block = [from[0] + col, from[1] + line as i16];
-                    if is_exit(block) {
-                        return Some(block);
-                    }
+        let mut is_spreading = true;
+        while core::mem::take(&mut is_spreading) {
+            let (mut above, mut rest) = (0, &mut reached[..]);
+            for (row, ways) in rows.clone().zip(&ways) {
+                let Some((here, after)) = rest.split_first_mut() else { break };
+                let before = *here;
+                let around = before | before << 1 | before >> 1 | above | after.first().copied().unwrap_or(0);
+                let touched = around & !ways;
+                if touched != 0
+                    && let Some(exit) = cols
+                        .clone()
+                        .filter(|col| touched >> col & 1 != 0)
+                        .map(|col| block(col, row))
+                        .find(|block| is_exit(*block))
+                {
+                    return Some(exit);
                 }
-            }
-            if reached == before {
-                break;
+                *here |= around & ways;
+                is_spreading |= *here != before;
+                (above, rest) = (before, after);
             }
         }
         None

@@ -126,9 +126,12 @@ impl Swept {
     pub(super) fn shift(&mut self, cols: i16, rows: i16) {
         self.origin = [moved_origin::<CELLS>(self.origin[0], cols), moved_origin::<CELLS>(self.origin[1], rows)];
         let all = 0..CELLS as i16;
-        let columns = all.clone().flat_map(|row| incoming::<CELLS>(cols).map(move |col| Cell { col, row }));
-        let rows = incoming::<CELLS>(rows).flat_map(|row| all.clone().map(move |col| Cell { col, row }));
-        columns.chain(rows).for_each(|cell| self.put(cell, 0));
+        for row in all.clone() {
+            incoming::<CELLS>(cols).for_each(|col| self.put(Cell { col, row }, 0));
+        }
+        for row in incoming::<CELLS>(rows) {
+            all.clone().for_each(|col| self.put(Cell { col, row }, 0));
+        }
     }
 }
 

@@ -31,6 +31,9 @@ impl Beam {
     pub(crate) const NONE: Self =
         Self { mount_m: [0.0; 2], direction: [0.0; 2], min_m: 0.0, max_m: 0.0, range_m: 0.0, age: u8::MAX, noise: 0 };
 
+    /// Of a pilot that is yet to be prepared.
+    pub(crate) const ZEROS: Self = Self { age: 0, ..Self::NONE };
+
     /// The beams of a rig, none of them read yet.
     pub(crate) fn of_rig<const S: usize>(rig: &Rig<S>) -> [Beam; S] {
         let mut beams = [Self::NONE; S];

@@ -20,6 +20,17 @@ pub struct PilotConfig {
 }
 
 impl PilotConfig {
+    /// Of a pilot that is yet to be prepared.
+    pub(super) const ZEROS: Self = Self {
+        speed_mps: 0.0,
+        turn_radps: 0.0,
+        radius_m: 0.0,
+        track_m: 0.0,
+        standoff_m: 0.0,
+        cell_m: 0.0,
+        trusted_m: 0.0,
+    };
+
     /// Of the robot that this project builds.
     pub const DEFAULT: Self = Self {
         speed_mps: 0.25,

@@ -81,6 +81,9 @@ pub(crate) fn incoming<const N: usize>(moved: i16) -> core::ops::Range<i16> {
 }
 
 impl<const N: usize> Memory<N> {
+    /// Of a pilot that is yet to be prepared.
+    pub(crate) const ZEROS: Self = Self { cells: [[0; N]; N], corner: [0; 2], origin: [0; 2], cell_m: 0.0 };
+
     /// Nothing known; the start in the middle.
     pub(crate) const fn new(cell_m: f32) -> Self {
         Self { cells: [[0; N]; N], corner: Self::CORNER, origin: [0; 2], cell_m }

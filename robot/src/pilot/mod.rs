@@ -122,39 +122,43 @@ pub struct Pilot<const S: usize, const N: usize = 80> {
 }
 
 impl<const S: usize, const N: usize> Pilot<S, N> {
-    /// One that knows nothing, not even the robot: to be begun.
-    pub(crate) const BLANK: Self = Self {
-        config: PilotConfig::DEFAULT,
-        memory: Memory::new(PilotConfig::DEFAULT.cell_m),
+    /// One of zeros, which take no flash: to be prepared.
+    pub(crate) const ZEROS: Self = Self {
+        config: PilotConfig::ZEROS,
+        memory: Memory::ZEROS,
         search: Search::ENDED,
-        wave: None,
-        beams: [Beam::NONE; S],
-        route: None,
+        wave: Some(Wave::Clear),
+        beams: [Beam::ZEROS; S],
+        route: Some(Route::ZEROS),
         next_route_us: 0,
         activity: Activity::Wandering,
         since_us: 0,
-        turn_sign: 1.0,
-        patience: Patience::new(),
+        turn_sign: 0.0,
+        patience: Patience::ZEROS,
         confinement: Confinement::NONE,
         insistence: Insistence::NONE,
         steps: 0,
         moving_us: 0,
         rounds: 0,
         given_up: 0,
-        battery: Battery::UNKNOWN,
+        battery: Battery::ZERO,
     };
 
     /// A pilot that knows nothing of the home.
     pub fn new(config: PilotConfig, rig: &Rig<S>) -> Self {
-        let mut pilot = Self::BLANK;
+        let mut pilot = Self::ZEROS;
         pilot.prepare(config, rig);
         pilot
     }
 
-    /// A blank pilot becomes that of this robot.
+    /// One of zeros becomes that of this robot, and knows nothing of the home.
     pub(crate) fn prepare(&mut self, config: PilotConfig, rig: &Rig<S>) {
         (self.config, self.beams) = (config, Beam::of_rig(rig));
         self.memory.clear(config.cell_m);
+        (self.wave, self.route) = (None, None);
+        self.turn_sign = 1.0;
+        self.patience = Patience::new();
+        self.battery = Battery::UNKNOWN;
     }
 
     /// The wheel speeds until the next step. A pose that is not finite stops the robot.

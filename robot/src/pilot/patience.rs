@@ -25,6 +25,9 @@ pub(super) struct Patience {
 }
 
 impl Patience {
+    /// Of a pilot that is yet to be prepared.
+    pub(super) const ZEROS: Self = Self { best_steps: 0, progress_us: 0, switches: 0 };
+
     pub(super) const fn new() -> Self {
         Self { best_steps: u16::MAX, progress_us: 0, switches: 0 }
     }

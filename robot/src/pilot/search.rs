@@ -44,6 +44,17 @@ pub(crate) struct Route {
     pub wall: bool,
 }
 
+impl Route {
+    /// Of a pilot that is yet to be prepared.
+    pub(crate) const ZEROS: Self = Self {
+        target: Cell { col: 0, row: 0 },
+        steps: 0,
+        first: [Cell { col: 0, row: 0 }; LOOK_AHEAD],
+        count: 0,
+        wall: false,
+    };
+}
+
 /// Whether the robot's body fits at this cell.
 pub(crate) fn is_passable<const N: usize>(memory: &Memory<N>, cell: Cell) -> bool {
     memory.is_free(cell) && !memory.obstacle_within(cell, 1)
