@@ -65,8 +65,8 @@ pub struct AreaCorner {
 }
 
 /// The one that drives. A new floor job is written from the program's constants to where the other one was: a second one on the stack would need
-/// as much memory again. That is so because nothing is dropped before, and there is nothing to drop in either. A pilot, which is smaller, is put
-/// together on the stack first, for a constant of the whole would take 5 KB of flash for the rest of it.
+/// as much memory again. That is so because nothing is dropped before, and there is nothing to drop in either. A pilot goes
+/// over the stack, as zeros, for a constant takes as much flash as it takes memory.
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "one memory for both is what this is for")]
 enum Driver<const S: usize> {

@@ -116,8 +116,9 @@ impl Sheet {
 
     /// Whether something known falls off where the picture moves on by a block at this side.
     fn loses(&self, side: Side) -> bool {
-        let far = Side { is_low: !side.is_low, ..side };
-        (0..BLOCK).any(|depth| (0..CELLS as i16).any(|along| self.picture.is_known(far.cell(depth, along))))
+        let cells = CELLS as i16;
+        let far = if side.is_low { cells - BLOCK..cells } else { 0..BLOCK };
+        !self.picture.is_blank(side.axis, far)
     }
 
     /// A search begins: for a way out of the picture, or for what is in it.

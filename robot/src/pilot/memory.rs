@@ -147,6 +147,20 @@ impl<const N: usize> Memory<N> {
         self.get(cell) & (EVIDENCE | BLOCKED) != 0
     }
 
+    /// Whether nothing is known of these columns (axis 0) or rows (axis 1).
+    pub(crate) fn is_blank(&self, axis: usize, mut lines: core::ops::Range<i16>) -> bool {
+        let is_blank = |value: &u8| value & (EVIDENCE | BLOCKED) == 0;
+        lines.all(|line| {
+            if axis == 0 {
+                let col = stored::<N>(line, self.origin[0]);
+                self.cells.iter().filter_map(|row| row.get(col?)).all(is_blank)
+            } else {
+                let row = stored::<N>(line, self.origin[1]).and_then(|row| self.cells.get(row));
+                row.is_none_or(|row| row.iter().all(is_blank))
+            }
+        })
+    }
+
     pub(crate) fn is_free(&self, cell: Cell) -> bool {
         let value = self.get(cell);
         let evidence = value & EVIDENCE;
