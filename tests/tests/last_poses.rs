@@ -10,7 +10,7 @@ use robot::FLOOR_RECORD_BYTES;
 use tests::carries::carried;
 
 /// Random homes.
-const HOMES: std::ops::RangeInclusive<u64> = 513..=524;
+const HOMES: std::ops::RangeInclusive<u64> = 513..=536;
 
 /// What a robot has after its power was cut, and where it is in the plan.
 struct Cut {
@@ -88,7 +88,7 @@ fn after_a_power_cut_it_finds_itself_sooner_where_it_was_and_not_in_a_wrong_plac
     assert!(times_s.iter().all(|[with_s, without_s]| with_s < without_s), "{times_s:?}");
     let [with_s, without_s] = [0, 1].map(|i| times_s[0][i] + times_s[1][i]);
     assert!(with_s < 0.75 * without_s, "{times_s:?}");
-    assert!(carried_off.len() >= 5 && carried_off.iter().all(|(_, off_m)| *off_m < 0.3), "{carried_off:?}");
+    assert!(carried_off.len() >= 10 && carried_off.iter().all(|(_, off_m)| *off_m < 0.3), "{carried_off:?}");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! A bare program that sweeps two rooms and the corridor between them, and drives through them by the pilot, and prints what a step of
+//! A bare program that sweeps three rooms and the corridors between them, and drives through them by the pilot, and prints what a step of
 //! either costs. It is a program of its own: beside the estimator's cases the memory would not do.
 #![no_std]
 #![no_main]
@@ -13,7 +13,7 @@ use robot::{FloorConfig, FloorJob, FloorState, Pilot, PilotConfig, Senses, Wheel
 use static_cell::StaticCell;
 
 /// More steps than the job takes.
-const MOST_STEPS: u32 = 40_000;
+const MOST_STEPS: u32 = 80_000;
 /// Steps of the pilot: as many as it takes for two rounds and more.
 const PILOT_STEPS: u32 = 10_000;
 

@@ -1,14 +1,15 @@
-//! A home to sweep: two rooms far apart and the corridor between them, which the picture of the home has to follow. It is exact
-//! and without noise; the job's work does not depend on that.
+//! A home to sweep: a room and two others far from it, at either side, with the corridors between them: larger than the picture of the home,
+//! which has to follow, and to be left. It is exact and without noise; the job's work does not depend on that.
 
 use robot::{Condition, Contacts, PilotConfig, Senses, WheelSpeeds};
 use slam_core::{Pose, Rig};
 
 /// Walls as the coordinates of both ends, metres: along an axis each.
-const WALLS: [[f32; 4]; 14] = [
+const WALLS: [[f32; 4]; 23] = [
     // The room of the start.
     [-1.0, -1.0, 1.0, -1.0],
-    [-1.0, -1.0, -1.0, 1.0],
+    [-1.0, -1.0, -1.0, -0.45],
+    [-1.0, 0.45, -1.0, 1.0],
     [-1.0, 1.0, 1.0, 1.0],
     [1.0, -1.0, 1.0, -0.45],
     [1.0, 0.45, 1.0, 1.0],
@@ -23,6 +24,15 @@ const WALLS: [[f32; 4]; 14] = [
     [8.4, -1.2, 8.4, 1.2],
     [7.2, 0.5, 7.6, 0.5],
     [7.2, 0.5, 7.2, 1.2],
+    // The corridor and the room on the other side.
+    [-6.0, -0.45, -1.0, -0.45],
+    [-6.0, 0.45, -1.0, 0.45],
+    [-6.0, -1.2, -6.0, -0.45],
+    [-6.0, 0.45, -6.0, 1.2],
+    [-8.4, -1.2, -6.0, -1.2],
+    [-8.4, 1.2, -6.0, 1.2],
+    [-8.4, -1.2, -8.4, 1.2],
+    [-7.6, -0.1, -7.0, -0.1],
 ];
 const PERIOD_S: f32 = 0.04;
 const PERIOD_US: u64 = 40_000;
