@@ -107,11 +107,11 @@ impl Sheet {
 
     /// What is known of the block with this first cell.
     pub(super) fn known_of(&self, first: Cell) -> Known {
-        if cells(first).any(|cell| self.is_passable_left(cell)) {
-            return Known::Left;
+        match cells(first).filter(|cell| self.picture.is_free(*cell)).count() {
+            0..FEW => Known::Nothing,
+            _ if cells(first).any(|cell| self.is_passable_left(cell)) => Known::Left,
+            _ => Known::Swept,
         }
-        let free = cells(first).filter(|cell| self.picture.is_free(*cell)).count();
-        if free < FEW { Known::Nothing } else { Known::Swept }
     }
 
     /// Whether something known falls off where the picture moves on by a block at this side.
@@ -266,31 +266,35 @@ impl<const S: usize> FloorJob<S> {
         self.errand.is_to_sweep() && !self.sheet.border.leaves && self.sheet.leads_off(pose)
     }
 
-    /// On to floor that is left beyond the picture, while there is none in it.
-    pub(super) fn next_exit(&mut self) -> Option<Aim> {
-        while self.sheet.border.trips < MAX_TRIPS && self.is_path_left() {
-            self.sheet.border.trips += 1;
-            let exit = self.sheet.exit(None)?;
-            if !self.is_in(exit) {
-                return Some(Aim::Exit(self.sheet.first_cell(exit)));
+    /// Whether floor that is left beyond the picture is worth looking for.
+    pub(super) fn may_leave(&self) -> bool {
+        self.sheet.border.trips < MAX_TRIPS && self.is_path_left()
+    }
+
+    /// On to floor that is left beyond the picture, while there is none in it, or home; a step of its own.
+    pub(super) fn find_exit(&mut self, now_us: u64) {
+        let is_to_sweep = self.errand.is_to_sweep();
+        self.sheet.border.trips += u8::from(is_to_sweep);
+        let [x_m, y_m] = self.home_m();
+        let home = self.sheet.picture.cell_at(x_m, y_m);
+        let exit = self.sheet.exit((!is_to_sweep).then(|| self.sheet.block_of(home)));
+        let is_there = exit.is_some_and(|exit| self.is_in(exit));
+        match exit {
+            Some(exit) if !is_there => self.plan(Aim::Exit(self.sheet.first_cell(exit)), now_us),
+            _ if !is_to_sweep => self.plan(Aim::Place(home), now_us),
+            Some(exit) if self.may_leave() => {
+                // It is there, and sees nothing of it.
+                self.sheet.overview.give_up_near(exit);
+                self.plan(Aim::Away, now_us);
             }
-            // It is there, and sees nothing of it.
-            self.sheet.overview.give_up_near(exit);
+            _ => self.find_nothing(Aim::Away, now_us),
         }
-        None
     }
 
     /// No way leads there.
     pub(super) fn give_up_exit(&mut self, exit: Cell) {
         let block = self.sheet.block_of(exit);
         self.sheet.overview.give_up_near(block);
-    }
-
-    /// Where a cell beyond the picture is to be gone to, the next part of the way.
-    pub(super) fn exit_to(&self, cell: Cell) -> Option<Aim> {
-        let goal = self.sheet.block_of(cell);
-        let exit = self.sheet.exit(Some(goal)).filter(|exit| !self.is_in(*exit));
-        exit.map(|exit| Aim::Exit(self.sheet.first_cell(exit)))
     }
 
     fn is_in(&self, block: Block) -> bool {

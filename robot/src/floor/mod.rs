@@ -277,20 +277,26 @@ impl<const S: usize> FloorJob<S> {
             }
         }
         self.watch_jumps(&pose, senses.time_us);
-        self.look(senses, &pose);
+        let is_renamed = self.look(senses, &pose);
         self.sweep(&pose, senses.time_us);
         self.last = Some(pose);
+        if is_renamed {
+            // A step of its own: it takes long as it is.
+            return WheelSpeeds::STOP;
+        }
         let (forward_mps, turn_radps) = self.act(senses, &pose);
         WheelSpeeds::from_twist(forward_mps, turn_radps, self.config.drive.track_m)
     }
 
-    /// Takes in what the sensors show.
-    fn look(&mut self, senses: &Senses<S>, pose: &Pose) {
+    /// Takes in what the sensors show; whether it planned on cells that are called otherwise now.
+    fn look(&mut self, senses: &Senses<S>, pose: &Pose) -> bool {
+        let mut is_renamed = false;
         if self.take_picture_along(pose) {
             self.rename_cells();
             if let Phase::Transit { aim, .. } | Phase::Trace { aim, .. } | Phase::Plan { aim, .. } = self.phase {
-                let aim = if let Aim::Place(_) | Aim::Exit(_) = aim { self.aim() } else { aim };
+                let aim = if let Aim::Floor | Aim::Beyond = aim { aim } else { self.aim() };
                 self.plan(aim, senses.time_us);
+                is_renamed = true;
             }
         }
         let here = self.sheet.picture.cell_at(pose.x_m, pose.y_m);
@@ -302,6 +308,7 @@ impl<const S: usize> FloorJob<S> {
         // Beams clear obstacles in one step of four only: a chair leg is hit by few beams and passed by many.
         let passed = if self.steps.is_multiple_of(4) { Passed::Vanish } else { Passed::Stay };
         self.feel(senses, pose, Some(passed));
+        is_renamed
     }
 
     /// Takes in the ranges: what is near, and, where the pose is known, the picture, with what becomes of obstacles that beams pass.

@@ -49,7 +49,7 @@ impl<const S: usize> FloorJob<S> {
     }
 
     /// Where home is, in the job's frame: the place in front of the dock, where there is one.
-    fn home_m(&self) -> [f32; 2] {
+    pub(super) fn home_m(&self) -> [f32; 2] {
         let home = self.frame.pose(&self.home.unwrap_or(Pose::ORIGIN));
         if self.has_dock { self.staging_m() } else { [home.x_m, home.y_m] }
     }
@@ -66,7 +66,7 @@ impl<const S: usize> FloorJob<S> {
         match self.areas.dares {
             true => Aim::Place(within_picture(cell)),
             false if self.sheet.picture.is_inside(cell) => Aim::Place(cell),
-            false => self.exit_to(cell).unwrap_or(Aim::Place(cell)),
+            false => Aim::Away,
         }
     }
 
@@ -91,6 +91,10 @@ impl<const S: usize> FloorJob<S> {
 
     pub(super) fn search(&mut self, aim: Aim, escape: i16, begun: bool, pose: &Pose, now_us: u64) -> (f32, f32) {
         if self.waits_for_areas(aim) {
+            return (0.0, 0.0);
+        }
+        if aim == Aim::Away {
+            self.find_exit(now_us);
             return (0.0, 0.0);
         }
         if !begun {
@@ -172,7 +176,7 @@ impl<const S: usize> FloorJob<S> {
             // Little was seen of it: there may be a room.
             Aim::Floor => (tries_little && self.wave.reached >= POCKET).then_some(Aim::Beyond),
             Aim::Beyond => (tries_little && is_first).then_some(aim),
-            Aim::Place(_) | Aim::Exit(_) => is_first.then_some(aim),
+            Aim::Place(_) | Aim::Away | Aim::Exit(_) => is_first.then_some(aim),
         }
     }
 
@@ -224,8 +228,8 @@ impl<const S: usize> FloorJob<S> {
             // It came into a pocket along its walls, and so it gets out.
             self.pockets += 1;
             self.begin_along_walls(now_us);
-        } else if let Some(exit) = self.next_exit() {
-            self.plan(exit, now_us);
+        } else if aim != Aim::Away && self.may_leave() {
+            self.plan(Aim::Away, now_us);
         } else if self.retries == 0 && (self.is_much_left() || !self.given_up.is_empty() || self.areas.missed != 0) {
             self.retries = 1;
             self.sheet.picture.forget_visits();

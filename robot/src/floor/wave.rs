@@ -38,7 +38,9 @@ pub(super) enum Aim {
     Beyond,
     /// A place, in cells.
     Place(Cell),
-    /// The block with this first cell, on the way to what is beyond the picture.
+    /// Beyond the picture: to floor that is left there, or home. The block to go to next is yet to be found.
+    Away,
+    /// The block with this first cell, on the way there.
     Exit(Cell),
 }
 
@@ -252,6 +254,7 @@ fn target_at(sheet: &Sheet, cell: Cell, aim: Aim) -> Option<Target> {
     match aim {
         Aim::Beyond => sheet.leads_on(cell).then_some(Target::Open(cell)),
         Aim::Place(place) => (cell.moves_to(place) <= 1).then_some(Target::Place(cell)),
+        Aim::Away => None,
         Aim::Exit(first) => {
             let [cols, rows] = [cell.col - first.col, cell.row - first.row];
             ((0..BLOCK).contains(&cols) && (0..BLOCK).contains(&rows)).then_some(Target::Exit(cell))
