@@ -18,7 +18,7 @@ const LAYERS: &[&[&str]] = &[
     &["holds"],
     &["config", "clock", "health"],
     &["slam"],
-    &["view", "counted", "frozen_sensors", "displacement", "dock", "restart", "take_over", "kept"],
+    &["view", "counted", "extended", "frozen_sensors", "displacement", "dock", "restart", "take_over", "kept"],
     &["take_up"],
     &["second_copy"],
 ];
