@@ -106,7 +106,7 @@ mod tests {
 
     #[test]
     fn every_home_s_start_is_inside_and_what_is_far_off_is_not() {
-        let random = (0..30).map(|seed| format!("random-{seed}"));
+        let random = (0..30).flat_map(|seed| [format!("random-{seed}"), format!("large-{seed}")]);
         for name in BUILT_IN.map(|(name, _)| name.to_owned()).into_iter().chain(random) {
             let plan = load(&name).unwrap();
             assert!(plan.is_inside([plan.start.x_m, plan.start.y_m]), "{name}");

@@ -11,7 +11,7 @@ use input_file::{FileError, Number, TomlFile};
 use crate::inside::{crossing_edges, edges, encloses};
 use crate::plan::{Cliff, Door, Face, Person, Plan, Room, Round};
 use crate::pose::Pose2;
-use crate::random_home::random_home;
+use crate::random_home::{large_home, random_home};
 use keys::{Cells, Cuboid, File, Outline, Point};
 
 /// The built-in plans: name and text.
@@ -35,14 +35,21 @@ const WALKING_MPS: f64 = 0.5;
 
 /// Whether a plan of this name is one of the program's own, so that there is no file to read.
 pub fn is_built_in(name: &str) -> bool {
-    BUILT_IN.iter().any(|(own, _)| *own == name) || random_seed(name).is_some()
+    BUILT_IN.iter().any(|(own, _)| *own == name) || drawn(name).is_some()
 }
 
-fn random_seed(name: &str) -> Option<u64> {
-    name.strip_prefix("random-")?.parse().ok()
+/// The home that is drawn at random where it has such a name.
+fn drawn(name: &str) -> Option<Plan> {
+    let (kind, seed) = name.split_once('-')?;
+    let draw = match kind {
+        "random" => random_home,
+        "large" => large_home,
+        _ => return None,
+    };
+    Some(draw(seed.parse().ok()?))
 }
 
-/// The plan with this built-in name, the random home `random-SEED`, or else the plan in the file of this name.
+/// The plan with this built-in name, the home drawn at random `random-SEED` or `large-SEED`, or else the plan in the file of this name.
 ///
 /// # Errors
 /// Neither exists, or the file is not a plan.
@@ -50,15 +57,15 @@ pub fn load(name_or_file: &str) -> Result<Plan, FileError> {
     if let Some((name, text)) = BUILT_IN.iter().find(|(name, _)| *name == name_or_file) {
         return parse(&format!("built-in plan {name}"), name, text);
     }
-    if let Some(seed) = random_seed(name_or_file) {
-        return Ok(random_home(seed));
+    if let Some(plan) = drawn(name_or_file) {
+        return Ok(plan);
     }
     let path = Path::new(name_or_file);
     if !path.exists() {
         let names = BUILT_IN.map(|(name, _)| name).join(", ");
         return Err(FileError::new(
             path,
-            format!("is neither a file nor a built-in plan; built in are {names} and random-SEED"),
+            format!("is neither a file nor a built-in plan; built in are {names}, random-SEED and large-SEED"),
         ));
     }
     let text = input_file::read(path)?;

@@ -76,6 +76,14 @@ pub fn random_home(seed: u64) -> Plan {
     Draft::rooms(seed).furnished(seed)
 }
 
+/// The large home of this seed: 80 to 200 m^2, up to 18 m long, in rooms of 12 to 30 m^2.
+pub fn large_home(seed: u64) -> Plan {
+    let mut rng = Rng::stream(seed, "large home", 0);
+    let size_m = [rng.uniform(13.0, 18.0), rng.uniform(6.5, 11.0)];
+    let rooms = size_m[0] * size_m[1] / rng.uniform(12.0, 30.0);
+    Plan { name: format!("large-{seed}"), ..Draft::divided(rng, size_m, rooms as usize).furnished(seed) }
+}
+
 /// One of the doors of the random home of this seed, drawn, its leaf shut between these times (seconds since the start); none in a home of
 /// one room.
 pub fn shut_door(seed: u64, closes_at_s: f64, opens_at_s: f64) -> Option<Door> {
@@ -177,6 +185,12 @@ impl Draft {
     fn rooms(seed: u64) -> Self {
         let mut rng = Rng::stream(seed, "home", 0);
         let size_m = [rng.uniform(4.0, 9.0), rng.uniform(3.0, 6.5)];
+        let rooms = 1 + (rng.unit() * (size_m[0] * size_m[1] / 9.0)) as usize;
+        Self::divided(rng, size_m, rooms.min(6))
+    }
+
+    /// A home of this size in so many rooms at most.
+    fn divided(rng: Rng, size_m: [f64; 2], rooms: usize) -> Self {
         let whole = Area { min_m: [0.0; 2], max_m: size_m };
         let mut draft = Self {
             rng,
@@ -187,9 +201,8 @@ impl Draft {
             furniture: Vec::new(),
             legs: Vec::new(),
         };
-        let wanted = 1 + (draft.rng.unit() * (size_m[0] * size_m[1] / 9.0)) as usize;
         for _ in 0..DRAWS {
-            if draft.rooms.len() < wanted.min(6) {
+            if draft.rooms.len() < rooms {
                 draft.divide();
             }
         }

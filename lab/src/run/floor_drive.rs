@@ -11,7 +11,7 @@ use crate::input::rig_file::Robot;
 use crate::input::settings::on_a_floor;
 use crate::recording::Step;
 
-/// A job that takes longer than this is ended, minutes.
+/// A job that takes longer than an hour, and than a minute for each square metre, is ended.
 const MINUTES: f64 = 60.0;
 
 /// How a floor job ended.
@@ -75,7 +75,8 @@ pub fn clean_by(
     }
     let mut drive = Drive::cleaning(plan, robot, options, seed).map_err(|error| error.to_string())?;
     let (mut t_s, mut worst_m) = (0.0, 0.0_f64);
-    while t_s < 60.0 * MINUTES && !drive.is_over() {
+    let most_s = 60.0 * drive.floor().score().floor_m2.max(MINUTES);
+    while t_s < most_s && !drive.is_over() {
         t_s = drive.step(&mut session).t_s;
         let Some(step) = session.recording().steps.last() else { break };
         worst_m = step.error().map_or(worst_m, |error| worst_m.max(error.x_m.hypot(error.y_m)));
