@@ -169,9 +169,10 @@ impl Sheet {
         }
         let loses = self.border.loses & side.bit() != 0;
         let blocks = match moves {
-            Moves::Leaving => (CELLS as i16 / 2 - side.depth(cell)) / BLOCK,
             Moves::Keeping if loses && side.depth(cell) >= 0 => 0,
-            _ => 1,
+            Moves::Keeping if loses => 1,
+            Moves::Freely => 1,
+            _ => (CELLS as i16 / 2 - side.depth(cell)) / BLOCK,
         };
         let blocks = blocks.clamp(0, i8::MAX.into()) as i8;
         if side.is_low { -blocks } else { blocks }
@@ -182,9 +183,11 @@ impl Sheet {
         let cell = self.picture.cell_at(pose.x_m, pose.y_m);
         let mut is_moved = false;
         for axis in [0, 1] {
-            let due = match self.border.due.get(axis) {
-                Some(0) => self.due(axis, cell, moves),
-                due => due.copied().unwrap_or(0),
+            let due = match self.border.due.get(axis).copied().unwrap_or(0) {
+                0 => self.due(axis, cell, moves),
+                // As far as nothing falls off.
+                due if moves == Moves::Keeping && self.loses(Side { axis, is_low: due < 0 }) => 0,
+                due => due,
             };
             if due != 0 {
                 self.move_on(Side { axis, is_low: due < 0 });
