@@ -76,7 +76,7 @@ pub enum NotTaken {
     Unsupported,
     /// A number that is none, or a variance that is not positive.
     Unsound,
-    /// Most walls in view lie to the robot otherwise than the filter sees them, or it is farther off than anything could have moved it.
+    /// Most walls in view lie to the robot otherwise than the filter sees them.
     Apart,
     /// The filter knows better than it where the robot is: by what was seen of walls that are new.
     LessSure,

@@ -36,11 +36,6 @@ const GATE: f32 = 25.0;
 /// A look back whose pose has so many times the filter's variance lacks what the filter saw last.
 const LESS_SURE: f32 = 2.0;
 
-/// Nobody pushes a robot farther than this unseen, metres, nor is the filter wrong by more than ten sigma beside it: a look back that moves it
-/// farther took one place for another.
-const MOST_MOVED_M: f32 = 3.0;
-const MOST_MOVED_GATE: f32 = 100.0;
-
 /// Beyond what either knows, walls are not flat to this, metres, and not straight to this, radians.
 const FLUSH_M: f32 = 0.005;
 const STRAIGHT_RAD: f32 = 0.01;
@@ -181,11 +176,6 @@ impl<const S: usize, const W: usize, const B: usize, const ROWS: usize> Slam<S, 
             return Err(NotTaken::Apart);
         }
         let [x, y, theta] = [X, Y, THETA].map(|i| self.ekf.covariance(i, i));
-        let here = layout::pose(&self.ekf);
-        let [dx_m, dy_m] = [found.pose.x_m - here.x_m, found.pose.y_m - here.y_m];
-        if dx_m * dx_m + dy_m * dy_m > MOST_MOVED_M * MOST_MOVED_M + MOST_MOVED_GATE * (x + y) {
-            return Err(NotTaken::Apart);
-        }
         let [their_x, their_y, their_theta] =
             [X, Y, THETA].map(|i| found.covariance(hand_over::POSE + i, hand_over::POSE + i));
         let is_less_sure = their_x + their_y > LESS_SURE * (x + y) || their_theta > LESS_SURE * theta;

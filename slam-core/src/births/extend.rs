@@ -135,7 +135,7 @@ impl<const B: usize> Extension<'_, B> {
         let states = if matches!(verdict, Verdict::OnGrid(_)) { 1 } else { 2 };
         let lacking = (self.ekf.len() + states).saturating_sub(self.ekf.capacity());
         let is_full = self.map.is_full() || lacking > 0;
-        if is_full && self.map.evict(self.ekf, lacking, path_m) {
+        if is_full && self.map.evict(self.ekf, line.count, lacking, path_m) {
             changes.prunes = changes.prunes.saturating_add(1);
         }
         let first_normal = match verdict {

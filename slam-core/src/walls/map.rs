@@ -31,6 +31,9 @@ const FORGET_BELOW: u32 = 10;
 /// Length of path after which a wall that few readings met is removed, metres.
 const FORGET_AFTER_M: f32 = 3.0;
 
+/// Number of readings of a known wall that one point of a newborn outweighs: the newborn's points were picked.
+const WORTH: u32 = 4;
+
 /// What holds the map frame once the robot has left its start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -283,11 +286,13 @@ impl MapView {
     }
 
     /// Makes room where the map is full: removes the wall that the fewest readings met of those not seen for
-    /// [`FORGET_AFTER_M`] with as many states as are `lacking`: without walls where it is the robot goes astray. True where one went.
-    pub fn evict(&mut self, ekf: &mut EkfView, lacking: usize, path_m: f32) -> bool {
+    /// [`FORGET_AFTER_M`] with as many states as are `lacking`, if they are fewer than `points` of the newborn times [`WORTH`]. True where one
+    /// went.
+    pub fn evict(&mut self, ekf: &mut EkfView, points: u32, lacking: usize, path_m: f32) -> bool {
         let is_unseen = |w: &Wall| path_m - w.seen_at_m > FORGET_AFTER_M && w.states() >= lacking;
         let unseen = self.walls.iter().enumerate().filter(|(_, w)| is_unseen(w));
-        let Some((index, _)) = unseen.min_by_key(|(_, w)| w.updates) else { return false };
+        let least = unseen.min_by_key(|(_, w)| w.updates).filter(|(_, w)| w.updates < WORTH.saturating_mul(points));
+        let Some(index) = least.map(|(index, _)| index) else { return false };
         self.remove(ekf, index);
         true
     }
