@@ -25,7 +25,8 @@ fn told(said: &[Frame]) -> (Floor, Place) {
     home::floor(said).zip(place(said)).expect("both are told once a second")
 }
 
-/// How far off it is from the moment on at which it has found itself after a lift at this time, metres, once in ten seconds until its floor is done.
+/// How much farther off it is than before the lift, from the moment on at which it has found itself after a lift at this time, metres, once in ten
+/// seconds until its floor is done: its map lies in the home as it did before.
 fn errors_m(lifted_s: f64) -> Vec<f64> {
     let mut plan = plan_file::load("l-shape").expect("a built-in plan");
     plan.mishaps.kidnaps.push(Kidnap { at_s: lifted_s, carried_s: CARRIED_S, to: None });
@@ -34,7 +35,8 @@ fn errors_m(lifted_s: f64) -> Vec<f64> {
     home.run(BuiltIn::Sharp, Ranges(home.board.range_sensors()), |tasks| {
         home.command(Command::Clean { anew: true });
         tasks.drive(lifted_s - 1.0);
-        let (before, driving) = told(&home.heard());
+        let said = home.heard();
+        let ((before, driving), [estimated, truth]) = (told(&said), [home::estimate(&said), home.truth()]);
         assert!(before.swept_m2 > 5.0, "{before:?}");
 
         tasks.drive(CARRIED_S - 1.0);
@@ -48,7 +50,9 @@ fn errors_m(lifted_s: f64) -> Vec<f64> {
             let said = home.heard();
             let (floor, place) = told(&said);
             if place.state == PlaceState::Tracking {
-                errors_m.push(home.error_m(&said));
+                let expected = estimated.compose(&truth.relative(&home.truth()));
+                let now = home::estimate(&said);
+                errors_m.push((now.x_m - expected.x_m).hypot(now.y_m - expected.y_m));
             }
             if place.state == PlaceState::Tracking && found.is_none() {
                 assert!(floor.swept_m2 > before.swept_m2, "the floor is what it was: {before:?} {floor:?}");

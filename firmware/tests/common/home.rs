@@ -131,6 +131,12 @@ pub fn estimates(said: &[Frame]) -> impl DoubleEndedIterator<Item = &Estimate> {
     said.iter().filter_map(|frame| if let Frame::Estimate(estimate) = frame { Some(estimate) } else { None })
 }
 
+/// The last estimate of the pose among these frames.
+pub fn estimate(said: &[Frame]) -> Pose2 {
+    let [x_m, y_m, theta_rad] = estimates(said).next_back().expect("estimates are told").pose.map(f64::from);
+    Pose2::new(x_m, y_m, theta_rad)
+}
+
 /// What these frames say last of the robot's place.
 pub fn place(said: &[Frame]) -> Option<Place> {
     said.iter().rev().find_map(|frame| if let Frame::Place(place) = frame { Some(*place) } else { None })
@@ -260,9 +266,8 @@ impl Home {
 
     /// How far the last of the estimates among these frames is from the true position, metres.
     pub fn error_m(&self, said: &[Frame]) -> f64 {
-        let [x_m, y_m, _] = estimates(said).next_back().expect("estimates are told").pose.map(f64::from);
-        let truth = self.truth();
-        (x_m - truth.x_m).hypot(y_m - truth.y_m)
+        let (estimate, truth) = (estimate(said), self.truth());
+        (estimate.x_m - truth.x_m).hypot(estimate.y_m - truth.y_m)
     }
 
     /// Puts bytes onto the line to the robot.
