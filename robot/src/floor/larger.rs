@@ -75,11 +75,11 @@ pub(super) struct Border {
     /// The floor in it is swept: it may lose what it has.
     pub leaves: bool,
     /// Nothing that is left in it can be reached.
-    pub is_spent: bool,
+    is_spent: bool,
     /// Blocks by which it is yet to move along each axis, one a step.
     due: [i8; 2],
     /// Ways that led beyond it.
-    pub trips: u8,
+    trips: u8,
 }
 
 impl Border {
@@ -93,7 +93,7 @@ fn cells(first: Cell) -> impl Iterator<Item = Cell> {
 
 impl Sheet {
     /// The block that a cell is in.
-    pub(super) fn block_of(&self, cell: Cell) -> Block {
+    fn block_of(&self, cell: Cell) -> Block {
         let [col, row] = self.picture.corner();
         [col + i32::from(cell.col), row + i32::from(cell.row)].map(|index| index.div_euclid(BLOCK.into()) as i16)
     }
@@ -106,7 +106,7 @@ impl Sheet {
     }
 
     /// What is known of the block with this first cell.
-    pub(super) fn known_of(&self, first: Cell) -> Known {
+    fn known_of(&self, first: Cell) -> Known {
         match cells(first).filter(|cell| self.picture.is_free(*cell)).count() {
             0..FEW => Known::Nothing,
             _ if cells(first).any(|cell| self.is_passable_left(cell)) => Known::Left,

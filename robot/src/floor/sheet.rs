@@ -164,13 +164,16 @@ impl Sheet {
 
     /// During a search: whether there is floor to sweep in this cell, where the body has room, and with what is beside it enough to come for.
     pub(super) fn is_open_left(&self, cell: Cell) -> bool {
-        let has_room = |cell: Cell| self.picture.has_room(cell);
-        self.swept.left_in(cell) > 0 && has_room(cell) && self.left_around(cell, has_room) >= WORTHWHILE
+        self.is_worthwhile(cell, |cell| self.picture.has_room(cell))
     }
 
     /// The same at any time.
     pub(super) fn is_passable_left(&self, cell: Cell) -> bool {
-        let has_room = |cell: Cell| is_passable(&self.picture, cell);
+        self.is_worthwhile(cell, |cell| is_passable(&self.picture, cell))
+    }
+
+    /// Whether there is floor to sweep in this cell, where the body has room, and with what is beside it enough to come for.
+    fn is_worthwhile(&self, cell: Cell, has_room: impl Fn(Cell) -> bool) -> bool {
         self.swept.left_in(cell) > 0 && has_room(cell) && self.left_around(cell, has_room) >= WORTHWHILE
     }
 
