@@ -16,6 +16,7 @@ mod frame;
 mod hug;
 mod lanes;
 mod larger;
+mod look;
 mod near;
 mod overview;
 mod phase;
@@ -29,11 +30,10 @@ mod trail;
 mod travel;
 mod wave;
 
-use slam_core::angle::wrap;
 use slam_core::{Pose, Rig};
 
 use crate::contact::Insistence;
-use crate::pilot::beam::{Beam, Passed, draw_beam};
+use crate::pilot::beam::Beam;
 use crate::pilot::{PilotConfig, Senses};
 use crate::traits::WheelSpeeds;
 use areas::Areas;
@@ -62,8 +62,6 @@ const BARREN_M: f32 = 1.0;
 const ELSEWHERE: f32 = 0.1;
 /// Path along an edge that a new quarter is worth, metres: one row of them, 13 a metre, is not enough to go on.
 const WORTH_M: f32 = 0.035;
-/// A beam's end counts where the one before was this near, metres: a spike has none.
-const STEADY_M: f32 = 0.05;
 /// The floor job of a robot with at most `S` range sensors.
 #[derive(Clone, Debug)]
 pub struct FloorJob<const S: usize> {
@@ -286,60 +284,6 @@ impl<const S: usize> FloorJob<S> {
         }
         let (forward_mps, turn_radps) = self.act(senses, &pose);
         WheelSpeeds::from_twist(forward_mps, turn_radps, self.config.drive.track_m)
-    }
-
-    /// Takes in what the sensors show; whether it planned on cells that are called otherwise now.
-    fn look(&mut self, senses: &Senses<S>, pose: &Pose) -> bool {
-        let mut is_renamed = false;
-        if self.take_picture_along(pose) {
-            self.rename_cells();
-            if let Phase::Transit { aim, .. } | Phase::Trace { aim, .. } | Phase::Plan { aim, .. } = self.phase {
-                let aim = if let Aim::Floor | Aim::Beyond = aim { aim } else { self.aim() };
-                self.plan(aim, senses.time_us);
-                is_renamed = true;
-            }
-        }
-        let here = self.sheet.picture.cell_at(pose.x_m, pose.y_m);
-        if self.sheet.picture.is_obstacle(here) {
-            self.traction.go_through();
-        }
-        self.sheet.picture.stand_on(here);
-        self.steps = self.steps.wrapping_add(1);
-        // Beams clear obstacles in one step of four only: a chair leg is hit by few beams and passed by many.
-        let passed = if self.steps.is_multiple_of(4) { Passed::Vanish } else { Passed::Stay };
-        self.feel(senses, pose, Some(passed));
-        is_renamed
-    }
-
-    /// Takes in the ranges: what is near, and, where the pose is known, the picture, with what becomes of obstacles that beams pass.
-    fn feel(&mut self, senses: &Senses<S>, pose: &Pose, passed: Option<Passed>) {
-        // Where the robot was when the readings were made.
-        let last = self.last.unwrap_or(*pose);
-        let share = self.config.reading_age_s * 25.0;
-        let then = Pose {
-            x_m: pose.x_m - share * (pose.x_m - last.x_m),
-            y_m: pose.y_m - share * (pose.y_m - last.y_m),
-            theta_rad: pose.theta_rad - share * wrap(pose.theta_rad - last.theta_rad),
-        };
-        for ((beam, before), range_m) in self.beams.iter_mut().zip(&mut self.before).zip(senses.ranges_m) {
-            beam.take(range_m);
-            if beam.max_m <= 0.0 {
-                continue;
-            }
-            let before_m = 1e-4
-                * f32::from(core::mem::replace(before, range_m.map_or(u16::MAX, |range_m| (1e4 * range_m) as u16)));
-            // What a blinded sensor shows, and what it does not, says nothing of what is beyond.
-            if self.near.is_blinded(beam, &then, senses.time_us) {
-                continue;
-            }
-            if let Some(passed) = passed {
-                let passed = if beam.age == 0 { passed } else { Passed::End };
-                draw_beam(&mut self.sheet.picture, beam, &then, &self.config.drive, passed);
-            }
-            if beam.age == 0 && (beam.range_m - before_m).abs() < STEADY_M {
-                self.near.see(beam, &then, pose, senses.time_us);
-            }
-        }
     }
 
     fn sweep(&mut self, pose: &Pose, time_us: u64) {

@@ -9,6 +9,7 @@ use crate::condition::Condition;
 use crate::contact::Contacts;
 use crate::pilot::memory::Cell;
 use crate::wild::Wild;
+use slam_core::angle::wrap;
 extern crate std;
 use std::vec::Vec;
 
